@@ -1,0 +1,1 @@
+# Install and export: find_package(softfinger) gives softfinger::softfinger and each module.

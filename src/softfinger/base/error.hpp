@@ -1,0 +1,22 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace softfinger {
+
+/// Something given from outside is wrong: a file, a flag, a mesh. what() is one line that says what
+/// is wrong, where (file, line, key) and what would be right. The program exits with status 2.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The work itself failed: a port that cannot be opened, a disk that is full. what() is one line.
+/// The program exits with status 1.
+class OperationError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "softfinger/geometry/tetrahedral_mesh.hpp"
+
+namespace softfinger {
+
+/// Virtual coupling between the tracked and the simulated bone.
+struct Coupling {
+  double translation_stiffness = 1e3;  ///< N/m
+  double translation_damping = 10.0;   ///< N s/m
+  double rotation_stiffness = 0.2;     ///< N m/rad
+  double rotation_damping = 2e-3;      ///< N m s/rad
+};
+
+/// A finger as its file describes it; immutable once built.
+class FingerModel {
+ public:
+  /// Reads a finger file and its mesh. Throws InputError with file, line and key.
+  [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file);
+
+  TetrahedralMesh mesh;                 ///< rest shape in F, m
+  std::vector<int> sample_nodes;        ///< node of each skin sample
+  std::vector<double> sample_rest_areas;  ///< m^2
+  std::vector<std::array<int, 3>> skin_triangles;  ///< indices into sample_nodes, outward
+  std::vector<bool> node_is_rigid;      ///< per node: moves with the bone
+  std::vector<int> tetrahedron_material;  ///< per tetrahedron, index into materials; -1: rigid
+  struct Material {
+    std::string volume;
+    double youngs_modulus = 45e3;  ///< Pa
+    double poissons_ratio = 0.4;
+    double density = 1000.0;       ///< kg/m^3
+  };
+  std::vector<Material> materials;
+  struct StrainLimits {
+    double min = 0.35, max = 1.5;
+    double stiffness = 40e3;  ///< Pa
+    double width = 0.5;
+    bool enabled = false;
+  } strain_limits;
+  double bone_mass = 0.01;  ///< kg
+  Coupling coupling;
+  double contact_tolerance = 5e-5;  ///< m
+  double friction_coefficient = 0.5;
+  std::filesystem::path file;
+  std::string as_read;  ///< the file as JSON, defaults filled in
+};
+
+}  // namespace softfinger

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/geometry/tetrahedral_mesh.hpp"
+#include "softfinger/scene/scene.hpp"
+
+namespace softfinger {
+
+class FingerModel;
+
+/// How one step ended.
+struct StepSummary {
+  int iterations = 0;
+  bool converged = true;
+  double relative_residual = 0.0;
+};
+
+/// A finger exploring virtual objects: each step() is one implicit Euler step of skin and bone.
+/// step() allocates nothing after the first call and throws nothing.
+class FingerSimulation {
+ public:
+  /// `objects` must outlive the simulation. time_step in s.
+  FingerSimulation(std::shared_ptr<const FingerModel> model, std::span<const VirtualObject> objects,
+                   double time_step);
+  ~FingerSimulation();
+  FingerSimulation(FingerSimulation&&) noexcept;
+  FingerSimulation& operator=(FingerSimulation&&) noexcept;
+
+  /// Rest shape at rest at X_WFt, no contact history.
+  void reset(const Pose& X_WFt, double time = 0.0);
+  /// Advances to the end of the step, `time` (s), where the tracked finger is at X_WFt.
+  StepSummary step(const Pose& X_WFt, double time);
+
+  [[nodiscard]] const FingerModel& model() const;
+  [[nodiscard]] const Pose& bone_pose() const;         ///< X_WF
+  [[nodiscard]] const ContactSet& contact() const;     ///< of the last step
+  [[nodiscard]] std::span<const Vector3> positions() const;   ///< all nodes, in W, m
+  [[nodiscard]] std::span<const Vector3> velocities() const;  ///< all nodes, in W, m/s
+  /// 64-bit hash of the whole state: same bits, same hash.
+  [[nodiscard]] std::uint64_t state_hash() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace softfinger {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+
+/// Rigid transform X_AB: coordinates in B to coordinates in A, p_A = rotation * p_B + translation.
+/// Translation in metres.
+struct Pose {
+  Matrix3 rotation = Matrix3::Identity();
+  Vector3 translation = Vector3::Zero();
+
+  [[nodiscard]] Vector3 operator*(const Vector3& p_B) const { return rotation * p_B + translation; }
+  [[nodiscard]] Pose operator*(const Pose& X_BC) const {
+    return {rotation * X_BC.rotation, rotation * X_BC.translation + translation};
+  }
+  [[nodiscard]] Pose inverse() const {
+    return {rotation.transpose(), -(rotation.transpose() * translation)};
+  }
+};
+
+/// Cross-product matrix: skew(a) * b = a x b.
+[[nodiscard]] Matrix3 skew(const Vector3& a);
+/// Rotation matrix of a rotation vector (axis times angle in radians).
+[[nodiscard]] Matrix3 exp_rotation(const Vector3& rotation_vector);
+/// Rotation vector of a rotation matrix, angle in [0, pi].
+[[nodiscard]] Vector3 log_rotation(const Matrix3& rotation);
+/// Nearest rotation to a matrix that is one up to rounding.
+[[nodiscard]] Matrix3 orthonormalised(const Matrix3& rotation);
+
+}  // namespace softfinger

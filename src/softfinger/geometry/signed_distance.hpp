@@ -1,0 +1,43 @@
+#pragma once
+
+#include <variant>
+
+#include "softfinger/geometry/pose.hpp"
+
+namespace softfinger {
+
+/// Signed distance to a solid and its derivatives at one point, in the frame of the query.
+/// Positive outside, zero on the surface, negative inside; metres.
+struct SignedDistance {
+  double distance = 0.0;
+  Vector3 gradient = Vector3::UnitZ();  ///< unit outward normal
+  Matrix3 hessian = Matrix3::Zero();    ///< 1/m; the surface's curvature
+};
+
+/// The half space z <= 0 of its own frame.
+struct HalfSpace {};
+/// Ball about the origin. radius > 0, metres.
+struct Ball {
+  double radius;
+};
+/// Box about the origin, edges rounded: the set of points within edge_radius of the inner box of
+/// half extents half_size - edge_radius. 0 <= edge_radius <= least half size; metres.
+struct RoundedBox {
+  Vector3 half_size;
+  double edge_radius;
+};
+/// Cylinder along z about the origin, rims rounded by edge_radius (0 <= edge_radius <=
+/// min(radius, half_length)); metres.
+struct RoundedCylinder {
+  double radius;
+  double half_length;
+  double edge_radius;
+};
+
+using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder>;
+
+/// Signed distance of the point p_O, all in the shape's own frame O. The gradient is continuous
+/// outside the solid and inside it as far as the edge radius (C1 distance, so Newton does not cycle).
+[[nodiscard]] SignedDistance signed_distance(const Shape& shape, const Vector3& p_O);
+
+}  // namespace softfinger

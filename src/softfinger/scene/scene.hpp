@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/geometry/signed_distance.hpp"
+#include "softfinger/geometry/trajectory.hpp"
+
+namespace softfinger {
+
+/// A rigid thing that can be touched. Its frame is O; the motion gives X_WO over time.
+struct VirtualObject {
+  std::string name;
+  Shape shape;
+  Trajectory motion;
+  std::optional<double> friction_coefficient;  ///< the finger's where empty
+};
+
+/// A finger of the scene: which model, which device renders it, where its pose comes from.
+struct SceneFinger {
+  std::string name;
+  std::filesystem::path model;                   ///< finger file, resolved
+  std::optional<std::filesystem::path> device;   ///< device file, resolved
+  std::string tracker = "script";                ///< as written: script, csv:FILE, ...
+  std::vector<Waypoint> waypoints;               ///< X_WFt; only for tracker "script"
+};
+
+/// What one run explores. Built from a scene file (TOML, keys in docs/files.md).
+struct Scene {
+  std::filesystem::path file;
+  std::vector<SceneFinger> fingers;
+  std::vector<VirtualObject> objects;
+  double simulation_rate = 1000.0;  ///< Hz
+};
+
+/// Reads and checks a scene file; the finger and device files it names are not opened.
+/// Throws InputError with file, line and key.
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file);
+
+}  // namespace softfinger

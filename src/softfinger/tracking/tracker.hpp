@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+#include "softfinger/geometry/pose.hpp"
+
+namespace softfinger {
+
+/// Where the real fingertip is. `valid` is false while tracking is lost; the pose is then the last
+/// known one.
+struct TrackedPose {
+  double time = 0.0;  ///< s, on the run's clock: when the pose was true
+  Pose X_WFt;         ///< tracked distal phalanx Ft in the world W
+  bool valid = false;
+};
+
+/// A source of tracked poses. sample() allocates nothing and takes no lock.
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+  /// The pose to use at run time `time` (s, from 0, never decreasing).
+  [[nodiscard]] virtual TrackedPose sample(double time) = 0;
+  /// When the run should end (s); empty if the source has no end.
+  [[nodiscard]] virtual std::optional<double> end_time() const = 0;
+};
+
+}  // namespace softfinger
