@@ -1,0 +1,39 @@
+#include "softfinger/geometry/pose.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger {
+
+Matrix3 skew(const Vector3& a) {
+  Matrix3 m;
+  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return m;
+}
+
+Matrix3 exp_rotation(const Vector3& rotation_vector) {
+  const double angle2 = rotation_vector.squaredNorm();
+  const double angle = std::sqrt(angle2);
+  // Taylor polynomials where sin(x)/x and (1-cos x)/x^2 would cancel.
+  const double a = angle < 1e-4 ? 1.0 - angle2 / 6.0 : std::sin(angle) / angle;
+  const double b = angle < 1e-4 ? 0.5 - angle2 / 24.0 : (1.0 - std::cos(angle)) / angle2;
+  const Matrix3 w = skew(rotation_vector);
+  return Matrix3::Identity() + a * w + b * w * w;
+}
+
+Vector3 log_rotation(const Matrix3& rotation) {
+  // By way of the quaternion: accurate for every angle, pi included.
+  Eigen::Quaterniond q(rotation);
+  q.normalize();
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  const double angle = 2.0 * std::atan2(sine, q.w());
+  const double factor = sine < 1e-8 ? 2.0 / q.w() : angle / sine;
+  return factor * q.vec();
+}
+
+Matrix3 orthonormalised(const Matrix3& rotation) {
+  return Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+}
+
+}  // namespace softfinger

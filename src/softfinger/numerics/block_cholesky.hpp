@@ -1,0 +1,79 @@
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "softfinger/base/instruction_set.hpp"
+
+namespace softfinger {
+
+/// Sparse Cholesky factorisation A = L L^T of a symmetric matrix of 3 x 3 blocks whose pattern is
+/// fixed. The constructor orders the blocks (approximate minimum degree), finds the supernodes and
+/// reserves all memory; assembling, factoring and solving allocate nothing.
+///
+/// A is assembled straight into the memory of L: clear(), add(), factor(), then solve() any number
+/// of times. Left-looking and supernodal (Ng and Peyton 1993; Chen et al. 2008, CHOLMOD).
+class BlockCholesky {
+ public:
+  /// Where a block of A lies. Entry (r, c) is at values[offset + r * row + c * column].
+  struct Slot {
+    int offset = 0;
+    int row = 0;
+    int column = 0;
+  };
+
+  BlockCholesky() = default;
+  /// `blocks` block rows; `pairs` lists the blocks (i, j), i != j, that may be non-zero, either
+  /// triangle, repetitions allowed. Diagonal blocks are always there.
+  BlockCholesky(int blocks, std::span<const std::pair<int, int>> pairs, InstructionSet set);
+
+  [[nodiscard]] int blocks() const { return static_cast<int>(position_.size()); }
+  /// Slot of block (i, j). The pair must be in the pattern. Only one triangle is stored: assemble
+  /// each unordered pair once. Diagonal blocks are assembled whole.
+  [[nodiscard]] Slot slot(int i, int j) const;
+
+  void clear();
+  /// Memory the slots point into.
+  [[nodiscard]] double* values() { return values_.data(); }
+  /// Adds a 3 x 3 block, column-major.
+  void add(const Slot& slot, const double* block) {
+    double* v = values_.data() + slot.offset;
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) v[r * slot.row + c * slot.column] += block[3 * c + r];
+    }
+  }
+  /// Factors what was assembled. Returns false if the matrix is not positive definite; then nothing
+  /// can be solved until the next clear().
+  [[nodiscard]] bool factor();
+  /// Solves A x = b in place; x has 3 * blocks() entries, block i at 3 i.
+  void solve(std::span<double> x) const;
+  /// Number of stored entries of L.
+  [[nodiscard]] std::size_t entries() const { return values_.size(); }
+
+ private:
+  struct Supernode {
+    int first = 0;      ///< first block column, in elimination order
+    int width = 0;      ///< block columns
+    int row_begin = 0;  ///< into rows_: block rows, the supernode's own columns first
+    int row_count = 0;
+    int offset = 0;  ///< into values_
+    int stride = 0;  ///< leading dimension of its panel
+  };
+  void order_and_analyse(int blocks, std::span<const std::pair<int, int>> pairs);
+  void subtract_update(const Supernode& source, int from, Supernode& target);
+
+  InstructionSet set_ = InstructionSet::kBaseline;
+  std::vector<int> position_;  ///< block -> place in elimination order
+  std::vector<int> supernode_of_;
+  std::vector<Supernode> supernodes_;
+  std::vector<int> rows_;
+  std::vector<double> values_;
+  // Scratch of factor() and solve().
+  std::vector<double> update_;
+  std::vector<int> relative_;
+  std::vector<int> head_, next_, progress_;
+  mutable std::vector<double> work_;
+};
+
+}  // namespace softfinger
