@@ -1,0 +1,104 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "softfinger/actuation/device_state.hpp"
+#include "softfinger/device/configuration.hpp"
+
+namespace softfinger {
+
+class Device;
+
+struct ActuatorOptions {
+  /// Port instead of the device file's transport.port: "emulator" or any tty. Empty: the file's.
+  std::string port;
+  /// An absent port is no error; attempts to open it go on beside the run.
+  bool wait_for_device = false;
+  /// Nothing paces the run by the wall clock. The embedded emulator then advances with the times
+  /// given to command(), without a thread, so that its servos repeat bit for bit. A real port is
+  /// served in wall time all the same: it gets the newest command at the device's own rate, since
+  /// motors know no other time.
+  bool simulated_time = false;
+};
+
+/// What the loop wants of the device at one tick.
+struct WantedMotion {
+  Configuration configuration;  ///< q in the device's order; anything, NaN and infinity included
+  bool tracked = true;          ///< false while the tracker has lost the finger
+  bool touching = false;        ///< contact set not empty (only names the state)
+};
+
+/// What is sent for it: within joint, rate, tilt and workspace limits whatever was wanted.
+struct FormedCommand {
+  static constexpr int kMaxServos = 24;  ///< channels of the largest Maestro
+  Configuration configuration;           ///< q nearest to the wanted one that may be sent now
+  JointAngles joints;                    ///< of that q; rad
+  std::array<std::uint16_t, kMaxServos> targets{};  ///< quarter microseconds, one per joint
+  int servos = 0;                                   ///< how many of `targets` are used
+  DeviceState state = DeviceState::kHoming;
+};
+
+/// Something worth one line to the user while a run goes on.
+enum class ActuatorEvent : std::uint8_t { kPortLost, kPortConnected, kLoopStalled };
+
+/// The way from a wanted configuration to the motors of one device: state machine, limits, servo
+/// map, protocol, port or embedded emulator, watchdog.
+///
+/// Two guards of one kind stand in a row. The first bounds what the loop wants, on simulated time:
+/// the same input gives the same FormedCommand in a live run, a headless run and a replay. The
+/// second is the last function before the wire: in wall time, it starts from what was really sent
+/// last, so a stall, a vanished port or a hung loop cannot make a jump. Its thread owns the port.
+class Actuator {
+ public:
+  /// Opens the port (or the emulator). Throws InputError naming file, key and port when it cannot
+  /// be opened, unless options.wait_for_device. Nothing is sent before the first command().
+  Actuator(std::shared_ptr<const Device> device, const ActuatorOptions& options);
+  /// As finish().
+  ~Actuator();
+  Actuator(const Actuator&) = delete;
+  Actuator& operator=(const Actuator&) = delete;
+
+  /// One device tick at run time `time` (s, increasing). Bounds `wanted` and hands it to the port.
+  /// Never blocks, takes no lock, allocates nothing, throws nothing. The result stays valid until
+  /// the next call. Ignored after finish().
+  const FormedCommand& command(const WantedMotion& wanted, double time) noexcept;
+  [[nodiscard]] const FormedCommand& last_command() const noexcept;
+
+  /// Ends the run: commands lead to the device's retract configuration at each device tick and go
+  /// on until 0.3 s after it is reached, then nothing more is sent. Blocks for that time in wall
+  /// time; in simulated time with the emulator it takes none. A device that is disconnected is not
+  /// waited for.
+  void finish() noexcept;
+  [[nodiscard]] bool finished() const noexcept;
+
+  /// State on the wire (disconnected while the port is gone, retracting while the loop stalls); of
+  /// the last command with the emulator in simulated time. For display: not deterministic.
+  [[nodiscard]] DeviceState state() const noexcept;
+  [[nodiscard]] bool connected() const noexcept;
+  /// Waits in wall time until the port is open; for --wait-for-device.
+  bool wait_until_connected(std::chrono::milliseconds timeout) const;
+  /// Commands that went out: one is the targets of all servos together.
+  [[nodiscard]] std::uint64_t commands_sent() const noexcept;
+  /// Where the servos are (rad, in the order of joints): the emulator's simulated servos, or what a
+  /// Maestro that answers reports. Empty (false) where nothing is known. Call from the thread that
+  /// calls command().
+  bool read_servo_joints(JointAngles& joints) const noexcept;
+  /// "emulator" or the tty's name.
+  [[nodiscard]] const std::string& port() const noexcept;
+
+  /// The next event not yet taken, if any; any one thread. Each loss of the port is told once.
+  std::optional<ActuatorEvent> take_event() noexcept;
+  /// One line for people about an event, with the port's name.
+  [[nodiscard]] std::string message(ActuatorEvent event) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace softfinger {
+
+/// What a device is doing, as the page and the log name it.
+enum class DeviceState : std::uint8_t {
+  kDisconnected,  ///< its port is not open; attempts to open it go on
+  kHoming,        ///< moving to where the loop wants it for the first time, or again after a gap
+  kReady,         ///< follows commands, nothing is touched
+  kRendering,     ///< follows commands, something is touched
+  kHolding,       ///< tracking lost for less than kHoldTime: keeps its last pose
+  kRetracting,    ///< moving to the retracted pose, or there and still repeating the command
+  kStopped,       ///< no command follows
+};
+
+/// "ready", "rendering", ...
+[[nodiscard]] std::string_view state_name(DeviceState state);
+
+/// Tracking lost for longer than this (s) retracts the device.
+inline constexpr double kHoldTime = 0.2;
+/// No fresh command for longer than this (s, and at least three device ticks) retracts the device.
+inline constexpr double kStallTime = 0.1;
+/// How long (s) the command is repeated after the retracted pose is reached at the end of a run.
+inline constexpr double kRetractedRepeatTime = 0.3;
+
+/// What happens to a device as time passes, without any I/O: a pure state machine.
+class DeviceStateMachine {
+ public:
+  /// What the loop says at one device tick.
+  struct Tick {
+    double time = 0.0;      ///< s, never decreasing
+    bool tracked = true;    ///< the tracker knows where the finger is
+    bool touching = false;  ///< something is in contact
+    bool ending = false;    ///< the run ends: retract and stop
+    bool stalled = false;   ///< the loop gave no fresh command for kStallTime
+    bool arrived = false;   ///< the last command was the pose the present state moves to
+  };
+
+  /// Returns the state for this tick's command.
+  DeviceState advance(const Tick& tick);
+  [[nodiscard]] DeviceState state() const { return state_; }
+
+ private:
+  DeviceState state_ = DeviceState::kHoming;
+  double lost_since_ = 0.0;      ///< valid while holding
+  double arrived_since_ = -1.0;  ///< negative: not yet at the retracted pose
+};
+
+}  // namespace softfinger
