@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/viewer/page_file.hpp"
+
+namespace softfinger {
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";  ///< IPv4 address to listen on
+  std::uint16_t port = 8080;          ///< 0: any free port
+  double update_rate = 60.0;          ///< snapshots a second, Hz
+};
+
+/// Web server of the live page: HTTP on /, WebSocket on /ws, on a thread of its own. A client gets
+/// the scene as JSON once per generation, then the newest snapshot at each update; where a client
+/// is slow, older snapshots are dropped for it. What the page asks goes to LiveFeed::request.
+/// Requests whose Host or Origin is not this server's own address and port are refused (403).
+class Server {
+ public:
+  /// Binds, then serves until destroyed. `feed` and `page` must outlive the server; the feed is
+  /// only called from the server's thread. Throws InputError naming --port when the port is in use
+  /// or not allowed, --listen when there is no such address.
+  explicit Server(LiveFeed& feed, const ServerOptions& options = {},
+                  std::span<const PageFile> page = live_page());
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// The port bound, never 0.
+  [[nodiscard]] std::uint16_t port() const;
+  /// Where the page is, e.g. "http://127.0.0.1:8080".
+  [[nodiscard]] std::string url() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger
