@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+namespace softfinger {
+
+/// Streaming 64-bit hash (XXH64, seed 0) over the bytes of values: the same bytes in the same order
+/// give the same hash on every run. Copyable; allocates nothing.
+class Hash {
+ public:
+  Hash();
+
+  /// Takes in the bytes of `values`. Types whose bytes are not all value (padding, bool aside) are
+  /// refused at compile time unless they are made of floating point, as Eigen's fixed vectors are.
+  template <typename T>
+  requires std::is_trivially_copyable_v<T> Hash& add(std::span<const T> values) {
+    add_bytes(std::as_bytes(values));
+    return *this;
+  }
+  template <typename T>
+  requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) Hash& add(const T& value) {
+    return add(std::span<const T>(&value, 1));
+  }
+  /// Eigen matrices and vectors of fixed size: their coefficients.
+  template <typename Matrix>
+  requires(Matrix::SizeAtCompileTime > 0) Hash& add(const Matrix& matrix) {
+    return add(std::span<const typename Matrix::Scalar>(
+        matrix.data(), static_cast<std::size_t>(Matrix::SizeAtCompileTime)));
+  }
+  void add_bytes(std::span<const std::byte> bytes);
+
+  [[nodiscard]] std::uint64_t value() const;
+
+ private:
+  alignas(8) std::array<std::byte, 88> state_;  // XXH64_state_t
+};
+
+}  // namespace softfinger
