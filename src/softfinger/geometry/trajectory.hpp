@@ -22,22 +22,42 @@ struct PoseMotion {
 
 /// A motion through waypoints, twice continuously differentiable in position and on rotations, at
 /// rest at both ends and held before the first and after the last.
+///
+/// Each coordinate is a quintic Hermite polynomial per segment, without acceleration at the
+/// waypoints. Its velocity there is that of the parabola through three waypoints, cut to twice the
+/// smaller of the neighbouring slopes and zero where these differ in sign (after Fritsch and
+/// Butland 1984 for cubics). So no coordinate ever leaves the range of the two waypoints around it,
+/// two equal waypoints are an exact dwell, and a waypoint influences only the two segments on
+/// either side. Rotations are interpolated as rotation vectors relative to the first waypoint's,
+/// each taken on the turn nearest to the one before.
 class Trajectory {
  public:
   /// One fixed pose for all time.
   explicit Trajectory(const Pose& fixed = {});
-  /// Waypoints with strictly increasing times, at least one.
+  /// Waypoints with strictly increasing times, at least one; else throws InputError.
   explicit Trajectory(std::vector<Waypoint> waypoints);
 
+  /// Allocates nothing.
   [[nodiscard]] Pose sample(double time) const;
+  /// Pose and its exact derivatives. Allocates nothing.
   [[nodiscard]] PoseMotion sample_motion(double time) const;
   [[nodiscard]] double start_time() const;
   [[nodiscard]] double end_time() const;
+  /// Whether any two waypoints differ.
   [[nodiscard]] bool moves() const;
+  [[nodiscard]] const std::vector<Waypoint>& waypoints() const { return waypoints_; }
 
  private:
+  /// Translation (m), then rotation vector (rad) relative to the first waypoint.
+  using Coordinates = Eigen::Matrix<double, 6, 1>;
+  /// From one waypoint to the next: column k multiplies ((time - start) / duration)^k.
+  struct Segment {
+    double duration = 0.0;
+    Eigen::Matrix<double, 6, 6> coefficients;
+  };
+
   std::vector<Waypoint> waypoints_;
-  // Added by the implementation: spline coefficients.
+  std::vector<Segment> segments_;  ///< one fewer than waypoints
 };
 
 }  // namespace softfinger
