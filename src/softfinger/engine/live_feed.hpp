@@ -20,18 +20,18 @@ struct SceneDescription {
   };
   struct Finger {
     std::string name;
-    std::vector<Vector3> skin_rest_positions_F;           ///< one per skin sample
-    std::vector<std::array<int, 3>> skin_triangles;       ///< indices into skin samples, outward
-    std::vector<Vector3> rigid_positions_F;               ///< vertices of bone and nail surfaces
-    std::vector<std::array<int, 3>> bone_triangles;       ///< indices into rigid_positions_F
-    std::vector<std::array<int, 3>> nail_triangles;       ///< indices into rigid_positions_F
-    std::string device_kind;                              ///< empty: no device
-    std::vector<std::string> configuration_names;         ///< with unit: pitch_deg, ...
-    double disk_radius = 0.0;                             ///< platform_3rrs
+    std::vector<Vector3> skin_rest_positions_F;      ///< one per skin sample
+    std::vector<std::array<int, 3>> skin_triangles;  ///< indices into skin samples, outward
+    std::vector<Vector3> rigid_positions_F;          ///< vertices of bone and nail surfaces
+    std::vector<std::array<int, 3>> bone_triangles;  ///< indices into rigid_positions_F
+    std::vector<std::array<int, 3>> nail_triangles;  ///< indices into rigid_positions_F
+    std::string device_kind;                         ///< empty: no device
+    std::vector<std::string> configuration_names;    ///< with unit: pitch_deg, ...
+    double disk_radius = 0.0;                        ///< platform_3rrs
     int legs = 0;
   };
-  std::uint64_t generation = 0;  ///< grows with each scene or restart
-  std::string scene_name;        ///< file stem, e.g. "sphere"
+  std::uint64_t generation = 0;          ///< grows with each scene or restart
+  std::string scene_name;                ///< file stem, e.g. "sphere"
   std::vector<std::string> scene_names;  ///< what the page may choose from
   double duration = 0.0;                 ///< s; 0: endless
   std::vector<Object> objects;
@@ -42,31 +42,31 @@ struct SceneDescription {
 /// runs, so that filling one allocates nothing.
 struct Snapshot {
   struct Finger {
-    Pose X_WFt;  ///< tracked
-    Pose X_WF;   ///< simulated
+    Pose X_WFt;                                       ///< tracked
+    Pose X_WF;                                        ///< simulated
     std::vector<Eigen::Vector3f> sample_positions_F;  ///< m, one per skin sample
     std::vector<float> sample_pressures;              ///< Pa
     std::vector<std::uint8_t> in_contact;             ///< 1 for members of C
-    double normal_force = 0.0;      ///< N
-    double tangential_force = 0.0;  ///< N
-    double contact_area = 0.0;      ///< m^2
-    double deviation = 0.0;         ///< E of the last match, m^2
-    Configuration configuration;    ///< commanded q
-    JointAngles joints;             ///< commanded, rad
-    Pose X_FP;                      ///< platform of the commanded q
+    double normal_force = 0.0;                        ///< N
+    double tangential_force = 0.0;                    ///< N
+    double contact_area = 0.0;                        ///< m^2
+    double deviation = 0.0;                           ///< E of the last match, m^2
+    Configuration configuration;                      ///< commanded q
+    JointAngles joints;                               ///< commanded, rad
+    Pose X_FP;                                        ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
     std::vector<Eigen::Vector3f> linkage_F;
-    std::string device_state;       ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    std::string device_state;  ///< ready, rendering, holding, retracting, ...; at most 15 chars
   };
   std::uint64_t generation = 0;  ///< of the SceneDescription it belongs to
   std::uint64_t step = 0;
-  double time = 0.0;             ///< s, simulated
+  double time = 0.0;  ///< s, simulated
   bool paused = false;
   bool finished = false;
-  double step_cpu_time = 0.0;    ///< s, of the last step
-  double match_cpu_time = 0.0;   ///< s, of the last match
+  double step_cpu_time = 0.0;   ///< s, of the last step
+  double match_cpu_time = 0.0;  ///< s, of the last match
   std::uint64_t deadline_misses = 0;
-  std::vector<Pose> X_WO;        ///< one per object
+  std::vector<Pose> X_WO;  ///< one per object
   std::vector<Finger> fingers;
 };
 

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+
+#include "softfinger/actuation/actuator.hpp"
+#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/engine/record.hpp"
+#include "softfinger/matching/surface_rendering.hpp"
+
+namespace softfinger {
+
+/// What a device tick is given.
+struct TickInput {
+  std::int64_t step = 0;
+  double time = 0.0;                              ///< s, end of that step
+  bool tracked = true;                            ///< the tracker knows where the finger is
+  std::chrono::steady_clock::time_point arrival;  ///< of the pose the step used
+  ContactSet contact;
+};
+
+/// The device side of one finger: contact set to motor command, tick by tick. The same code serves
+/// headless and live runs, replays and the library.
+class DeviceLoop {
+ public:
+  /// `samples`: number of skin samples. Throws InputError where the port cannot be opened.
+  DeviceLoop(std::int64_t finger, std::shared_ptr<const Device> device, std::size_t samples,
+             const ActuatorOptions& options);
+
+  /// One device tick. Allocates nothing, takes no lock, throws nothing.
+  const TickRecord& tick(std::int64_t step, double time, bool tracked, const ContactSet& contact,
+                         std::chrono::steady_clock::time_point arrival);
+  const TickRecord& tick(const TickInput& input) {
+    return tick(input.step, input.time, input.tracked, input.contact, input.arrival);
+  }
+  /// The last tick; tick -1 before the first.
+  [[nodiscard]] const TickRecord& record() const { return record_; }
+  [[nodiscard]] const Device& device() const { return rendering_.device(); }
+  [[nodiscard]] Actuator& actuator() { return actuator_; }
+  [[nodiscard]] const Actuator& actuator() const { return actuator_; }
+
+ private:
+  SurfaceRendering rendering_;
+  Actuator actuator_;
+  TickRecord record_;
+};
+
+}  // namespace softfinger

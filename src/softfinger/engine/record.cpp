@@ -1,0 +1,95 @@
+#include "softfinger/engine/record.hpp"
+
+#include <cmath>
+
+#include "softfinger/base/hash.hpp"
+
+namespace softfinger {
+namespace {
+
+void add(Hash& hash, const Configuration& numbers) {
+  hash.add(std::span<const double>(numbers.data(), static_cast<std::size_t>(numbers.size())));
+}
+
+void add(Hash& hash, const StoredPose& pose) {
+  hash.add(pose.translation).add(pose.rotation.coeffs());
+}
+
+// To the bit, but for the sign of zero, which SQLite does not keep.
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+bool same(const Vector3& a, const Vector3& b) {
+  return same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z());
+}
+
+bool same(const StoredPose& a, const StoredPose& b) {
+  return same(a.translation, b.translation) && same(a.rotation.w(), b.rotation.w()) &&
+         same(a.rotation.vec(), b.rotation.vec());
+}
+
+bool same(const Configuration& a, const Configuration& b) {
+  if (a.size() != b.size()) return false;
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    if (!same(a[i], b[i])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::uint64_t hash_of(const TickRecord& tick) {
+  Hash hash;
+  hash.add(tick.tick).add(tick.step).add(tick.tracked);
+  add(hash, tick.wanted);
+  add(hash, tick.command.configuration);
+  add(hash, tick.command.joints);
+  const auto servos = static_cast<std::size_t>(tick.command.servos);
+  hash.add(std::span<const std::uint16_t>(tick.command.targets.data(), servos));
+  hash.add(tick.command.state);
+  return hash.value();
+}
+
+std::uint64_t hash_of(const StepRecord& step, std::uint64_t state, std::uint64_t tick) {
+  Hash hash;
+  hash.add(step.step).add(step.valid);
+  add(hash, step.X_WFt);
+  add(hash, step.X_WF);
+  hash.add(state).add(step.tick).add(tick);
+  return hash.value();
+}
+
+const char* first_difference(const StepRecord& a, const StepRecord& b) {
+  if (a.step != b.step || a.finger != b.finger) return "step";
+  if (!same(a.X_WFt, b.X_WFt) || a.valid != b.valid) return "tracked pose";
+  if (!same(a.X_WF, b.X_WF)) return "bone pose";
+  if (a.contact_count != b.contact_count || !same(a.contact_area, b.contact_area) ||
+      !same(a.normal_force, b.normal_force) || !same(a.tangential_force, b.tangential_force) ||
+      !same(a.centroid_F, b.centroid_F) || !same(a.mean_normal_F, b.mean_normal_F) ||
+      !same(a.least_gap, b.least_gap)) {
+    return "contact";
+  }
+  if (a.iterations != b.iterations || a.converged != b.converged || !same(a.residual, b.residual)) {
+    return "solution";
+  }
+  if (a.hash != b.hash) return "state, configuration or command";
+  return nullptr;
+}
+
+const char* first_difference(const TickRecord& a, const TickRecord& b) {
+  if (a.step != b.step || a.finger != b.finger || a.tick != b.tick || a.tracked != b.tracked) {
+    return "device tick";
+  }
+  if (!same(a.wanted, b.wanted) || !same(a.deviation, b.deviation) ||
+      a.iterations != b.iterations) {
+    return "matching";
+  }
+  if (!same(a.command.configuration, b.command.configuration) ||
+      !same(a.command.joints, b.command.joints) || a.command.servos != b.command.servos ||
+      a.command.targets != b.command.targets || a.command.state != b.command.state) {
+    return "command";
+  }
+  if (a.hash != b.hash) return "configuration or command";
+  return nullptr;
+}
+
+}  // namespace softfinger

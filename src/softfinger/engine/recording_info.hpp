@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace softfinger {
+
+/// The recording's layout; a program reads the versions it knows.
+inline constexpr std::int64_t kRecordingFormatVersion = 1;
+
+/// What a recording says of its run as a whole.
+struct RecordingInfo {
+  /// A file the run was built from, with its content, so that a replay needs nothing else.
+  struct File {
+    std::filesystem::path path;  ///< absolute
+    std::string content;
+  };
+  struct Finger {
+    std::string name;
+    std::filesystem::path model;                   ///< absolute
+    std::filesystem::path device;                  ///< absolute; empty: none
+    std::string tracker;                           ///< as given
+    std::vector<std::string> configuration_names;  ///< with unit: pitch_deg, ...
+    std::int64_t joints = 0;
+    double device_rate = 0.0;  ///< Hz
+  };
+  std::int64_t format_version = kRecordingFormatVersion;
+  std::string program_version;
+  std::string instruction_set;
+  std::filesystem::path scene;   ///< absolute
+  double simulation_rate = 0.0;  ///< Hz
+  bool live = false;             ///< device ticks ran on their own thread
+  bool with_state = false;       ///< nodes and samples of every step
+  std::vector<Finger> fingers;
+  std::vector<File> files;
+};
+
+}  // namespace softfinger

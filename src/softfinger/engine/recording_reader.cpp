@@ -1,0 +1,249 @@
+#include "softfinger/engine/recording_reader.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/engine/recording_layout.hpp"
+#include "softfinger/engine/sqlite_database.hpp"
+
+namespace softfinger {
+namespace {
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+int read_pose(const SqliteStatement& row, int column, StoredPose& pose) {
+  for (int i = 0; i < 3; ++i) pose.translation[i] = row.number(column++);
+  pose.rotation.w() = row.number(column++);
+  pose.rotation.x() = row.number(column++);
+  pose.rotation.y() = row.number(column++);
+  pose.rotation.z() = row.number(column++);
+  return column;
+}
+
+int read_vector(const SqliteStatement& row, int column, Vector3& vector) {
+  for (int i = 0; i < 3; ++i) vector[i] = row.number(column++);
+  return column;
+}
+
+Configuration read_numbers(const SqliteStatement& row, int column) {
+  const std::string_view bytes = row.bytes(column);
+  const std::size_t count = bytes.size() / sizeof(double);
+  if (count > static_cast<std::size_t>(kMaxDegreesOfFreedom)) throw SqliteFailure{true};
+  Configuration numbers(static_cast<Eigen::Index>(count));
+  if (count > 0) std::memcpy(numbers.data(), bytes.data(), count * sizeof(double));
+  return numbers;
+}
+
+template <typename Row>
+void read_rows(std::string_view bytes, std::vector<Row>& rows) {
+  rows.resize(bytes.size() / sizeof(Row));
+  if (!rows.empty()) {
+    std::memcpy(static_cast<void*>(rows.data()), bytes.data(), rows.size() * sizeof(Row));
+  }
+}
+
+DeviceState state_of(std::string_view name) {
+  for (int i = 0; i <= static_cast<int>(DeviceState::kStopped); ++i) {
+    const auto state = static_cast<DeviceState>(i);
+    if (state_name(state) == name) return state;
+  }
+  throw SqliteFailure{true};
+}
+
+}  // namespace
+
+struct RecordingReader::Database {
+  explicit Database(const std::filesystem::path& file)
+      : connection(file, SqliteDatabase::Mode::kRead) {
+    SqliteStatement id(connection, "pragma application_id");
+    if (!id.next() || id.integer(0) != recording_layout::kApplicationId) throw SqliteFailure{true};
+    SqliteStatement check(connection, "pragma quick_check(1)");
+    if (!check.next() || check.text(0) != "ok") throw SqliteFailure{true};
+  }
+
+  void rewind() {
+    steps.emplace(connection, "select * from steps order by step, finger");
+    states.emplace(connection, "select nodes, samples from states where step = ? and finger = ?");
+    ticks.emplace(connection, "select * from ticks order by step, finger, tick");
+  }
+
+  [[nodiscard]] std::optional<std::int64_t> integer(std::string_view key) {
+    SqliteStatement query(connection, "select value from meta where key = ?");
+    query.bind(0, key);
+    if (!query.next()) return std::nullopt;
+    return query.integer(0);
+  }
+
+  [[nodiscard]] RecordingInfo read_info() {
+    RecordingInfo info;
+    SqliteStatement meta(connection, "select key, value from meta");
+    while (meta.next()) {
+      const std::string key = meta.text(0);
+      if (key == "format_version") info.format_version = meta.integer(1);
+      if (key == "program_version") info.program_version = meta.text(1);
+      if (key == "instruction_set") info.instruction_set = meta.text(1);
+      if (key == "scene") info.scene = meta.text(1);
+      if (key == "simulation_rate_Hz") info.simulation_rate = meta.number(1);
+      if (key == "live") info.live = meta.integer(1) != 0;
+      if (key == "with_state") info.with_state = meta.integer(1) != 0;
+    }
+    if (!(info.simulation_rate > 0.0)) throw SqliteFailure{true};
+    SqliteStatement fingers(connection, "select * from fingers order by finger");
+    while (fingers.next()) {
+      RecordingInfo::Finger finger;
+      finger.name = fingers.text(1);
+      finger.model = fingers.text(2);
+      finger.device = fingers.text(3);
+      finger.tracker = fingers.text(4);
+      finger.configuration_names = split(fingers.text(5));
+      finger.joints = fingers.integer(6);
+      finger.device_rate = fingers.number(7);
+      info.fingers.push_back(std::move(finger));
+    }
+    SqliteStatement files(connection, "select path, content from files order by path");
+    while (files.next()) info.files.push_back({files.text(0), files.text(1)});
+    return info;
+  }
+
+  SqliteDatabase connection;
+  std::optional<SqliteStatement> steps, states, ticks;
+  bool with_state = false;
+};
+
+RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw InputError(
+        fmt::format("{}: no such file; a recording is what run --record writes", file.string()));
+  }
+  try {
+    database_ = std::make_unique<Database>(file);
+    const std::int64_t version = database_->integer("format_version").value_or(0);
+    if (version != kRecordingFormatVersion) {
+      throw InputError(fmt::format("{}: recording of format {}, this program reads format {}",
+                                   file.string(), version, kRecordingFormatVersion));
+    }
+    info_ = database_->read_info();
+    dropped_ = database_->integer("dropped").value_or(0);
+    complete_ = database_->integer("complete").value_or(0) != 0;
+    database_->with_state = info_.with_state;
+    database_->rewind();
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+RecordingReader::~RecordingReader() = default;
+RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
+RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = default;
+
+void RecordingReader::fail() const {
+  throw InputError(
+      fmt::format("{}: is no recording or is damaged; a recording is what run --record "
+                  "writes",
+                  file_.string()));
+}
+
+void RecordingReader::rewind() {
+  try {
+    database_->rewind();
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+bool RecordingReader::next(StepRecord& r) {
+  try {
+    SqliteStatement& row = *database_->steps;
+    if (!row.next()) return false;
+    int column = 0;
+    r.step = row.integer(column++);
+    r.finger = row.integer(column++);
+    r.time = row.number(column++);
+    column = read_pose(row, column, r.X_WFt);
+    r.tracked_time = row.number(column++);
+    r.valid = row.integer(column++) != 0;
+    column = read_pose(row, column, r.X_WF);
+    r.contact_count = row.integer(column++);
+    r.contact_area = row.number(column++);
+    r.normal_force = row.number(column++);
+    r.tangential_force = row.number(column++);
+    column = read_vector(row, column, r.centroid_F);
+    column = read_vector(row, column, r.mean_normal_F);
+    r.least_gap = row.number(column++);
+    r.iterations = row.integer(column++);
+    r.converged = row.integer(column++) != 0;
+    r.residual = row.number(column++);
+    r.tick = row.integer(column++);
+    r.hash = static_cast<std::uint64_t>(row.integer(column++));
+    r.cpu_time = row.number(column++);
+    r.wall_time = row.number(column++);
+    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
+    r.nodes_W.clear();
+    r.samples.clear();
+    if (database_->with_state) {
+      SqliteStatement& state = *database_->states;
+      state.bind(0, r.step);
+      state.bind(1, r.finger);
+      if (state.next()) {
+        read_rows(state.bytes(0), r.nodes_W);
+        read_rows(state.bytes(1), r.samples);
+        while (state.next()) {
+        }
+      }
+    }
+    return true;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+bool RecordingReader::next(TickRecord& r) {
+  try {
+    SqliteStatement& row = *database_->ticks;
+    if (!row.next()) return false;
+    int column = 0;
+    r.step = row.integer(column++);
+    r.finger = row.integer(column++);
+    r.tick = row.integer(column++);
+    r.time = row.number(column++);
+    r.tracked = row.integer(column++) != 0;
+    r.wanted = read_numbers(row, column++);
+    r.deviation = row.number(column++);
+    r.iterations = row.integer(column++);
+    r.command.configuration = read_numbers(row, column++);
+    r.command.joints = read_numbers(row, column++);
+    const Configuration servo_us = read_numbers(row, column++);
+    if (servo_us.size() > FormedCommand::kMaxServos) throw SqliteFailure{true};
+    r.command.servos = static_cast<int>(servo_us.size());
+    r.command.targets.fill(0);
+    for (Eigen::Index i = 0; i < servo_us.size(); ++i) {
+      if (!(servo_us[i] >= 0.0 && servo_us[i] < 16384.0)) throw SqliteFailure{true};
+      r.command.targets[static_cast<std::size_t>(i)] =
+          static_cast<std::uint16_t>(std::lround(servo_us[i] * 4.0));
+    }
+    r.command.state = state_of(row.bytes(column++));
+    r.hash = static_cast<std::uint64_t>(row.integer(column++));
+    r.cpu_time = row.number(column++);
+    r.latency = row.number(column++);
+    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
+    return true;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+}  // namespace softfinger

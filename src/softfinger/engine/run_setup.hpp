@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/device/device.hpp"
+#include "softfinger/engine/recording_info.hpp"
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/scene/scene.hpp"
+
+namespace softfinger {
+
+/// What to run, as a user says it.
+struct RunOptions {
+  std::filesystem::path scene;
+  /// Device files and trackers instead of the scene's: "FILE" for the only finger, "NAME=FILE"
+  /// where the text before the first = is the name of a finger in the scene.
+  std::vector<std::string> devices;
+  std::vector<std::string> trackers;
+  std::optional<double> duration;    ///< s; empty: until the trackers end
+  bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
+  bool wait_for_device = false;      ///< an absent port is no error
+  std::optional<std::filesystem::path> recording;
+  bool record_state = false;
+};
+
+/// A scene with all it names loaded; what a run, a replay and the library start from.
+struct RunSetup {
+  Scene scene;                                             ///< overrides applied
+  std::vector<std::shared_ptr<const FingerModel>> models;  ///< one per finger
+  std::vector<std::shared_ptr<const Device>> devices;      ///< one per finger; null: none
+};
+
+/// Reads the scene and every file it names. Throws InputError.
+[[nodiscard]] std::shared_ptr<const RunSetup> load_setup(const RunOptions& options);
+
+/// What a recording says of this setup; reads the files once more.
+[[nodiscard]] RecordingInfo recording_info(const RunSetup& setup);
+
+}  // namespace softfinger

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace softfinger {
+
+/// What every call of SqliteDatabase and SqliteStatement throws when the file does not allow it.
+/// The message names no library; callers turn it into an InputError or OperationError.
+struct SqliteFailure {
+  bool damaged = false;  ///< the file is no database or is damaged
+};
+
+/// An open SQLite file.
+class SqliteDatabase {
+ public:
+  enum class Mode { kRead, kCreate };
+  SqliteDatabase(const std::filesystem::path& file, Mode mode);
+  ~SqliteDatabase();
+  SqliteDatabase(const SqliteDatabase&) = delete;
+  SqliteDatabase& operator=(const SqliteDatabase&) = delete;
+
+  /// Runs statements that return nothing of interest.
+  void execute(const char* sql);
+
+ private:
+  friend class SqliteStatement;
+  sqlite3* handle_ = nullptr;
+};
+
+/// A prepared statement; parameters and columns count from 0. NaN is stored as NULL and read back
+/// as NaN.
+class SqliteStatement {
+ public:
+  SqliteStatement(SqliteDatabase& database, std::string_view sql);
+  ~SqliteStatement();
+  SqliteStatement(const SqliteStatement&) = delete;
+  SqliteStatement& operator=(const SqliteStatement&) = delete;
+
+  void bind(int parameter, double value);
+  void bind(int parameter, std::int64_t value);
+  void bind(int parameter, std::string_view text);
+  void bind_blob(int parameter, const void* data, std::size_t size);
+  void bind_null(int parameter);
+
+  /// Executes a statement without result and makes it ready for the next bindings.
+  void run();
+  /// Next row of a query; false at the end, after which the query may be bound and stepped again.
+  bool next();
+
+  [[nodiscard]] double number(int column) const;
+  [[nodiscard]] std::int64_t integer(int column) const;
+  [[nodiscard]] std::string text(int column) const;
+  /// Bytes of a blob or text; valid until the next next().
+  [[nodiscard]] std::string_view bytes(int column) const;
+  [[nodiscard]] bool is_null(int column) const;
+
+ private:
+  sqlite3_stmt* handle_ = nullptr;
+};
+
+}  // namespace softfinger
