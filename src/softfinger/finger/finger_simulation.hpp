@@ -38,8 +38,8 @@ class FingerSimulation {
   StepSummary step(const Pose& X_WFt, double time);
 
   [[nodiscard]] const FingerModel& model() const;
-  [[nodiscard]] const Pose& bone_pose() const;         ///< X_WF
-  [[nodiscard]] const ContactSet& contact() const;     ///< of the last step
+  [[nodiscard]] const Pose& bone_pose() const;                ///< X_WF
+  [[nodiscard]] const ContactSet& contact() const;            ///< of the last step
   [[nodiscard]] std::span<const Vector3> positions() const;   ///< all nodes, in W, m
   [[nodiscard]] std::span<const Vector3> velocities() const;  ///< all nodes, in W, m/s
   /// 64-bit hash of the whole state: same bits, same hash.

@@ -1,0 +1,198 @@
+#include <fmt/core.h>
+#include <fmt/os.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/finger/indentation.hpp"
+
+namespace {
+
+using softfinger::InputError;
+
+struct PressFlags {
+  std::string finger;
+  double to_mm = 2.0;
+  int steps = 20;
+  std::optional<double> sphere_mm;
+  bool edge = false;
+  double edge_radius_mm = 1.0;
+  std::vector<double> at_mm{0.0, 0.0};
+  double angle_deg = 0.0;
+  bool no_strain_limits = false;
+  bool no_friction = false;
+  bool relaxed = false;
+  double speed_mm_per_s = 0.0;
+  std::string export_directory;
+  bool json = false;
+  bool csv = false;
+};
+
+void check(const PressFlags& flags) {
+  const auto refuse = [](const std::string& what) { throw InputError("press: " + what); };
+  if (!(flags.to_mm > 0.0 && flags.to_mm <= 20.0)) {
+    refuse(fmt::format("--to-mm {}: must be above 0 and at most 20", flags.to_mm));
+  }
+  if (flags.steps < 1 || flags.steps > 10000) {
+    refuse(fmt::format("--steps {}: must be from 1 to 10000", flags.steps));
+  }
+  if (flags.sphere_mm && !(*flags.sphere_mm > 0.0 && *flags.sphere_mm <= 1000.0)) {
+    refuse(fmt::format("--sphere-mm {}: must be above 0 and at most 1000", *flags.sphere_mm));
+  }
+  if (!(flags.edge_radius_mm >= 0.0 && flags.edge_radius_mm <= 100.0)) {
+    refuse(fmt::format("--edge-radius-mm {}: must be from 0 to 100", flags.edge_radius_mm));
+  }
+  if (!(std::abs(flags.angle_deg) <= 89.0)) {
+    refuse(fmt::format("--angle-deg {}: must be from -89 to 89", flags.angle_deg));
+  }
+  for (double value : flags.at_mm) {
+    if (!(std::abs(value) <= 100.0))
+      refuse(fmt::format("--at-mm {}: must be from -100 to 100", value));
+  }
+  if (!(flags.speed_mm_per_s >= 0.0 && flags.speed_mm_per_s <= 1000.0)) {
+    refuse(fmt::format("--speed-mm-per-s {}: must be from 0 to 1000", flags.speed_mm_per_s));
+  }
+  if (flags.sphere_mm && flags.edge) refuse("--sphere-mm and --edge: give one of them");
+  if (flags.json && flags.csv) refuse("--json and --csv: give one of them");
+}
+
+softfinger::Indenter indenter(const PressFlags& flags) {
+  using softfinger::mm;
+  if (flags.sphere_mm) {
+    return softfinger::Indenter::ball(*flags.sphere_mm * mm, flags.at_mm[0] * mm,
+                                      flags.at_mm[1] * mm);
+  }
+  if (flags.edge) return softfinger::Indenter::edge(flags.edge_radius_mm * mm);
+  return softfinger::Indenter::plane();
+}
+
+nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
+  using namespace softfinger;
+  return {{"indentation_mm", row.indentation / mm},
+          {"normal_force_N", row.normal_force},
+          {"tangential_force_N", row.tangential_force},
+          {"contact_area_mm2", row.contact_area / mm2},
+          {"contact_samples", row.contact_samples},
+          {"max_stretch", row.max_stretch},
+          {"min_stretch", row.min_stretch},
+          {"volume_ratio", row.volume_ratio},
+          {"iterations", row.iterations},
+          {"residual_N", row.residual}};
+}
+
+/// nodes.csv and contact.csv: enough for anyone to recompute the balance of forces.
+class Export {
+ public:
+  explicit Export(const std::string& directory)
+      : nodes_(open(directory, "nodes.csv")), contact_(open(directory, "contact.csv")) {
+    nodes_.print("row,node,x_mm,y_mm,z_mm\n");
+    contact_.print("row,sample,gap_mm,force_x_N,force_y_N,force_z_N,in_contact\n");
+  }
+
+  void write(int row, const softfinger::IndentationState& state) {
+    using softfinger::mm;
+    for (std::size_t n = 0; n < state.positions.size(); ++n) {
+      const softfinger::Vector3 p = state.positions[n] / mm;
+      nodes_.print("{},{},{},{},{}\n", row, n, p.x(), p.y(), p.z());
+    }
+    for (std::size_t i = 0; i < state.contact.samples.size(); ++i) {
+      const softfinger::ContactSample& s = state.contact.samples[i];
+      const softfinger::Vector3 f =
+          state.X_WF.rotation *
+          softfinger::Vector3(s.normal_force * s.normal_F + s.tangential_force_F);
+      contact_.print("{},{},{},{},{},{},{}\n", row, i, s.gap / mm, f.x(), f.y(), f.z(),
+                     s.in_contact ? 1 : 0);
+    }
+  }
+
+ private:
+  static fmt::ostream open(const std::string& directory, const char* name) {
+    std::error_code failure;
+    std::filesystem::create_directories(directory, failure);
+    const std::filesystem::path file = std::filesystem::path(directory) / name;
+    try {
+      return fmt::output_file(file.string());
+    } catch (const std::system_error&) {
+      throw softfinger::OperationError("press: cannot write " + file.string());
+    }
+  }
+  fmt::ostream nodes_, contact_;
+};
+
+void press(const PressFlags& flags) {
+  using namespace softfinger;
+  check(flags);
+  const auto model = FingerModel::load(flags.finger);
+  IndentationOptions options;
+  options.depth = flags.to_mm * mm;
+  options.rows = flags.steps;
+  options.pitch = flags.angle_deg * deg;
+  options.strain_limits = !flags.no_strain_limits;
+  options.friction = !flags.no_friction;
+  options.speed = flags.speed_mm_per_s * mm;
+  std::optional<Export> files;
+  if (!flags.export_directory.empty()) files.emplace(flags.export_directory);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  bool all_converged = true;
+  bool header = !flags.json;
+  indent(*model, indenter(flags), options, [&](const IndentationState& state) {
+    nlohmann::ordered_json row = to_json(state.row);
+    all_converged = all_converged && state.row.converged;
+    if (files) files->write(static_cast<int>(rows.size()) + 1, state);
+    if (header && flags.csv) {
+      std::string line;
+      for (const auto& [key, value] : row.items()) line += (line.empty() ? "" : ",") + key;
+      fmt::print("{}\n", line);
+    } else if (header) {
+      fmt::print("{:>10} {:>10} {:>10} {:>10} {:>8} {:>8} {:>8}\n", "depth mm", "force N",
+                 "shear N", "area mm2", "samples", "least s", "volume");
+    }
+    header = false;
+    if (flags.csv) {
+      std::string line;
+      for (const auto& [key, value] : row.items()) line += (line.empty() ? "" : ",") + value.dump();
+      fmt::print("{}\n", line);
+    } else if (!flags.json) {
+      fmt::print("{:10.3f} {:10.4f} {:10.4f} {:10.2f} {:8} {:8.3f} {:8.4f}\n",
+                 state.row.indentation / mm, state.row.normal_force, state.row.tangential_force,
+                 state.row.contact_area / mm2, state.row.contact_samples, state.row.min_stretch,
+                 state.row.volume_ratio);
+    }
+    rows.push_back(std::move(row));
+  });
+  if (flags.json) fmt::print("{}\n", rows.dump());
+  if (!all_converged) throw OperationError("press: some rows did not reach equilibrium");
+}
+
+}  // namespace
+
+void add_press_command(CLI::App& app) {
+  auto flags = std::make_shared<PressFlags>();
+  CLI::App* command = app.add_subcommand("press", "Press a finger on an obstacle, bone prescribed");
+  command->add_option("FINGER", flags->finger, "Finger file (TOML)")->required();
+  command->add_option("--to-mm", flags->to_mm, "Greatest bone displacement after first touch");
+  command->add_option("--steps", flags->steps, "Number of rows");
+  command->add_option("--sphere-mm", flags->sphere_mm, "Press on a sphere of this radius");
+  command->add_flag("--edge", flags->edge, "Press on a 90-degree edge along y");
+  command->add_option("--edge-radius-mm", flags->edge_radius_mm, "Rounding of the edge");
+  command->add_option("--at-mm", flags->at_mm, "X,Y of the sphere under the finger's origin")
+      ->delimiter(',')
+      ->expected(2);
+  command->add_option("--angle-deg", flags->angle_deg, "Pitch of the finger, distal end down");
+  command->add_flag("--no-strain-limits", flags->no_strain_limits, "Linear corotated skin only");
+  command->add_flag("--no-friction", flags->no_friction, "Frictionless contact");
+  command->add_flag("--relaxed", flags->relaxed,
+                    "Long-time moduli (the same while a finger has no relaxation of its own)");
+  command->add_option("--speed-mm-per-s", flags->speed_mm_per_s, "Step in time at this speed");
+  command->add_option("--export", flags->export_directory, "Write nodes.csv and contact.csv there");
+  command->add_flag("--json", flags->json, "One JSON array of rows");
+  command->add_flag("--csv", flags->csv, "Comma-separated rows");
+  command->callback([flags] { press(*flags); });
+}

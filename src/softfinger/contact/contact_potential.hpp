@@ -1,0 +1,102 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/geometry/signed_distance.hpp"
+
+namespace softfinger {
+
+/// A solid the skin may touch, where it is at the end of the step.
+struct Obstacle {
+  const Shape* shape = nullptr;
+  Pose X_WO;
+  double friction_coefficient = 0.0;
+};
+
+/// Memory of one sample sticking to or sliding on one obstacle, in the obstacle's frame O.
+struct FrictionAnchor {
+  Vector3 anchor_O = Vector3::Zero();
+  Vector3 normal_O = Vector3::UnitZ();
+  double limit = 0.0;  ///< greatest tangential force, N; 0: no contact at the end of the last step
+};
+
+/// Potential energy of skin samples against obstacles, all in W.
+///
+/// Normal contact is a stiff penalty, 1/2 k gap^2 for gap < 0, with k proportional to the sample's
+/// area. Tangential contact is Coulomb friction as a Huber potential of the displacement u from an
+/// anchor: 1/2 kt |u|^2 up to the limit force mu f_n, linear beyond; f_n and the normal are those
+/// at the end of the last step, and a sliding anchor follows so that kt |u| = mu f_n (after the
+/// sliding anchors of Verschoor, Lobo, Otaduy, "Soft hand simulation for smooth and robust natural
+/// interaction", IEEE VR 2018).
+class ContactPotential {
+ public:
+  struct Options {
+    double stiffness_per_area = 1e10;  ///< N/m^3
+    double tangential_ratio = 0.2;     ///< kt / k
+  };
+  /// rest_areas: one per sample, m^2.
+  ContactPotential(std::vector<double> rest_areas, std::size_t obstacle_count, Options options);
+  explicit ContactPotential(std::vector<double> rest_areas, std::size_t obstacle_count)
+      : ContactPotential(std::move(rest_areas), obstacle_count, Options{}) {}
+
+  [[nodiscard]] std::size_t samples() const { return rest_areas_.size(); }
+
+  /// Anchors, one per sample and obstacle (obstacle fastest): the state between steps.
+  [[nodiscard]] std::vector<FrictionAnchor> no_anchors() const;
+
+  /// The obstacles and anchors that evaluations see from now on; both must outlive them.
+  void begin(std::span<const Obstacle> obstacles, std::span<const FrictionAnchor> anchors);
+
+  /// Energy at sample positions (W, m), J. Adds the gradient by each sample to `gradient`, N.
+  double energy_gradient(std::span<const Vector3> positions, std::span<Vector3> gradient);
+  /// Second derivative by sample i at the positions last evaluated, N/m. Returns false if zero.
+  bool hessian(std::size_t i, bool with_curvature, Matrix3& block) const;
+  /// Norm of all contact forces last evaluated, N.
+  [[nodiscard]] double force_norm() const { return force_norm_; }
+
+  /// New anchors from the positions last evaluated. Returns the greatest change of any friction
+  /// limit, N: how far the lagged normal forces were off.
+  double update_anchors(std::span<const Vector3> positions,
+                        std::span<FrictionAnchor> anchors) const;
+  /// Replaces only the friction limits and normals by those of the positions last evaluated,
+  /// keeping where samples stick: one pass of the iteration that removes the lag. Returns the
+  /// greatest change.
+  double update_limits(std::span<FrictionAnchor> anchors) const;
+
+  /// Gap, normal and forces of sample i as last evaluated, in W (fields position and areas are left
+  /// alone); the obstacle is the nearest one, the forces the sum over all.
+  void report(std::size_t i, ContactSample& sample) const;
+
+ private:
+  struct Pair {
+    double gap = 0.0;
+    Vector3 normal = Vector3::UnitZ();
+    Matrix3 curvature = Matrix3::Zero();
+    double normal_force = 0.0;
+    Vector3 friction_force = Vector3::Zero();  ///< on the skin
+    Vector3 friction_normal = Vector3::UnitZ();
+    double slip = 0.0;  ///< |u|, m
+    Vector3 slip_direction = Vector3::Zero();
+    bool slides = false;
+  };
+  [[nodiscard]] double normal_stiffness(std::size_t i) const {
+    return options_.stiffness_per_area * rest_areas_[i];
+  }
+  [[nodiscard]] double tangential_stiffness(std::size_t i) const {
+    return options_.tangential_ratio * normal_stiffness(i);
+  }
+  double friction(std::size_t i, const Obstacle& obstacle, const FrictionAnchor& anchor,
+                  const Vector3& position, Pair& pair) const;
+
+  std::vector<double> rest_areas_;
+  std::size_t obstacle_count_ = 0;
+  Options options_;
+  std::span<const Obstacle> obstacles_;
+  std::span<const FrictionAnchor> anchors_;
+  std::vector<Pair> pairs_;
+  double force_norm_ = 0.0;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,127 @@
+#include "softfinger/fem/elastic_model.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace softfinger {
+namespace {
+
+constexpr auto kLaneCount = static_cast<std::size_t>(kLanes);
+
+Matrix3 edges(std::span<const Vector3> x, const std::array<int, 4>& t) {
+  const auto at = [&](int a) -> const Vector3& {
+    return x[static_cast<std::size_t>(t[static_cast<std::size_t>(a)])];
+  };
+  Matrix3 d;
+  d << at(1) - at(0), at(2) - at(0), at(3) - at(0);
+  return d;
+}
+
+}  // namespace
+
+ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticMaterial> materials,
+                           std::span<const int> element_material, const std::vector<bool>& tied,
+                           const StrainLimit& limit, InstructionSet set)
+    : masses_(mesh.nodes.size(), 0.0),
+      limits_{limit.min, limit.max, limit.stiffness, limit.width},
+      kernels_(&element_kernels(set)) {
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    if (element_material[e] < 0) continue;
+    const auto& tetrahedron = mesh.tetrahedra[e];
+    const ElasticMaterial& material = materials[static_cast<std::size_t>(element_material[e])];
+    const Matrix3 rest = edges(mesh.nodes, tetrahedron);
+    const double volume = rest.determinant() / 6.0;
+    bool all_tied = true;
+    for (int node : tetrahedron) {
+      masses_[static_cast<std::size_t>(node)] += 0.25 * material.density * volume;
+      all_tied = all_tied && tied[static_cast<std::size_t>(node)];
+    }
+    if (all_tied) continue;
+    const std::size_t lane = elements_ % kLaneCount;
+    if (lane == 0) groups_.push_back(ElementGroup{});
+    ElementGroup& group = groups_.back();
+    const Matrix3 shape = rest.inverse();  // row a: grad N_{a+1}
+    for (std::size_t a = 0; a < 4; ++a) group.nodes[a][lane] = tetrahedron[a];
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        group.shape[a][k][lane] = shape(static_cast<int>(a), static_cast<int>(k));
+      }
+    }
+    group.volume[lane] = volume;
+    group.mu[lane] = material.mu();
+    group.lambda[lane] = material.lambda();
+    ++elements_;
+  }
+}
+
+ElasticModel::Work ElasticModel::make_work() const {
+  Work work;
+  work.decompositions.resize(groups_.size());
+  reset(work);
+  return work;
+}
+
+void ElasticModel::reset(Work& work) const {
+  for (ElementDecomposition& d : work.decompositions) {
+    d = ElementDecomposition{};
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      for (std::size_t i = 0; i < 3; ++i) d.u[4 * i][lane] = d.v[4 * i][lane] = d.s[i][lane] = 1.0;
+    }
+  }
+}
+
+double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& work,
+                                     std::span<Vector3> gradient) const {
+  double energy = 0.0;
+  ElementForces forces;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const ElementGroup& group = groups_[g];
+    energy += kernels_->energy_gradient(group, limits_, positions.data()->data(),
+                                        &work.decompositions[g], &forces);
+    const std::size_t lanes = std::min(kLaneCount, elements_ - g * kLaneCount);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      for (std::size_t a = 0; a < 4; ++a) {
+        Vector3& sum = gradient[static_cast<std::size_t>(group.nodes[a][lane])];
+        sum.x() += forces.force[a][0][lane];
+        sum.y() += forces.force[a][1][lane];
+        sum.z() += forces.force[a][2][lane];
+      }
+    }
+  }
+  return energy;
+}
+
+void ElasticModel::hessian(std::size_t group, const Work& work, bool projected,
+                           ElementHessians& hessians) const {
+  kernels_->hessian(groups_[group], limits_, work.decompositions[group], projected, &hessians);
+}
+
+double ElasticModel::volume_ratio(std::span<const Vector3> positions) const {
+  double rest = 0.0;
+  double deformed = 0.0;
+  for (std::size_t e = 0; e < elements_; ++e) {
+    const ElementGroup& group = groups_[e / kLaneCount];
+    const std::size_t lane = e % kLaneCount;
+    const Matrix3 d = edges(positions, {group.nodes[0][lane], group.nodes[1][lane],
+                                        group.nodes[2][lane], group.nodes[3][lane]});
+    rest += group.volume[lane];
+    deformed += d.determinant() / 6.0;
+  }
+  return rest > 0.0 ? deformed / rest : 1.0;
+}
+
+ElasticModel::Stretches ElasticModel::stretches(const Work& work) const {
+  Stretches result;
+  if (elements_ == 0) return result;
+  result = {1e300, -1e300};
+  for (std::size_t e = 0; e < elements_; ++e) {
+    const ElementDecomposition& d = work.decompositions[e / kLaneCount];
+    for (const auto& s : d.s) {
+      result.min = std::min(result.min, s[e % kLaneCount]);
+      result.max = std::max(result.max, s[e % kLaneCount]);
+    }
+  }
+  return result;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "softfinger/fem/element_kernels.hpp"
+#include "softfinger/fem/strain_limit.hpp"
+#include "softfinger/geometry/pose.hpp"
+#include "softfinger/geometry/tetrahedral_mesh.hpp"
+
+namespace softfinger {
+
+/// Constants of one layer of tissue.
+struct ElasticMaterial {
+  double youngs_modulus = 45e3;  ///< E, Pa, positive
+  double poissons_ratio = 0.4;   ///< nu, in (0, 0.5)
+  double density = 1000.0;       ///< kg/m^3, positive
+
+  [[nodiscard]] double mu() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }
+  [[nodiscard]] double lambda() const {
+    return youngs_modulus * poissons_ratio /
+           ((1.0 + poissons_ratio) * (1.0 - 2.0 * poissons_ratio));
+  }
+};
+
+/// Soft solid of corotated linear tetrahedra with strain limits; immutable. Elements whose four
+/// nodes are all tied never deform and are left out.
+class ElasticModel {
+ public:
+  /// What an evaluation leaves behind for the Hessian of the same positions.
+  struct Work {
+    std::vector<ElementDecomposition> decompositions;
+  };
+
+  /// `element_material[t]` indexes `materials`, -1 leaves tetrahedron t out; `tied[n]` says that
+  /// node n moves with the bone.
+  ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticMaterial> materials,
+               std::span<const int> element_material, const std::vector<bool>& tied,
+               const StrainLimit& limit, InstructionSet set);
+
+  /// Work with every decomposition at the identity: the start of a reproducible sequence.
+  [[nodiscard]] Work make_work() const;
+  void reset(Work& work) const;
+
+  /// Returns the strain energy at `positions` (n nodes, m), J; adds its gradient to `gradient`, N.
+  double energy_gradient(std::span<const Vector3> positions, Work& work,
+                         std::span<Vector3> gradient) const;
+  /// Element Hessians of group `group` at the positions last evaluated with `work`.
+  void hessian(std::size_t group, const Work& work, bool projected,
+               ElementHessians& hessians) const;
+
+  /// Deformed over rest volume of all soft elements together.
+  [[nodiscard]] double volume_ratio(std::span<const Vector3> positions) const;
+  /// Least and greatest principal stretch over the soft elements, as last evaluated.
+  struct Stretches {
+    double min = 1.0, max = 1.0;
+  };
+  [[nodiscard]] Stretches stretches(const Work& work) const;
+
+  [[nodiscard]] std::span<const ElementGroup> groups() const { return groups_; }
+  [[nodiscard]] std::size_t elements() const { return elements_; }
+  /// Lumped nodal masses, kg, elements with only tied nodes included.
+  [[nodiscard]] std::span<const double> masses() const { return masses_; }
+
+ private:
+  std::vector<ElementGroup> groups_;
+  std::size_t elements_ = 0;
+  std::vector<double> masses_;
+  ElementLimits limits_{};
+  const ElementKernels* kernels_ = nullptr;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "softfinger/base/instruction_set.hpp"
+
+namespace softfinger {
+
+/// Elements are worked on in groups of this many, one to a vector lane.
+inline constexpr int kLanes = 4;
+
+/// Rest state of one group of linear tetrahedra. Lanes beyond the last element have volume 0.
+struct ElementGroup {
+  alignas(32) int nodes[4][kLanes];
+  alignas(
+      32) double shape[3][3][kLanes];  ///< shape[a][k]: component k of grad N_{a+1} at rest, 1/m
+  alignas(32) double volume[kLanes];   ///< m^3
+  alignas(32) double mu[kLanes];       ///< Pa
+  alignas(32) double lambda[kLanes];   ///< Pa
+};
+
+/// What the gradient pass leaves for the Hessian pass and, as a warm start, for the next one:
+/// F = U diag(s) V^T with det U = det V = 1.
+struct ElementDecomposition {
+  alignas(32) double u[9][kLanes];  ///< column-major
+  alignas(32) double v[9][kLanes];  ///< column-major
+  alignas(32) double s[3][kLanes];  ///< principal stretches, descending; the last may be negative
+};
+
+/// Contribution of one group to the gradient: force[a][k] of node a, component k.
+struct ElementForces {
+  alignas(32) double force[4][3][kLanes];
+};
+
+/// Contribution of one group to the Hessian: the ten blocks (a, b), a <= b, in the order
+/// 00 01 02 03 11 12 13 22 23 33, each column-major.
+struct ElementHessians {
+  alignas(32) double block[10][9][kLanes];
+};
+
+/// Strain-limit constants as the kernels take them (see StrainLimit); stiffness 0: none.
+struct ElementLimits {
+  double min, max, stiffness, width;
+};
+
+/// Element work, one set of functions per instruction set. Energy density, corotated linear:
+/// Psi = mu sum (s_i - 1)^2 + lambda/2 (sum s_i - 3)^2 + sum b(s_i).
+struct ElementKernels {
+  /// positions: x y z of each node in turn, m. Reads decomposition->v as a start of the
+  /// eigenvector iteration. Returns the energy of the group, J; forces are its gradient by
+  /// the nodal positions, N.
+  double (*energy_gradient)(const ElementGroup& group, const ElementLimits& limits,
+                            const double* positions, ElementDecomposition* decomposition,
+                            ElementForces* forces);
+  /// Second derivative at the decomposition last computed, N/m. `projected` cuts negative
+  /// eigenvalues (twist modes under compression) to zero.
+  void (*hessian)(const ElementGroup& group, const ElementLimits& limits,
+                  const ElementDecomposition& decomposition, bool projected,
+                  ElementHessians* hessians);
+};
+
+[[nodiscard]] const ElementKernels& element_kernels(InstructionSet set);
+
+}  // namespace softfinger

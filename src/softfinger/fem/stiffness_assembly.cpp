@@ -1,0 +1,156 @@
+#include "softfinger/fem/stiffness_assembly.hpp"
+
+#include <algorithm>
+
+namespace softfinger {
+namespace {
+
+constexpr auto kLaneCount = static_cast<std::size_t>(kLanes);
+/// Node pairs (a, b) in the order of ElementHessians.
+constexpr std::array<std::array<std::size_t, 2>, 10> kPairs{
+    {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 1}, {1, 2}, {1, 3}, {2, 2}, {2, 3}, {3, 3}}};
+
+template <typename Visit>
+void for_each_pair(const ElasticModel& model, Visit&& visit) {
+  for (std::size_t e = 0; e < model.elements(); ++e) {
+    const ElementGroup& group = model.groups()[e / kLaneCount];
+    for (std::size_t k = 0; k < kPairs.size(); ++k) {
+      visit(e, k, group.nodes[kPairs[k][0]][e % kLaneCount],
+            group.nodes[kPairs[k][1]][e % kLaneCount]);
+    }
+  }
+}
+
+std::vector<std::pair<int, int>> pattern(const ElasticModel& model, const UnknownMap& map) {
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<bool> touches_body(static_cast<std::size_t>(map.free_blocks), false);
+  for_each_pair(model, [&](std::size_t, std::size_t, int a, int b) {
+    const int i = map.block_of_node[static_cast<std::size_t>(a)];
+    const int j = map.block_of_node[static_cast<std::size_t>(b)];
+    if (i >= 0 && j >= 0 && i != j) pairs.emplace_back(i, j);
+    if (i >= 0 && j < 0) touches_body[static_cast<std::size_t>(i)] = true;
+    if (j >= 0 && i < 0) touches_body[static_cast<std::size_t>(j)] = true;
+  });
+  if (map.body_moves) {
+    pairs.emplace_back(map.translation_block(), map.rotation_block());
+    for (int i = 0; i < map.free_blocks; ++i) {
+      if (!touches_body[static_cast<std::size_t>(i)]) continue;
+      pairs.emplace_back(i, map.translation_block());
+      pairs.emplace_back(i, map.rotation_block());
+    }
+  }
+  return pairs;
+}
+
+}  // namespace
+
+UnknownMap make_unknown_map(const std::vector<bool>& tied, bool body_moves) {
+  UnknownMap map;
+  map.body_moves = body_moves;
+  for (const bool is_tied : tied) map.block_of_node.push_back(is_tied ? -1 : map.free_blocks++);
+  return map;
+}
+
+StiffnessAssembly::StiffnessAssembly(const ElasticModel& model, const UnknownMap& map,
+                                     InstructionSet set)
+    : map_(map), lever_arms_(map.block_of_node.size(), Vector3::Zero()) {
+  const auto pairs = pattern(model, map);
+  cholesky_ = BlockCholesky(map.blocks(), pairs, set);
+  pair_slots_.resize(model.elements());
+  body_slots_.resize(static_cast<std::size_t>(map.free_blocks));
+  for_each_pair(model, [&](std::size_t e, std::size_t k, int a, int b) {
+    const int i = map.block_of_node[static_cast<std::size_t>(a)];
+    const int j = map.block_of_node[static_cast<std::size_t>(b)];
+    if (i >= 0 && j >= 0) pair_slots_[e][k] = cholesky_.slot(i, j);
+    if (!map.body_moves || (i < 0) == (j < 0)) return;
+    const int free = std::max(i, j);
+    body_slots_[static_cast<std::size_t>(free)] = {cholesky_.slot(free, map.translation_block()),
+                                                   cholesky_.slot(free, map.rotation_block())};
+  });
+  for (int i = 0; i < map.blocks(); ++i) diagonal_slots_.push_back(cholesky_.slot(i, i));
+  if (map.body_moves) {
+    body_cross_slot_ = cholesky_.slot(map.translation_block(), map.rotation_block());
+  }
+}
+
+void StiffnessAssembly::clear(std::span<const Vector3> lever_arms) {
+  cholesky_.clear();
+  std::copy(lever_arms.begin(), lever_arms.end(), lever_arms_.begin());
+  for (Matrix3& block : body_) block.setZero();
+}
+
+void StiffnessAssembly::add_pair(int a, int b, const BlockCholesky::Slot& slot,
+                                 const Matrix3& block) {
+  const int i = map_.block_of_node[static_cast<std::size_t>(a)];
+  const int j = map_.block_of_node[static_cast<std::size_t>(b)];
+  if (i >= 0 && j >= 0) {
+    cholesky_.add(slot, block.data());
+    return;
+  }
+  if (!map_.body_moves) return;
+  if (i >= 0 || j >= 0) {
+    // d(force on the free node) / d(body) = K [I, -[r]x]
+    const Matrix3 from_free = i >= 0 ? block : Matrix3(block.transpose());
+    const Vector3& r = lever_arms_[static_cast<std::size_t>(i >= 0 ? b : a)];
+    const auto& slots = body_slots_[static_cast<std::size_t>(std::max(i, j))];
+    const Matrix3 by_rotation = -from_free * skew(r);
+    cholesky_.add(slots[0], from_free.data());
+    cholesky_.add(slots[1], by_rotation.data());
+    return;
+  }
+  const Matrix3 arm_a = skew(lever_arms_[static_cast<std::size_t>(a)]);
+  const Matrix3 arm_b = skew(lever_arms_[static_cast<std::size_t>(b)]);
+  const Matrix3 rotation = -arm_a * block * arm_b;
+  body_[0] += block;
+  body_[1] -= block * arm_b;
+  body_[2] += rotation;
+  if (a != b) {
+    body_[0] += block.transpose();
+    body_[1] -= block.transpose() * arm_a;
+    body_[2] += rotation.transpose();
+  }
+}
+
+void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticModel::Work& work,
+                                    bool projected) {
+  ElementHessians hessians;
+  Matrix3 block;
+  for (std::size_t g = 0; g < model.groups().size(); ++g) {
+    const ElementGroup& group = model.groups()[g];
+    model.hessian(g, work, projected, hessians);
+    const std::size_t lanes = std::min(kLaneCount, model.elements() - g * kLaneCount);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const auto& slots = pair_slots_[g * kLaneCount + lane];
+      for (std::size_t k = 0; k < kPairs.size(); ++k) {
+        for (std::size_t e = 0; e < 9; ++e) block.data()[e] = hessians.block[k][e][lane];
+        add_pair(group.nodes[kPairs[k][0]][lane], group.nodes[kPairs[k][1]][lane], slots[k], block);
+      }
+    }
+  }
+}
+
+void StiffnessAssembly::add_node(int node, const Matrix3& block) {
+  const int i = map_.block_of_node[static_cast<std::size_t>(node)];
+  add_pair(node, node,
+           i >= 0 ? diagonal_slots_[static_cast<std::size_t>(i)] : BlockCholesky::Slot{}, block);
+}
+
+void StiffnessAssembly::add_body(const Matrix3& translation, const Matrix3& translation_rotation,
+                                 const Matrix3& rotation) {
+  body_[0] += translation;
+  body_[1] += translation_rotation;
+  body_[2] += rotation;
+}
+
+bool StiffnessAssembly::factor() {
+  if (map_.body_moves) {
+    cholesky_.add(diagonal_slots_[static_cast<std::size_t>(map_.translation_block())],
+                  body_[0].data());
+    cholesky_.add(body_cross_slot_, body_[1].data());
+    cholesky_.add(diagonal_slots_[static_cast<std::size_t>(map_.rotation_block())],
+                  body_[2].data());
+  }
+  return cholesky_.factor();
+}
+
+}  // namespace softfinger

@@ -1,0 +1,240 @@
+#include "softfinger/finger/finger_potential.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger {
+namespace {
+
+/// Moments count as forces at this lever arm when gradients are measured, m.
+constexpr double kLeverArm = 8e-3;
+/// Below this force, N, the residual is absolute: free flight has no force to compare with.
+constexpr double kForceFloor = 1e-3;
+
+std::vector<ElasticMaterial> elastic_materials(const FingerModel& model) {
+  std::vector<ElasticMaterial> materials;
+  for (const auto& m : model.materials) {
+    materials.push_back({m.youngs_modulus, m.poissons_ratio, m.density});
+  }
+  return materials;
+}
+
+StrainLimit strain_limit(const FingerModel& model, bool wanted) {
+  if (!wanted || !model.strain_limits.enabled) return {};
+  const auto& limits = model.strain_limits;
+  return {limits.min, limits.max, limits.stiffness, limits.width};
+}
+
+}  // namespace
+
+FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_t obstacle_count,
+                                 const Options& options)
+    : model_(model),
+      bone_mode_(bone),
+      map_(make_unknown_map(model.node_is_rigid, bone == Bone::kCoupled)),
+      elastic_(model.mesh, elastic_materials(model), model.tetrahedron_material,
+               model.node_is_rigid, strain_limit(model, options.strain_limits),
+               options.instruction_set),
+      assembly_(elastic_, map_, options.instruction_set),
+      bone_(bone_inertia(model, elastic_.masses()), model.coupling),
+      contact_(model.sample_rest_areas, obstacle_count, options.contact),
+      work_(elastic_.make_work()) {
+  const std::size_t nodes = model.mesh.nodes.size();
+  const auto unknowns = static_cast<std::size_t>(3 * map_.blocks());
+  for (Point* point : {&current_, &trial_}) {
+    point->positions = model.mesh.nodes;
+    point->gradient.assign(unknowns, 0.0);
+  }
+  direction_.assign(unknowns, 0.0);
+  predicted_.assign(nodes, Vector3::Zero());
+  node_gradient_.assign(nodes, Vector3::Zero());
+  lever_arms_.assign(nodes, Vector3::Zero());
+  sample_positions_.assign(model.sample_nodes.size(), Vector3::Zero());
+  sample_gradient_ = sample_positions_;
+}
+
+void FingerPotential::forget() {
+  has_factor_ = false;
+  elastic_.reset(work_);
+}
+
+void FingerPotential::begin(const Step& step) {
+  step_ = step;
+  contact_.begin(step.obstacles, step.anchors);
+  if (step.time_step > 0.0) {
+    for (std::size_t n = 0; n < predicted_.size(); ++n) {
+      predicted_[n] = step.old_positions[n] + step.time_step * step.velocities[n];
+    }
+  }
+  if (bone_mode_ == Bone::kCoupled) {
+    bone_.begin(step.old_bone, step.X_WFt_old, step.X_WFt, step.time_step);
+  }
+}
+
+void FingerPotential::put_tied_nodes(Point& point) const {
+  for (std::size_t n = 0; n < point.positions.size(); ++n) {
+    if (map_.block_of_node[n] < 0) point.positions[n] = point.X_WF * model_.mesh.nodes[n];
+  }
+}
+
+void FingerPotential::start_from(std::span<const Vector3> positions, const Pose& X_WF) {
+  std::copy(positions.begin(), positions.end(), current_.positions.begin());
+  current_.X_WF = bone_mode_ == Bone::kPrescribed ? step_.X_WFt : X_WF;
+  put_tied_nodes(current_);
+  evaluate(current_);
+  cache_is_current_ = true;
+}
+
+void FingerPotential::start_from_prediction() {
+  const BoneState& bone = step_.old_bone;
+  Pose X_WF;
+  X_WF.translation = bone.X_WF.translation + step_.time_step * bone.velocity;
+  X_WF.rotation = orthonormalised(bone.X_WF.rotation + step_.time_step * bone.rotation_rate);
+  start_from(predicted_, X_WF);
+}
+
+void FingerPotential::settle() {
+  if (cache_is_current_) return;
+  evaluate(current_);
+  cache_is_current_ = true;
+}
+
+void FingerPotential::evaluate(Point& point) {
+  std::fill(node_gradient_.begin(), node_gradient_.end(), Vector3::Zero());
+  point.elastic_energy = elastic_.energy_gradient(point.positions, work_, node_gradient_);
+  point.energy = point.elastic_energy;
+
+  for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
+    sample_positions_[i] = point.positions[static_cast<std::size_t>(model_.sample_nodes[i])];
+    sample_gradient_[i].setZero();
+  }
+  point.energy += contact_.energy_gradient(sample_positions_, sample_gradient_);
+  for (std::size_t i = 0; i < sample_gradient_.size(); ++i) {
+    node_gradient_[static_cast<std::size_t>(model_.sample_nodes[i])] += sample_gradient_[i];
+  }
+
+  double inertia_squared = 0.0;
+  if (step_.time_step > 0.0) {
+    const double w = 1.0 / (step_.time_step * step_.time_step);
+    for (std::size_t n = 0; n < predicted_.size(); ++n) {
+      // The inertia of tied nodes is part of the bone's.
+      if (map_.block_of_node[n] < 0) continue;
+      const Vector3 dx = point.positions[n] - predicted_[n];
+      const Vector3 force = w * elastic_.masses()[n] * dx;
+      point.energy += 0.5 * force.dot(dx);
+      node_gradient_[n] += force;
+      inertia_squared += force.squaredNorm();
+    }
+  }
+
+  double squared_norm = 0.0;
+  double coupling_norm = 0.0;
+  reduce_gradient(point, squared_norm);
+  if (bone_mode_ == Bone::kCoupled) {
+    const BonePotential::Value bone = bone_.evaluate(point.X_WF);
+    point.energy += bone.energy;
+    inertia_squared += bone.inertia_norm * bone.inertia_norm;
+    coupling_norm = bone.coupling_norm;
+    double* g = point.gradient.data() + 3 * map_.translation_block();
+    Eigen::Map<Vector3> by_translation(g);
+    Eigen::Map<Vector3> by_rotation(g + 3);
+    by_translation += bone.by_translation;
+    by_rotation += bone.by_rotation;
+    squared_norm +=
+        by_translation.squaredNorm() + by_rotation.squaredNorm() / (kLeverArm * kLeverArm);
+  }
+  const double scale =
+      std::max({std::sqrt(inertia_squared), contact_.force_norm(), coupling_norm, kForceFloor});
+  point.residual = std::sqrt(squared_norm) / scale;
+}
+
+void FingerPotential::reduce_gradient(Point& point, double& squared_norm) const {
+  Vector3 force = Vector3::Zero();
+  Vector3 torque = Vector3::Zero();
+  point.moments.setZero();
+  for (std::size_t n = 0; n < node_gradient_.size(); ++n) {
+    const Vector3& g = node_gradient_[n];
+    const int block = map_.block_of_node[n];
+    if (block >= 0) {
+      Eigen::Map<Vector3>{point.gradient.data() + 3 * block} = g;
+      squared_norm += g.squaredNorm();
+    } else if (map_.body_moves) {
+      const Vector3 arm = point.positions[n] - point.X_WF.translation;
+      force += g;
+      torque += arm.cross(g);
+      point.moments += g * arm.transpose();
+    }
+  }
+  if (!map_.body_moves) return;
+  double* g = point.gradient.data() + 3 * map_.translation_block();
+  Eigen::Map<Vector3>{g} = force;
+  Eigen::Map<Vector3>{g + 3} = torque;
+}
+
+bool FingerPotential::factorise(HessianKind kind) {
+  settle();
+  has_factor_ = false;
+  for (std::size_t n = 0; n < lever_arms_.size(); ++n) {
+    lever_arms_[n] = current_.positions[n] - current_.X_WF.translation;
+  }
+  assembly_.clear(lever_arms_);
+  const bool projected = kind == HessianKind::kProjected;
+  assembly_.add_elastic(elastic_, work_, projected);
+  Matrix3 block;
+  for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
+    if (contact_.hessian(i, kind == HessianKind::kFull, block)) {
+      assembly_.add_node(model_.sample_nodes[i], block);
+    }
+  }
+  if (step_.time_step > 0.0) {
+    const double w = 1.0 / (step_.time_step * step_.time_step);
+    for (std::size_t n = 0; n < predicted_.size(); ++n) {
+      if (map_.block_of_node[n] < 0) continue;
+      assembly_.add_node(static_cast<int>(n), w * elastic_.masses()[n] * Matrix3::Identity());
+    }
+  }
+  if (bone_mode_ == Bone::kCoupled) {
+    BonePotential::Hessian h = bone_.hessian(current_.X_WF, projected);
+    if (!projected) h.rotation += BonePotential::geometric(current_.moments);
+    assembly_.add_body(h.translation, h.translation_rotation, h.rotation);
+  }
+  has_factor_ = assembly_.factor();
+  return has_factor_;
+}
+
+double FingerPotential::solve_direction() {
+  for (std::size_t i = 0; i < direction_.size(); ++i) direction_[i] = -current_.gradient[i];
+  assembly_.solve(direction_);
+  double slope = 0.0;
+  for (std::size_t i = 0; i < direction_.size(); ++i) slope += direction_[i] * current_.gradient[i];
+  return slope;
+}
+
+void FingerPotential::evaluate_trial(double t) {
+  trial_.X_WF = current_.X_WF;
+  if (bone_mode_ == Bone::kCoupled) {
+    const double* d = direction_.data() + 3 * map_.translation_block();
+    trial_.X_WF.translation += t * Eigen::Map<const Vector3>(d);
+    trial_.X_WF.rotation =
+        exp_rotation(t * Eigen::Map<const Vector3>(d + 3)) * current_.X_WF.rotation;
+  }
+  for (std::size_t n = 0; n < trial_.positions.size(); ++n) {
+    const int block = map_.block_of_node[n];
+    trial_.positions[n] =
+        block >= 0 ? Vector3(current_.positions[n] +
+                             t * Eigen::Map<const Vector3>(direction_.data() + 3 * block))
+                   : trial_.X_WF * model_.mesh.nodes[n];
+  }
+  evaluate(trial_);
+  cache_is_current_ = false;
+}
+
+double FingerPotential::largest_free_force() const {
+  double largest = 0.0;
+  for (int i = 0; i < 3 * map_.free_blocks; ++i) {
+    largest = std::max(largest, std::abs(current_.gradient[static_cast<std::size_t>(i)]));
+  }
+  return largest;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "softfinger/contact/contact_potential.hpp"
+#include "softfinger/fem/elastic_model.hpp"
+#include "softfinger/fem/stiffness_assembly.hpp"
+#include "softfinger/finger/bone.hpp"
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/numerics/newton.hpp"
+
+namespace softfinger {
+
+/// The smooth potential whose minimum is one implicit Euler step, or with time step 0 an
+/// equilibrium: inertia + elasticity + strain limits + contact + friction + bone + virtual coupling
+/// over the free nodes and the bone's pose (Martin et al., "Example-based elastic materials", TOG
+/// 2011, for steps as minimisation). It is the problem that numerics/newton.hpp minimises.
+/// All memory is reserved by the constructor.
+class FingerPotential {
+ public:
+  enum class Bone {
+    kCoupled,     ///< the bone's pose is unknown and tied to the tracked pose by the coupling
+    kPrescribed,  ///< the bone is where it is put
+  };
+  struct Options {
+    bool strain_limits = true;
+    ContactPotential::Options contact{};
+    InstructionSet instruction_set = active_instruction_set();
+  };
+  /// One step to minimise. Spans must outlive it.
+  struct Step {
+    double time_step = 0.0;                  ///< s; 0: quasi-static (bone prescribed)
+    std::span<const Vector3> old_positions;  ///< all nodes, W, m
+    std::span<const Vector3> velocities;     ///< all nodes, W, m/s
+    BoneState old_bone;
+    Pose X_WFt_old;  ///< tracked pose of the step before; unused where prescribed
+    Pose X_WFt;      ///< tracked pose, or the prescribed one
+    std::span<const Obstacle> obstacles;
+    std::span<const FrictionAnchor> anchors;  ///< as ContactPotential::no_anchors()
+  };
+
+  FingerPotential(const FingerModel& model, Bone bone, std::size_t obstacle_count,
+                  const Options& options);
+
+  void begin(const Step& step);
+  /// Evaluates at these node positions (tied nodes are put by the bone's pose).
+  void start_from(std::span<const Vector3> positions, const Pose& X_WF);
+  /// Evaluates at the inertial prediction x + dt v.
+  void start_from_prediction();
+  /// Forgets the factor and the warm starts: the next minimisation does not depend on earlier ones.
+  void forget();
+  /// Makes what is cached (stretches, contact) that of the current point.
+  void settle();
+
+  // What minimise() asks for.
+  [[nodiscard]] double energy() const { return current_.energy; }
+  [[nodiscard]] double residual() const { return current_.residual; }
+  [[nodiscard]] bool has_factor() const { return has_factor_; }
+  [[nodiscard]] bool factorise(HessianKind kind);
+  double solve_direction();
+  void evaluate_trial(double t);
+  [[nodiscard]] double trial_energy() const { return trial_.energy; }
+  [[nodiscard]] double trial_residual() const { return trial_.residual; }
+  void accept_trial() {
+    std::swap(current_, trial_);
+    cache_is_current_ = true;
+  }
+
+  [[nodiscard]] std::span<const Vector3> positions() const { return current_.positions; }
+  [[nodiscard]] const Pose& bone_pose() const { return current_.X_WF; }
+  /// Derivative by each unknown: free nodes, then translation (N) and rotation (N m) of the bone.
+  [[nodiscard]] std::span<const double> gradient() const { return current_.gradient; }
+  [[nodiscard]] double elastic_energy() const { return current_.elastic_energy; }
+  [[nodiscard]] const UnknownMap& unknowns() const { return map_; }
+  [[nodiscard]] const ElasticModel& elastic() const { return elastic_; }
+  [[nodiscard]] const ElasticModel::Work& elastic_work() const { return work_; }
+  [[nodiscard]] const ContactPotential& contact() const { return contact_; }
+  /// Positions of the skin samples at the last evaluation, W.
+  [[nodiscard]] std::span<const Vector3> sample_positions() const { return sample_positions_; }
+  /// Largest absolute component of the gradient on a free node, N.
+  [[nodiscard]] double largest_free_force() const;
+
+ private:
+  struct Point {
+    std::vector<Vector3> positions;
+    Pose X_WF;
+    double energy = 0.0, elastic_energy = 0.0, residual = 0.0;
+    std::vector<double> gradient;
+    Matrix3 moments = Matrix3::Zero();  ///< sum over tied nodes of gradient times r^T
+  };
+  void evaluate(Point& point);
+  void put_tied_nodes(Point& point) const;
+  void reduce_gradient(Point& point, double& squared_norm) const;
+
+  const FingerModel& model_;
+  Bone bone_mode_;
+  UnknownMap map_;
+  ElasticModel elastic_;
+  StiffnessAssembly assembly_;
+  BonePotential bone_;
+  ContactPotential contact_;
+  Step step_;
+
+  Point current_, trial_;
+  bool cache_is_current_ = false;
+  bool has_factor_ = false;
+  ElasticModel::Work work_;
+  std::vector<double> direction_;
+  std::vector<Vector3> predicted_;
+  std::vector<Vector3> node_gradient_;
+  std::vector<Vector3> sample_positions_, sample_gradient_;
+  std::vector<Vector3> lever_arms_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,153 @@
+#include "softfinger/finger/finger_simulation.hpp"
+
+#include "softfinger/base/hash.hpp"
+#include "softfinger/finger/contact_report.hpp"
+#include "softfinger/finger/finger_potential.hpp"
+
+namespace softfinger {
+namespace {
+
+/// Above this residual the inertial prediction is worse a start than where the finger was.
+constexpr double kGoodPrediction = 2.0;
+/// A rotation-warm-started decomposition and a chord factor are history; both start afresh this
+/// often, so that rounding does not pile up.
+constexpr std::uint64_t kRenewalSteps = 10000;
+
+}  // namespace
+
+struct FingerSimulation::Implementation {
+  Implementation(std::shared_ptr<const FingerModel> m, std::span<const VirtualObject> things,
+                 double dt)
+      : model(std::move(m)),
+        objects(things),
+        time_step(dt),
+        potential(*model, FingerPotential::Bone::kCoupled, things.size(), {}),
+        obstacles(things.size()),
+        anchors(potential.contact().no_anchors()),
+        positions(model->mesh.nodes),
+        velocities(model->mesh.nodes.size(), Vector3::Zero()),
+        contact(make_contact_set(*model)) {
+    for (std::size_t o = 0; o < things.size(); ++o) {
+      obstacles[o].shape = &things[o].shape;
+      obstacles[o].friction_coefficient =
+          things[o].friction_coefficient.value_or(model->friction_coefficient);
+    }
+  }
+
+  void place_obstacles(double time) {
+    for (std::size_t o = 0; o < objects.size(); ++o) {
+      obstacles[o].X_WO = objects[o].motion.sample(time);
+    }
+  }
+
+  void begin(const Pose& X_WFt) {
+    FingerPotential::Step step;
+    step.time_step = time_step;
+    step.old_positions = positions;
+    step.velocities = velocities;
+    step.old_bone = bone;
+    step.X_WFt_old = tracked;
+    step.X_WFt = X_WFt;
+    step.obstacles = obstacles;
+    step.anchors = anchors;
+    potential.begin(step);
+  }
+
+  void finish(const Pose& X_WFt) {
+    const double rate = 1.0 / time_step;
+    const std::span<const Vector3> now = potential.positions();
+    for (std::size_t n = 0; n < positions.size(); ++n) {
+      velocities[n] = rate * (now[n] - positions[n]);
+      positions[n] = now[n];
+    }
+    Pose X_WF = potential.bone_pose();
+    X_WF.rotation = orthonormalised(X_WF.rotation);
+    bone.velocity = rate * (X_WF.translation - bone.X_WF.translation);
+    bone.rotation_rate = rate * (X_WF.rotation - bone.X_WF.rotation);
+    bone.X_WF = X_WF;
+    tracked = X_WFt;
+    potential.settle();
+    potential.contact().update_anchors(potential.sample_positions(), anchors);
+    report_contact(*model, potential, contact);
+  }
+
+  std::shared_ptr<const FingerModel> model;
+  std::span<const VirtualObject> objects;
+  double time_step;
+  FingerPotential potential;
+  std::vector<Obstacle> obstacles;
+  std::vector<FrictionAnchor> anchors;
+  std::vector<Vector3> positions, velocities;
+  BoneState bone;
+  Pose tracked;
+  ContactSet contact;
+  std::uint64_t steps = 0;
+};
+
+FingerSimulation::FingerSimulation(std::shared_ptr<const FingerModel> model,
+                                   std::span<const VirtualObject> objects, double time_step)
+    : implementation_(std::make_unique<Implementation>(std::move(model), objects, time_step)) {
+  reset(Pose{});
+}
+FingerSimulation::~FingerSimulation() = default;
+FingerSimulation::FingerSimulation(FingerSimulation&&) noexcept = default;
+FingerSimulation& FingerSimulation::operator=(FingerSimulation&&) noexcept = default;
+
+void FingerSimulation::reset(const Pose& X_WFt, double time) {
+  Implementation& self = *implementation_;
+  self.bone = BoneState{};
+  self.bone.X_WF = X_WFt;
+  self.tracked = X_WFt;
+  self.steps = 0;
+  for (std::size_t n = 0; n < self.positions.size(); ++n) {
+    self.positions[n] = X_WFt * self.model->mesh.nodes[n];
+    self.velocities[n].setZero();
+  }
+  for (FrictionAnchor& anchor : self.anchors) anchor = FrictionAnchor{};
+  self.place_obstacles(time);
+  self.potential.forget();
+  self.begin(X_WFt);
+  self.potential.start_from(self.positions, X_WFt);
+  report_contact(*self.model, self.potential, self.contact);
+}
+
+StepSummary FingerSimulation::step(const Pose& X_WFt, double time) {
+  Implementation& self = *implementation_;
+  if (self.steps % kRenewalSteps == 0) self.potential.forget();
+  ++self.steps;
+  self.place_obstacles(time);
+  self.begin(X_WFt);
+  self.potential.start_from_prediction();
+  if (!(self.potential.residual() < kGoodPrediction)) {
+    self.potential.start_from(self.positions, self.bone.X_WF);
+  }
+  const NewtonSummary summary = minimise(self.potential, NewtonOptions{});
+  self.finish(X_WFt);
+  return {summary.iterations, summary.converged, summary.residual};
+}
+
+const FingerModel& FingerSimulation::model() const { return *implementation_->model; }
+const Pose& FingerSimulation::bone_pose() const { return implementation_->bone.X_WF; }
+const ContactSet& FingerSimulation::contact() const { return implementation_->contact; }
+std::span<const Vector3> FingerSimulation::positions() const { return implementation_->positions; }
+std::span<const Vector3> FingerSimulation::velocities() const {
+  return implementation_->velocities;
+}
+
+std::uint64_t FingerSimulation::state_hash() const {
+  const Implementation& self = *implementation_;
+  Hash hash;
+  hash.add(std::span<const Vector3>(self.positions));
+  hash.add(std::span<const Vector3>(self.velocities));
+  hash.add(self.bone.X_WF.translation);
+  hash.add(self.bone.X_WF.rotation);
+  hash.add(self.bone.velocity);
+  hash.add(self.bone.rotation_rate);
+  for (const FrictionAnchor& anchor : self.anchors) {
+    hash.add(anchor.anchor_O);
+    hash.add(anchor.limit);
+  }
+  return hash.value();
+}
+
+}  // namespace softfinger

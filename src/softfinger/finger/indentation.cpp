@@ -1,0 +1,134 @@
+#include "softfinger/finger/indentation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/finger/contact_report.hpp"
+#include "softfinger/finger/finger_potential.hpp"
+
+namespace softfinger {
+namespace {
+
+/// Quasi-static increments are no longer than this, so that friction sees the path, m.
+constexpr double kLongestIncrement = 0.1e-3;
+/// Equilibria are solved tighter than steps: others recompute the balance from what is exported.
+constexpr double kStaticTolerance = 1e-9;
+/// Lagged friction limits are renewed until they change by less than this, N.
+constexpr double kFrictionTolerance = 1e-7;
+constexpr int kFrictionPasses = 40;
+/// Larger than any finger, so that an edge has one face on top and one on its side only, m.
+constexpr double kBlock = 0.5;
+
+/// Where F's origin is when the resting skin first touches the obstacle: the height z of F above
+/// which nothing touches, found on the signed distance (monotone in z for these obstacles).
+double touching_height(const FingerModel& model, const Obstacle& obstacle, const Matrix3& R_WF) {
+  const auto least_gap = [&](double z) {
+    double least = 1e300;
+    const Pose X_WF{R_WF, Vector3(0.0, 0.0, z)};
+    for (int node : model.sample_nodes) {
+      const Vector3 p = X_WF * model.mesh.nodes[static_cast<std::size_t>(node)];
+      least =
+          std::min(least, signed_distance(*obstacle.shape, obstacle.X_WO.inverse() * p).distance);
+    }
+    return least;
+  };
+  double low = -0.1;
+  double high = 0.2;
+  for (int i = 0; i < 200 && high - low > 1e-12; ++i) {
+    const double middle = 0.5 * (low + high);
+    (least_gap(middle) > 0.0 ? high : low) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+Indenter Indenter::plane() { return {}; }
+
+Indenter Indenter::ball(double radius, double at_x, double at_y) {
+  return {Ball{radius}, Vector3(at_x, at_y, -radius)};
+}
+
+Indenter Indenter::edge(double edge_radius) {
+  return {RoundedBox{Vector3::Constant(kBlock), edge_radius}, Vector3(-kBlock, 0.0, -kBlock)};
+}
+
+void indent(const FingerModel& model, const Indenter& indenter, const IndentationOptions& options,
+            const std::function<void(const IndentationState&)>& visit) {
+  FingerPotential::Options potential_options;
+  potential_options.strain_limits = options.strain_limits;
+  FingerPotential potential(model, FingerPotential::Bone::kPrescribed, 1, potential_options);
+  Obstacle obstacle;
+  obstacle.shape = &indenter.shape;
+  obstacle.X_WO.translation = indenter.p_FO_W;
+  obstacle.friction_coefficient = options.friction ? model.friction_coefficient : 0.0;
+  std::vector<FrictionAnchor> anchors = potential.contact().no_anchors();
+  ContactSet contact = make_contact_set(model);
+
+  Pose X_WF{exp_rotation(Vector3(0.0, options.pitch, 0.0)), Vector3::Zero()};
+  const double touch = touching_height(model, obstacle, X_WF.rotation);
+  X_WF.translation.z() = touch;
+  std::vector<Vector3> positions;
+  for (const Vector3& X : model.mesh.nodes) positions.push_back(X_WF * X);
+  std::vector<Vector3> velocities(positions.size(), Vector3::Zero());
+
+  const double row_length = options.depth / options.rows;
+  const double wanted = options.speed > 0.0 ? options.speed * 1e-3 : kLongestIncrement;
+  const int increments = std::max(1, static_cast<int>(std::ceil(row_length / wanted - 1e-9)));
+  NewtonOptions newton;
+  newton.tolerance = kStaticTolerance;
+  newton.max_iterations = 200;
+
+  for (int k = 1; k <= options.rows; ++k) {
+    IndentationRow row;
+    row.indentation = options.depth * k / options.rows;
+    for (int j = 1; j <= increments; ++j) {
+      const double depth = row_length * (k - 1 + static_cast<double>(j) / increments);
+      X_WF.translation.z() = touch - depth;
+      FingerPotential::Step step;
+      step.time_step = options.speed > 0.0 ? row_length / increments / options.speed : 0.0;
+      step.old_positions = positions;
+      step.velocities = velocities;
+      step.X_WFt = X_WF;
+      step.obstacles = {&obstacle, 1};
+      step.anchors = anchors;
+      potential.begin(step);
+      row.converged = false;
+      for (int pass = 0; pass < kFrictionPasses; ++pass) {
+        potential.start_from(
+            pass == 0 ? std::span<const Vector3>(positions) : potential.positions(), X_WF);
+        const NewtonSummary summary = minimise(potential, newton);
+        row.iterations += summary.iterations;
+        row.converged = summary.converged;
+        potential.settle();
+        if (potential.contact().update_limits(anchors) < kFrictionTolerance) break;
+      }
+      for (std::size_t n = 0; n < positions.size(); ++n) {
+        const Vector3 moved = potential.positions()[n] - positions[n];
+        if (step.time_step > 0.0) velocities[n] = moved / step.time_step;
+        positions[n] += moved;
+      }
+      if (j == increments) {
+        report_contact(model, potential, contact);
+        row.residual = potential.largest_free_force();
+        const auto stretches = potential.elastic().stretches(potential.elastic_work());
+        row.max_stretch = stretches.max;
+        row.min_stretch = stretches.min;
+        row.volume_ratio = potential.elastic().volume_ratio(potential.positions());
+      }
+      potential.contact().update_anchors(potential.sample_positions(), anchors);
+    }
+    Vector3 force_W = Vector3::Zero();
+    for (const ContactSample& sample : contact.samples) {
+      force_W += X_WF.rotation *
+                 Vector3(sample.normal_force * sample.normal_F + sample.tangential_force_F);
+    }
+    row.normal_force = force_W.z();
+    row.tangential_force = force_W.head<2>().norm();
+    row.contact_area = contact.contact_area;
+    row.contact_samples = contact.contact_count;
+    visit({row, positions, contact, X_WF});
+  }
+}
+
+}  // namespace softfinger

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/geometry/signed_distance.hpp"
+
+namespace softfinger {
+
+/// A fixed obstacle the pad is pressed on; its frame O is placed in W with the finger.
+struct Indenter {
+  Shape shape = HalfSpace{};
+  Vector3 p_FO_W = Vector3::Zero();  ///< where O lies under F's origin, x and y used, m
+  /// Solid at x <= 0 only, seen from F: a box whose rounded edge runs along y.
+  static Indenter plane();
+  static Indenter ball(double radius, double at_x, double at_y);
+  static Indenter edge(double edge_radius);
+};
+
+struct IndentationOptions {
+  double depth = 2e-3;  ///< greatest bone displacement after first touch, m
+  int rows = 20;
+  double pitch = 0.0;  ///< turn of the finger about its y axis, rad; positive: distal end down
+  bool strain_limits = true;
+  bool friction = true;
+  double speed = 0.0;  ///< bone speed, m/s; 0: quasi-static
+};
+
+/// One row: equilibrium at one depth.
+struct IndentationRow {
+  double indentation = 0.0;       ///< m
+  double normal_force = 0.0;      ///< N, along the world's z
+  double tangential_force = 0.0;  ///< N, perpendicular to z
+  double contact_area = 0.0;      ///< m^2
+  int contact_samples = 0;
+  double max_stretch = 1.0, min_stretch = 1.0;
+  double volume_ratio = 1.0;
+  int iterations = 0;
+  double residual = 0.0;  ///< N, largest absolute force component on a free node
+  bool converged = true;
+};
+
+/// State handed out with each row, for export.
+struct IndentationState {
+  const IndentationRow& row;
+  std::span<const Vector3> positions;  ///< all nodes, W, m
+  const ContactSet& contact;           ///< in F
+  Pose X_WF;
+};
+
+/// Presses the finger along -z of the world on a fixed obstacle, bone and nail prescribed, no
+/// gravity. Calls `visit` after each row. Indentation counts from first touch.
+void indent(const FingerModel& model, const Indenter& indenter, const IndentationOptions& options,
+            const std::function<void(const IndentationState&)>& visit);
+
+}  // namespace softfinger
