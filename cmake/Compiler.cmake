@@ -1,4 +1,7 @@
 # Language level, warnings and sanitizers for every target of the project.
+option(SOFTFINGER_WARNINGS_AS_ERRORS "Warnings stop the build" ${PROJECT_IS_TOP_LEVEL})
+set(SOFTFINGER_SANITIZE "" CACHE STRING "Sanitizers for everything built: address,undefined or thread")
+
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -11,9 +14,12 @@ endif()
 add_library(softfinger_compiler INTERFACE)
 target_compile_options(softfinger_compiler INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wnon-virtual-dtor
-  -Wold-style-cast -Woverloaded-virtual -Werror
+  -Wold-style-cast -Woverloaded-virtual
   # Results must not depend on which expressions the compiler fuses; kernels say so where they want it.
   -ffp-contract=off)
+if(SOFTFINGER_WARNINGS_AS_ERRORS)
+  target_compile_options(softfinger_compiler INTERFACE -Werror)
+endif()
 if(SOFTFINGER_SANITIZE)
   add_compile_options(-fsanitize=${SOFTFINGER_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${SOFTFINGER_SANITIZE})

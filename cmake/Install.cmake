@@ -1,1 +1,22 @@
-# Install and export: find_package(softfinger) gives softfinger::softfinger and each module.
+# Install and export: find_package(softfinger) gives softfinger::rendering and each module.
+include(CMakePackageConfigHelpers)
+
+get_property(softfinger_targets GLOBAL PROPERTY SOFTFINGER_TARGETS)
+install(TARGETS ${softfinger_targets} EXPORT softfingerTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY src/softfinger DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE)
+
+set(softfinger_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/softfinger)
+install(EXPORT softfingerTargets NAMESPACE softfinger:: DESTINATION ${softfinger_cmake_dir})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/softfingerConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/softfingerConfig.cmake INSTALL_DESTINATION ${softfinger_cmake_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/softfingerConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/softfingerConfig.cmake
+  ${PROJECT_BINARY_DIR}/softfingerConfigVersion.cmake DESTINATION ${softfinger_cmake_dir})
+
+# What a newcomer runs: fingers, devices and scenes as files.
+install(DIRECTORY fingers devices scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/softfinger
+  FILES_MATCHING PATTERN "*.toml" PATTERN "*.msh")
