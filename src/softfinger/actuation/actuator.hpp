@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,8 @@ class Device;
 struct ActuatorOptions {
   /// Port instead of the device file's transport.port: "emulator" or any tty. Empty: the file's.
   std::string port;
+  /// Where the device was read from; messages name it and the line of the key.
+  std::filesystem::path device_file;
   /// An absent port is no error; attempts to open it go on beside the run.
   bool wait_for_device = false;
   /// Nothing paces the run by the wall clock. The embedded emulator then advances with the times
@@ -39,7 +42,7 @@ struct FormedCommand {
   Configuration configuration;           ///< q nearest to the wanted one that may be sent now
   JointAngles joints;                    ///< of that q; rad
   std::array<std::uint16_t, kMaxServos> targets{};  ///< quarter microseconds, one per joint
-  int servos = 0;                                   ///< how many of `targets` are used
+  int servos = 0;  ///< how many of `targets` are used; 0 for a device without transport
   DeviceState state = DeviceState::kHoming;
 };
 
@@ -81,7 +84,7 @@ class Actuator {
   [[nodiscard]] DeviceState state() const noexcept;
   [[nodiscard]] bool connected() const noexcept;
   /// Waits in wall time until the port is open; for --wait-for-device.
-  bool wait_until_connected(std::chrono::milliseconds timeout) const;
+  [[nodiscard]] bool wait_until_connected(std::chrono::milliseconds timeout) const;
   /// Commands that went out: one is the targets of all servos together.
   [[nodiscard]] std::uint64_t commands_sent() const noexcept;
   /// Where the servos are (rad, in the order of joints): the emulator's simulated servos, or what a

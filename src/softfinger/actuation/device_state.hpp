@@ -45,8 +45,11 @@ class DeviceStateMachine {
 
  private:
   DeviceState state_ = DeviceState::kHoming;
-  double lost_since_ = 0.0;      ///< valid while holding
-  double arrived_since_ = -1.0;  ///< negative: not yet at the retracted pose
+  double last_time_ = 0.0;
+  bool lost_ = false;
+  double lost_since_ = 0.0;  ///< valid while lost_
+  bool retracted_ = false;   ///< the retracted pose was commanded
+  double retracted_since_ = 0.0;
 };
 
 }  // namespace softfinger

@@ -1,0 +1,289 @@
+#include "softfinger/actuation/actuator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "softfinger/actuation/emulator_terminal.hpp"
+#include "softfinger/actuation/maestro_emulator.hpp"
+#include "softfinger/actuation/maestro_line.hpp"
+#include "softfinger/actuation/motion_guard.hpp"
+#include "softfinger/base/config_file.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/device/device.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr std::string_view kEmulator = "emulator";
+constexpr double kDefaultRate = 30.0;
+/// Emulated servos are somewhat faster than they are asked to be, as real ones are chosen.
+constexpr double kServoReserve = 1.25;
+/// A retraction that takes longer (s) is given up.
+constexpr double kLongestRetraction = 30.0;
+
+std::vector<EmulatedServo> emulated_servos(const Device& device) {
+  JointAngles home;
+  if (!device.inverse_kinematics(device.home(), home)) device.clamped_joints(device.home(), home);
+  std::vector<EmulatedServo> servos;
+  Eigen::Index joint = 0;
+  for (const ServoSettings& settings : device.settings().transport->servos) {
+    servos.push_back({.channel = settings.channel,
+                      .initial_pulse = ServoMap(settings).pulse(home[joint++]),
+                      .pulse_rate = kServoReserve * device.joint_limits().max_rate *
+                                    std::abs(settings.per_radian)});
+  }
+  return servos;
+}
+
+std::vector<ServoSettings> servo_settings(const Device& device) {
+  const auto& transport = device.settings().transport;
+  return transport ? transport->servos : std::vector<ServoSettings>();
+}
+
+void check_servos(const Device& device) {
+  const TransportSettings& transport = *device.settings().transport;
+  if (transport.kind != "maestro") {
+    throw InputError(fmt::format("transport.kind: \"{}\" cannot be driven; only \"maestro\" can",
+                                 transport.kind));
+  }
+  if (static_cast<int>(transport.servos.size()) != device.joint_count() ||
+      device.joint_count() > FormedCommand::kMaxServos) {
+    throw InputError(fmt::format(
+        "transport.servo: {} servos for {} joints; a Maestro needs one for each, at most {}",
+        transport.servos.size(), device.joint_count(), FormedCommand::kMaxServos));
+  }
+  for (const ServoSettings& servo : transport.servos) {
+    if (servo.channel < 0 || servo.channel >= kMaestroChannels) {
+      throw InputError(fmt::format("transport.servo.channel: {} is none of a Maestro's 0 to {}",
+                                   servo.channel, kMaestroChannels - 1));
+    }
+  }
+}
+
+[[noreturn]] void refuse_port(const ActuatorOptions& options, const std::string& port,
+                              const std::string& reason) {
+  const std::string line = fmt::format(
+      "port {} cannot be opened: {}; connect it, name another, use port = \"emulator\", or give "
+      "--wait-for-device",
+      port, reason);
+  if (options.port.empty() && !options.device_file.empty()) {
+    ConfigFile(options.device_file).root().table("transport").fail("port", line);
+  }
+  throw InputError(line);
+}
+
+}  // namespace
+
+struct Actuator::Impl {
+  Impl(std::shared_ptr<const Device> the_device, const ActuatorOptions& the_options)
+      : device(std::move(the_device)),
+        options(the_options),
+        guard(device, servo_settings(*device)) {}
+
+  void open();
+  void form(const Configuration& goal, double dt);
+  void send_to_emulator(double time);
+
+  std::shared_ptr<const Device> device;
+  ActuatorOptions options;
+  std::string port;
+  double period = 1.0 / kDefaultRate;
+
+  MotionGuard guard;
+  DeviceStateMachine machine;
+  FormedCommand formed;
+  double last_time = 0.0;
+  bool started = false;
+  bool finished = false;
+
+  // One of these carries the commands, none for a device without transport: an emulator in
+  // simulated time, or a line, to an emulator in wall time or to a real port.
+  std::unique_ptr<MaestroEmulator> emulator;
+  std::unique_ptr<EmulatorTerminal> terminal;
+  std::unique_ptr<MaestroLine> line;
+  std::uint64_t sent_to_emulator = 0;
+
+  std::uint32_t losses_told = 0;
+  std::uint32_t connections_told = 0;
+  std::uint32_t stalls_told = 0;
+};
+
+void Actuator::Impl::open() {
+  form(device->home(), 0.0);
+  if (!device->settings().transport) return;
+  const TransportSettings& transport = *device->settings().transport;
+  check_servos(*device);
+  port = options.port.empty() ? transport.port : options.port;
+  period = 1.0 / transport.rate;
+  std::string line_port = port;
+  if (port == kEmulator) {
+    if (options.simulated_time) {
+      emulator = std::make_unique<MaestroEmulator>(emulated_servos(*device));
+      return;
+    }
+    terminal = std::make_unique<EmulatorTerminal>(emulated_servos(*device));
+    line_port = terminal->port();
+  }
+  line = std::make_unique<MaestroLine>(
+      device, MaestroLine::Options{.port = line_port,
+                                   .baud = static_cast<unsigned>(transport.baud),
+                                   .rate = transport.rate,
+                                   .unpaced = options.simulated_time});
+  const std::string reason = line->open();
+  if (!reason.empty() && !options.wait_for_device) refuse_port(options, port, reason);
+  line->start();
+}
+
+void Actuator::Impl::form(const Configuration& goal, double dt) {
+  guard.step(goal, dt);
+  formed.configuration = guard.configuration();
+  formed.joints = guard.joints();
+  const auto targets = guard.targets();
+  std::copy(targets.begin(), targets.end(), formed.targets.begin());
+  formed.servos = static_cast<int>(targets.size());
+}
+
+void Actuator::Impl::send_to_emulator(double time) {
+  emulator->advance_to(time);
+  for (std::size_t i = 0; i < guard.targets().size(); ++i) {
+    emulator->receive(encode_set_target(guard.servos()[i].channel(), guard.targets()[i]));
+  }
+  ++sent_to_emulator;
+}
+
+Actuator::Actuator(std::shared_ptr<const Device> device, const ActuatorOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(device), options)) {
+  impl_->open();
+}
+
+Actuator::~Actuator() {
+  if (impl_) finish();
+}
+
+const FormedCommand& Actuator::command(const WantedMotion& wanted, double time) noexcept {
+  Impl& self = *impl_;
+  if (self.finished) return self.formed;
+  const bool later = std::isfinite(time) && (!self.started || time > self.last_time);
+  double dt = 0.0;
+  if (later) {
+    dt = self.started ? std::min(time - self.last_time, self.period) : self.period;
+    self.last_time = time;
+    self.started = true;
+  }
+
+  self.formed.state = self.machine.advance({.time = self.last_time,
+                                            .tracked = wanted.tracked,
+                                            .touching = wanted.touching,
+                                            .arrived = self.guard.arrived()});
+  switch (self.formed.state) {
+    case DeviceState::kRetracting:
+      self.form(self.device->retracted(), dt);
+      break;
+    case DeviceState::kHolding:
+      self.form(self.guard.configuration(), dt);
+      break;
+    default:
+      self.form(wanted.configuration, dt);
+      break;
+  }
+  if (self.emulator) self.send_to_emulator(self.last_time);
+  if (self.line) self.line->submit(self.formed.configuration, self.formed.state);
+  return self.formed;
+}
+
+const FormedCommand& Actuator::last_command() const noexcept { return impl_->formed; }
+
+void Actuator::finish() noexcept {
+  Impl& self = *impl_;
+  if (self.finished) return;
+  self.finished = true;
+  if (self.line) {
+    self.line->finish();
+  } else if (self.started) {
+    const double end = self.last_time + kLongestRetraction;
+    while (self.last_time < end) {
+      self.last_time += self.period;
+      self.formed.state = self.machine.advance(
+          {.time = self.last_time, .ending = true, .arrived = self.guard.arrived()});
+      if (self.formed.state == DeviceState::kStopped) break;
+      self.form(self.device->retracted(), self.period);
+      if (self.emulator) self.send_to_emulator(self.last_time);
+    }
+  }
+  self.formed.state = DeviceState::kStopped;
+}
+
+bool Actuator::finished() const noexcept { return impl_->finished; }
+
+DeviceState Actuator::state() const noexcept {
+  return impl_->line ? impl_->line->state() : impl_->formed.state;
+}
+
+bool Actuator::connected() const noexcept { return !impl_->line || impl_->line->connected(); }
+
+bool Actuator::wait_until_connected(std::chrono::milliseconds timeout) const {
+  const auto until = std::chrono::steady_clock::now() + timeout;
+  while (!connected() && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return connected();
+}
+
+std::uint64_t Actuator::commands_sent() const noexcept {
+  return impl_->line ? impl_->line->commands_sent() : impl_->sent_to_emulator;
+}
+
+bool Actuator::read_servo_joints(JointAngles& joints) const noexcept {
+  const Impl& self = *impl_;
+  const MaestroEmulator* emulator =
+      self.terminal ? &self.terminal->emulator() : self.emulator.get();
+  if (emulator == nullptr) return self.line && self.line->read_joints(joints);
+  const auto servos = self.guard.servos();
+  joints.resize(static_cast<Eigen::Index>(servos.size()));
+  for (std::size_t i = 0; i < servos.size(); ++i) {
+    joints[static_cast<Eigen::Index>(i)] =
+        servos[i].joint(emulator->servo_pulse(servos[i].channel()));
+  }
+  return true;
+}
+
+const std::string& Actuator::port() const noexcept { return impl_->port; }
+
+std::optional<ActuatorEvent> Actuator::take_event() noexcept {
+  Impl& self = *impl_;
+  if (!self.line) return std::nullopt;
+  // One event for any number of losses since the last look, and in the order they happen.
+  if (self.line->times_lost() != self.losses_told && self.losses_told <= self.connections_told) {
+    ++self.losses_told;
+    return ActuatorEvent::kPortLost;
+  }
+  if (self.line->times_connected() != self.connections_told) {
+    ++self.connections_told;
+    return ActuatorEvent::kPortConnected;
+  }
+  if (self.line->times_stalled() != self.stalls_told) {
+    self.stalls_told = self.line->times_stalled();
+    return ActuatorEvent::kLoopStalled;
+  }
+  return std::nullopt;
+}
+
+std::string Actuator::message(ActuatorEvent event) const {
+  switch (event) {
+    case ActuatorEvent::kPortLost:
+      return fmt::format("port {} went away; the run goes on and tries to open it again",
+                         impl_->port);
+    case ActuatorEvent::kPortConnected:
+      return fmt::format("port {} is open", impl_->port);
+    case ActuatorEvent::kLoopStalled:
+      break;
+  }
+  return fmt::format("no command for {:.0f} ms; the device retracts", kStallTime * 1e3);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,60 @@
+#include "softfinger/actuation/device_state.hpp"
+
+namespace softfinger {
+namespace {
+
+// Times of ticks are sums of tick periods; equality must not hang on their last bit.
+constexpr double kTimeRounding = 1e-9;
+
+}  // namespace
+
+std::string_view state_name(DeviceState state) {
+  switch (state) {
+    case DeviceState::kDisconnected:
+      return "disconnected";
+    case DeviceState::kHoming:
+      return "homing";
+    case DeviceState::kReady:
+      return "ready";
+    case DeviceState::kRendering:
+      return "rendering";
+    case DeviceState::kHolding:
+      return "holding";
+    case DeviceState::kRetracting:
+      return "retracting";
+    case DeviceState::kStopped:
+      break;
+  }
+  return "stopped";
+}
+
+DeviceState DeviceStateMachine::advance(const Tick& tick) {
+  const double last_time = last_time_;
+  last_time_ = tick.time;
+  if (state_ == DeviceState::kStopped) return state_;
+
+  if (state_ == DeviceState::kRetracting && tick.arrived && !retracted_) {
+    retracted_ = true;
+    retracted_since_ = last_time;
+  }
+  if (!tick.tracked && !lost_) lost_since_ = tick.time;
+  lost_ = !tick.tracked;
+
+  const bool lost_long = lost_ && tick.time - lost_since_ >= kHoldTime - kTimeRounding;
+  if (tick.ending || tick.stalled || lost_long) {
+    if (tick.ending && retracted_ &&
+        tick.time - retracted_since_ > kRetractedRepeatTime + kTimeRounding) {
+      return state_ = DeviceState::kStopped;
+    }
+    return state_ = DeviceState::kRetracting;
+  }
+  if (lost_) return state_ = DeviceState::kHolding;
+  retracted_ = false;
+  const bool away = state_ == DeviceState::kRetracting || state_ == DeviceState::kHolding;
+  if (away || (state_ == DeviceState::kHoming && !tick.arrived)) {
+    return state_ = DeviceState::kHoming;
+  }
+  return state_ = tick.touching ? DeviceState::kRendering : DeviceState::kReady;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,262 @@
+#include "softfinger/actuation/maestro_line.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "softfinger/actuation/maestro_protocol.hpp"
+#include "softfinger/base/error.hpp"
+
+namespace softfinger {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kAttemptEvery{300};  ///< to open a port that is not there
+constexpr milliseconds kAnswerTime{60};     ///< for the positions after opening
+
+std::chrono::steady_clock::duration seconds(double s) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(s));
+}
+
+double to_seconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+MaestroLine::MaestroLine(std::shared_ptr<const Device> device, Options options)
+    : device_(std::move(device)),
+      options_(std::move(options)),
+      period_(seconds(1.0 / options_.rate)),
+      guard_(device_, device_->settings().transport->servos),
+      wanted_(Wanted{device_->home(), DeviceState::kHoming}),
+      report_(Report{device_->home(), false}),
+      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (wake_ < 0) throw OperationError("the system has no more event descriptors");
+}
+
+MaestroLine::~MaestroLine() {
+  finish();
+  ::close(wake_);
+}
+
+void MaestroLine::wake() noexcept {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t put = ::write(wake_, &one, sizeof one);
+}
+
+void MaestroLine::wait_until(Clock::time_point due) {
+  const auto left = std::chrono::nanoseconds(due - Clock::now()).count();
+  const timespec timeout{.tv_sec = std::max<std::int64_t>(left, 0) / 1'000'000'000,
+                         .tv_nsec = std::max<std::int64_t>(left, 0) % 1'000'000'000};
+  pollfd event{.fd = wake_, .events = POLLIN, .revents = 0};
+  if (::ppoll(&event, 1, &timeout, nullptr) <= 0) return;
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
+}
+
+void MaestroLine::drain() {
+  std::array<std::uint8_t, 64> noise;
+  while (port_.read(noise) == noise.size()) {
+  }
+}
+
+std::string MaestroLine::open() {
+  std::string reason = port_.open(options_.port, options_.baud);
+  if (!reason.empty()) return reason;
+  answers_ = learn_positions();
+  positions_unknown_ = !answers_;
+  machine_ = DeviceStateMachine();
+  connected_.store(true, std::memory_order_release);
+  state_ = DeviceState::kHoming;
+  return {};
+}
+
+void MaestroLine::start() {
+  start_ = Clock::now();
+  last_sent_ = start_ - period_;
+  thread_ = std::thread([this] { serve(); });
+}
+
+void MaestroLine::submit(const Configuration& q, DeviceState state) noexcept {
+  Wanted& draft = wanted_.draft();
+  draft.q = q;
+  draft.state = state;
+  wanted_.publish();
+  wake();
+}
+
+void MaestroLine::finish() noexcept {
+  if (!thread_.joinable()) return;
+  ending_ = true;
+  wake();
+  thread_.join();
+  port_.close();
+  connected_ = false;
+  state_ = DeviceState::kStopped;
+}
+
+bool MaestroLine::read_joints(JointAngles& joints) noexcept {
+  report_.refresh();
+  if (!report_.latest().known) return false;
+  joints = report_.latest().joints;
+  return true;
+}
+
+void MaestroLine::request_positions() {
+  std::array<std::uint8_t, 2 * kMaestroChannels> question;
+  std::size_t size = 0;
+  for (const ServoMap& servo : guard_.servos()) {
+    for (const std::uint8_t byte : encode_get_position(servo.channel())) question[size++] = byte;
+  }
+  port_.write(std::span(question).first(size));
+}
+
+bool MaestroLine::take_positions(JointAngles& joints) {
+  std::array<std::uint8_t, 4 * kMaestroChannels> answer;
+  const auto servos = guard_.servos();
+  // Anything but one whole answer is noise of the line, or an answer that came late.
+  if (port_.read(answer) != 2 * servos.size()) return false;
+  joints.resize(static_cast<Eigen::Index>(servos.size()));
+  for (std::size_t i = 0; i < servos.size(); ++i) {
+    const std::uint16_t position = decode_reply(answer[2 * i], answer[2 * i + 1]);
+    if (position == 0) return false;  // no pulses: the servo may be anywhere
+    joints[static_cast<Eigen::Index>(i)] = servos[i].joint_of_target(position);
+  }
+  return true;
+}
+
+bool MaestroLine::learn_positions() {
+  if (guard_.servos().empty()) return false;
+  port_.discard_input();
+  request_positions();
+  std::this_thread::sleep_for(kAnswerTime);
+  JointAngles joints;
+  Configuration q;
+  if (!take_positions(joints)) return false;
+  const JointLimits& limits = device_->joint_limits();
+  const double rounding = 2.0 * guard_.servos().front().resolution();
+  const bool within = ((joints - limits.min).array() >= -rounding).all() &&
+                      ((limits.max - joints).array() >= -rounding).all();
+  if (!within) return false;
+  joints = joints.cwiseMax(limits.min).cwiseMin(limits.max);
+  if (!device_->forward_kinematics(joints, q)) return false;
+  guard_.reset(q);
+  report_.draft() = Report{joints, true};
+  report_.publish();
+  return true;
+}
+
+void MaestroLine::note_loss() {
+  connected_.store(false, std::memory_order_release);
+  state_ = DeviceState::kDisconnected;
+  lost_.fetch_add(1, std::memory_order_release);
+  next_attempt_ = Clock::now() + kAttemptEvery;
+}
+
+void MaestroLine::try_to_connect(Clock::time_point now) {
+  if (now < next_attempt_) return;
+  if (open().empty()) {
+    connections_.fetch_add(1, std::memory_order_release);
+  } else {
+    next_attempt_ = Clock::now() + kAttemptEvery;
+  }
+}
+
+void MaestroLine::serve() {
+  // Before a fresh command is late, and between repeats.
+  const Clock::duration patience = period_ + period_ / 2;
+  // A command that comes early is sent early, but commands never crowd.
+  const Clock::duration spacing = options_.unpaced ? period_ : period_ / 2;
+  Clock::time_point due = Clock::now() + period_;
+  while (true) {
+    wait_until(due);
+    if (port_.is_open()) std::this_thread::sleep_until(last_sent_ + spacing);
+    const Clock::time_point now = Clock::now();
+    if (wanted_.refresh()) {
+      last_fresh_ = now;
+      fresh_ever_ = true;
+    }
+    if (!port_.is_open()) {
+      if (connected()) note_loss();
+      if (ending_) return;
+      try_to_connect(now);
+      if (!port_.is_open()) {
+        due = now + std::min<Clock::duration>(period_, kAttemptEvery);
+        continue;
+      }
+    }
+    if (!fresh_ever_) {
+      if (ending_) return;
+      drain();  // nothing to say yet
+      due = now + period_;
+      continue;
+    }
+    if (!tick(now)) return;
+    due = last_sent_ + (stalled_ || ending_ ? period_ : patience);
+  }
+}
+
+bool MaestroLine::tick(Clock::time_point now) {
+  const Clock::duration stall_time = std::max(seconds(kStallTime), 3 * period_);
+  const bool stalled = now - last_fresh_ >= stall_time;
+  if (stalled && !stalled_ && !ending_) stalls_.fetch_add(1, std::memory_order_release);
+  stalled_ = stalled;
+
+  if (answers_) {
+    Report& report = report_.draft();
+    report.known = take_positions(report.joints);
+    if (report.known) report_.publish();
+  } else {
+    drain();
+  }
+
+  if (positions_unknown_) {
+    // The servos may come from as far away as the joints reach; let them get to the first pose.
+    const JointLimits& limits = device_->joint_limits();
+    homing_until_ = now + seconds((limits.max - limits.min).maxCoeff() / limits.max_rate);
+    positions_unknown_ = false;
+  }
+
+  const Wanted& wanted = wanted_.latest();
+  DeviceState state = machine_.advance({.time = to_seconds(now - start_),
+                                        .touching = wanted.state == DeviceState::kRendering,
+                                        .ending = ending_,
+                                        .stalled = stalled && !ending_,
+                                        .arrived = guard_.arrived() && now >= homing_until_});
+  if (state == DeviceState::kStopped) return false;
+  const bool retracting = state == DeviceState::kRetracting;
+  // While it follows, what the loop says it does is what the device does.
+  if (state == DeviceState::kReady || state == DeviceState::kRendering) state = wanted.state;
+
+  // Elapsed wall time bounds the motion, and never more than one tick of it.
+  const double dt = to_seconds(std::min(now - last_sent_, period_));
+  if (now >= homing_until_) guard_.step(retracting ? device_->retracted() : wanted.q, dt);
+
+  std::array<std::uint8_t, 4 * kMaestroChannels> bytes;
+  std::size_t size = 0;
+  const auto servos = guard_.servos();
+  for (std::size_t i = 0; i < servos.size(); ++i) {
+    for (const std::uint8_t byte : encode_set_target(servos[i].channel(), guard_.targets()[i])) {
+      bytes[size++] = byte;
+    }
+  }
+  last_sent_ = now;
+  if (port_.write(std::span(bytes).first(size)) == SerialPort::Result::kSent) {
+    sent_.fetch_add(1, std::memory_order_relaxed);
+    state_.store(state, std::memory_order_relaxed);
+  }
+  if (answers_) request_positions();
+  if (!port_.is_open()) note_loss();
+  return true;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,152 @@
+#include "softfinger/actuation/motion_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger {
+namespace {
+
+/// No part of a fingertip device moves further than this (m); bounds wanted values before use.
+constexpr double kFarthest = 0.2;
+/// Halvings in a search on a segment: a millionth of its length.
+constexpr int kHalvings = 20;
+/// Points at which a way is looked at before a detour is given up.
+constexpr int kWayPoints = 16;
+/// Less of the allowed joint travel than this counts as being blocked.
+constexpr double kBlocked = 1e-2;
+/// Towards home by this much a try, where rounding to the wire would break a limit.
+constexpr double kPullBack = 2e-3;
+constexpr int kPullBacks = 4;
+
+Configuration between(const Configuration& from, const Configuration& to, double fraction) {
+  return from + fraction * (to - from);
+}
+
+/// Largest fraction in [0, 1] that is allowed, by halving; 0 is taken as allowed.
+template <typename Allowed>
+double largest_fraction(const Allowed& allowed) {
+  if (allowed(1.0)) return 1.0;
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (allowed(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+MotionGuard::MotionGuard(std::shared_ptr<const Device> device,
+                         std::span<const ServoSettings> servos)
+    : device_(std::move(device)), servos_(servos.begin(), servos.end()) {
+  reset(device_->home());
+}
+
+void MotionGuard::reset(const Configuration& q) {
+  by_home_ = false;
+  arrived_ = true;
+  Command command;
+  if (!form(q, command)) {
+    // Exactly on a limit: the next inside.
+    for (int i = 1; i <= kPullBacks; ++i) {
+      if (form(between(q, device_->home(), kPullBack * i), command)) break;
+    }
+  }
+  now_ = command;
+}
+
+Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
+  Configuration goal = wanted;
+  for (Eigen::Index i = 0; i < goal.size(); ++i) {
+    const double farthest = kFarthest / device_->axes()[static_cast<std::size_t>(i)].metric;
+    goal[i] = std::clamp(goal[i], -farthest, farthest);
+  }
+  const Configuration& home = device_->home();
+  const double fraction =
+      largest_fraction([&](double t) { return device_->reachable(between(home, goal, t)); });
+  return fraction == 1.0 ? goal : between(home, goal, fraction);
+}
+
+double MotionGuard::allowed_travel(int joint, double dt) const {
+  const double travel = device_->joint_limits().max_rate * dt;
+  if (servos_.empty()) return travel;
+  // Each rounding moves a joint by at most one step of the wire.
+  const double rounding = 2.0 * servos_[static_cast<std::size_t>(joint)].resolution();
+  return travel - std::min(rounding, 0.5 * travel);
+}
+
+bool MotionGuard::within_travel(const JointAngles& joints, double dt) const {
+  for (int i = 0; i < joints.size(); ++i) {
+    if (!(std::abs(joints[i] - now_.joints[i]) <= allowed_travel(i, dt))) return false;
+  }
+  return true;
+}
+
+double MotionGuard::allowed_fraction(const Configuration& goal, double dt) const {
+  return largest_fraction([&](double t) {
+    const Configuration q = between(now_.q, goal, t);
+    JointAngles joints;
+    return device_->reachable(q) && device_->inverse_kinematics(q, joints) &&
+           within_travel(joints, dt);
+  });
+}
+
+bool MotionGuard::way_is_clear(const Configuration& goal) const {
+  for (int i = 1; i <= kWayPoints; ++i) {
+    if (!device_->reachable(between(now_.q, goal, static_cast<double>(i) / kWayPoints))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool MotionGuard::form(const Configuration& q, Command& command) const {
+  command.q = q;
+  if (!device_->reachable(q) || !device_->inverse_kinematics(q, command.joints)) return false;
+  if (servos_.empty()) return true;
+  const JointLimits& limits = device_->joint_limits();
+  JointAngles sent = command.joints;
+  for (int i = 0; i < sent.size(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    command.targets[at] = servos_[at].target(sent[i], limits.min[i], limits.max[i]);
+    sent[i] = servos_[at].joint_of_target(command.targets[at]);
+  }
+  // Well inside the workspace rounding cannot carry it out; near its border, look.
+  const Configuration outward = between(device_->home(), q, 1.0 + kPullBack);
+  Configuration rounded;
+  return device_->reachable(outward) || device_->forward_kinematics(sent, rounded);
+}
+
+void MotionGuard::step(const Configuration& wanted, double dt) {
+  arrived_ = false;
+  if (wanted.size() != now_.q.size() || !wanted.allFinite() || !(dt > 0.0)) return;
+  const Configuration goal = allowed_goal(wanted);
+  if (by_home_ && way_is_clear(goal)) by_home_ = false;
+
+  Configuration stage = by_home_ ? device_->home() : goal;
+  double fraction = allowed_fraction(stage, dt);
+  if (fraction < 1.0 && !by_home_ && !way_is_clear(goal)) {
+    JointAngles reached;
+    const bool closes = device_->inverse_kinematics(between(now_.q, stage, fraction), reached);
+    const double travel = closes ? (reached - now_.joints).cwiseAbs().maxCoeff() : 0.0;
+    if (travel < kBlocked * device_->joint_limits().max_rate * dt) {
+      by_home_ = true;
+      stage = device_->home();
+      fraction = allowed_fraction(stage, dt);
+    }
+  }
+
+  const Configuration next = fraction == 1.0 ? stage : between(now_.q, stage, fraction);
+  Command command;
+  for (int i = 0; i <= kPullBacks; ++i) {
+    const Configuration q = i == 0 ? next : between(next, device_->home(), kPullBack * i);
+    if (form(q, command) && within_travel(command.joints, dt)) {
+      now_ = command;
+      arrived_ = fraction == 1.0 && !by_home_;
+      return;
+    }
+  }
+}
+
+}  // namespace softfinger

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "softfinger/actuation/maestro_protocol.hpp"
+#include "softfinger/actuation/servo_map.hpp"
+#include "softfinger/device/device.hpp"
+
+namespace softfinger {
+
+/// The last function before the wire. Whatever is wanted, what it gives
+/// - lies in the device's workspace: joint and tilt limits, no singularity,
+/// - is at most max_rate * dt in every joint away from what it gave before,
+/// both of the pulses as sent, after rounding to quarter microseconds.
+///
+/// It moves on straight lines between configurations, not between joint angles: the tilt limit is
+/// convex in q and not in the joints, so an interpolation of joint angles between two allowed poses
+/// could tilt too far on the way. A wanted q outside the workspace is replaced by the last
+/// reachable one on the segment from home to it; where the straight way is blocked (joint limits
+/// need not be convex in q) it goes by home. Wanted values that are no numbers are ignored: it
+/// holds.
+///
+/// Allocates nothing after construction, throws nothing.
+class MotionGuard {
+ public:
+  /// Stands at the device's home. One servo per joint, or none (targets are then not formed).
+  MotionGuard(std::shared_ptr<const Device> device, std::span<const ServoSettings> servos);
+
+  /// Takes q, which must be reachable, as where the device is.
+  void reset(const Configuration& q);
+  /// The next command towards `wanted`, dt (s) after the one before; dt <= 0 or NaN: no motion.
+  void step(const Configuration& wanted, double dt);
+
+  [[nodiscard]] const Configuration& configuration() const { return now_.q; }
+  /// Joint angles of configuration(), rad.
+  [[nodiscard]] const JointAngles& joints() const { return now_.joints; }
+  /// Targets of the servos in the order of joints, quarter microseconds.
+  [[nodiscard]] std::span<const std::uint16_t> targets() const {
+    return std::span(now_.targets).first(servos_.size());
+  }
+  [[nodiscard]] std::span<const ServoMap> servos() const { return servos_; }
+  /// Whether the last step reached what was wanted, or its nearest allowed.
+  [[nodiscard]] bool arrived() const { return arrived_; }
+
+ private:
+  struct Command {
+    Configuration q;
+    JointAngles joints;
+    std::array<std::uint16_t, kMaestroChannels> targets{};
+  };
+
+  /// wanted, made finite and brought into the workspace.
+  [[nodiscard]] Configuration allowed_goal(const Configuration& wanted) const;
+  /// Largest fraction of the way from the present q to `goal` that may be gone in one step.
+  [[nodiscard]] double allowed_fraction(const Configuration& goal, double dt) const;
+  [[nodiscard]] bool way_is_clear(const Configuration& goal) const;
+  /// Forms the command for q; false where it would break a limit once rounded.
+  bool form(const Configuration& q, Command& command) const;
+  /// Joint travel allowed in dt, less what rounding of two commands may add.
+  [[nodiscard]] double allowed_travel(int joint, double dt) const;
+  [[nodiscard]] bool within_travel(const JointAngles& joints, double dt) const;
+
+  std::shared_ptr<const Device> device_;
+  std::vector<ServoMap> servos_;
+  Command now_;
+  bool by_home_ = false;
+  bool arrived_ = true;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace softfinger {
+
+/// A serial line: 8 data bits, no parity, one stop bit, raw. Any tty, pseudo-terminals included.
+/// After open() nothing allocates, and nothing waits for the line. One thread at a time.
+class SerialPort {
+ public:
+  SerialPort();
+  ~SerialPort();
+  SerialPort(const SerialPort&) = delete;
+  SerialPort& operator=(const SerialPort&) = delete;
+
+  /// Opens a tty. Returns an empty text, or in few words why it cannot be opened.
+  [[nodiscard]] std::string open(const std::string& port, unsigned baud);
+  void close() noexcept;
+  [[nodiscard]] bool is_open() const noexcept;
+
+  enum class Result {
+    kSent,  ///< handed to the line, or kept to go first at the next call
+    kBusy,  ///< earlier bytes still wait, these were not taken
+    kGone,  ///< the port vanished; it is closed now
+  };
+  /// Writes all of `bytes` (at most kMaxWrite) or none, so that no command is ever cut in two.
+  Result write(std::span<const std::uint8_t> bytes) noexcept;
+  static constexpr std::size_t kMaxWrite = 512;
+
+  /// Takes what has arrived, without waiting; returns how many bytes. Closes a port that vanished.
+  std::size_t read(std::span<std::uint8_t> out) noexcept;
+  /// Forgets what has arrived and not been read.
+  void discard_input() noexcept;
+
+ private:
+  bool flush() noexcept;  ///< false: vanished
+
+  struct Line;
+  std::unique_ptr<Line> line_;
+  std::array<std::uint8_t, kMaxWrite> waiting_{};
+  std::size_t waiting_from_ = 0;
+  std::size_t waiting_to_ = 0;
+};
+
+}  // namespace softfinger
