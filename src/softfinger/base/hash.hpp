@@ -14,8 +14,7 @@ class Hash {
  public:
   Hash();
 
-  /// Takes in the bytes of `values`. Types whose bytes are not all value (padding, bool aside) are
-  /// refused at compile time unless they are made of floating point, as Eigen's fixed vectors are.
+  /// Takes in the bytes of `values`; their type must have no padding.
   template <typename T>
   requires std::is_trivially_copyable_v<T> Hash& add(std::span<const T> values) {
     add_bytes(std::as_bytes(values));
