@@ -24,19 +24,21 @@ struct SceneFinger {
   std::filesystem::path model;                   ///< finger file, resolved
   std::optional<std::filesystem::path> device;   ///< device file, resolved
   std::string tracker = "script";                ///< as written: script, csv:FILE, ...
-  std::vector<Waypoint> waypoints;               ///< X_WFt; only for tracker "script"
+  std::vector<Waypoint> waypoints;               ///< X_WFt; only tracker "script" uses them
 };
 
 /// What one run explores. Built from a scene file (TOML, keys in docs/files.md).
 struct Scene {
   std::filesystem::path file;
+  std::string description;  ///< one line for people; may be empty
   std::vector<SceneFinger> fingers;
   std::vector<VirtualObject> objects;
   double simulation_rate = 1000.0;  ///< Hz
 };
 
-/// Reads and checks a scene file; the finger and device files it names are not opened.
-/// Throws InputError with file, line and key.
-[[nodiscard]] Scene load_scene(const std::filesystem::path& file);
+/// Reads and checks a scene file; the finger, device and pose files it names are not opened.
+/// `trackers_given`: trackers are named elsewhere (`--tracker`), so a finger with tracker "script"
+/// may do without waypoints. Throws InputError with file, line and key.
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file, bool trackers_given = false);
 
 }  // namespace softfinger

@@ -1,0 +1,184 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "softfinger/base/config_file.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/tracker_kind.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/scene/scene.hpp"
+
+namespace softfinger {
+
+namespace {
+
+// Ranges in the units of the file: beyond them a number is a slip of the pen, and arithmetic on it
+// would lose the micrometres that contact lives on.
+const Range kSize{.min = 0.01, .max = 1e5};         // mm
+const Range kPosition = Range::between(-1e5, 1e5);  // mm
+const Range kRotation = Range::between(-1e4, 1e4);  // deg
+const Range kTime = Range::between(0.0, 1e6);       // s
+const Range kFriction = Range::between(0.0, 10.0);
+const Range kSimulationRate = Range::between(100.0, 20000.0);  // Hz
+constexpr double kDefaultEdgeRadius = 1.0 * mm;
+
+const std::vector<std::string> kShapes{"plane", "sphere", "box", "cylinder"};
+
+/// rotation_vector_deg may be left out, and position_mm where `fallback` has one.
+Pose read_pose(const ConfigTable& table, const Pose* fallback) {
+  Pose pose;
+  if (fallback == nullptr) {
+    pose.translation = table.numbers("position_mm", 3, kPosition);
+  } else {
+    pose.translation = table.numbers("position_mm", 3, kPosition, fallback->translation);
+  }
+  if (fallback != nullptr && !table.has("rotation_vector_deg")) {
+    (void)table.numbers("rotation_vector_deg", 3, kRotation,
+                        log_rotation(fallback->rotation));  // for the file as read
+    pose.rotation = fallback->rotation;
+  } else {
+    const Vector3 turn = table.numbers("rotation_vector_deg", 3, kRotation, Vector3::Zero());
+    pose.rotation = exp_rotation(turn);
+  }
+  return pose;
+}
+
+/// `[[waypoint]]` tables; `fallback`: the pose an object has where a waypoint does not say.
+std::vector<Waypoint> read_waypoints(const ConfigTable& owner, const Pose* fallback) {
+  std::vector<Waypoint> waypoints;
+  for (const ConfigTable& table : owner.tables("waypoint")) {
+    const double time = table.number("time_s", kTime);
+    if (!waypoints.empty() && !(time > waypoints.back().time)) {
+      table.fail("time_s", fmt::format("times of waypoints must increase, found {} after {}", time,
+                                       waypoints.back().time));
+    }
+    waypoints.push_back({time, read_pose(table, fallback)});
+  }
+  return waypoints;
+}
+
+/// Default 1 mm, and at most `limit` (m), the least half size.
+double read_edge_radius(const ConfigTable& table, double limit) {
+  const double radius =
+      table.number("edge_radius_mm", Range::at_least(0.0), std::min(kDefaultEdgeRadius, limit));
+  if (radius > limit * (1.0 + 1e-9)) {
+    table.fail("edge_radius_mm", fmt::format("must be at most the least half size, {:.6g}, found "
+                                             "{:.6g}",
+                                             limit / mm, radius / mm));
+  }
+  return std::min(radius, limit);
+}
+
+Shape read_shape(const ConfigTable& table, const std::string& shape) {
+  if (shape == "plane") return HalfSpace{};
+  if (shape == "sphere") return Ball{table.number("radius_mm", kSize)};
+  if (shape == "box") {
+    const Vector3 half_size = 0.5 * table.numbers("size_mm", 3, kSize);
+    return RoundedBox{half_size, read_edge_radius(table, half_size.minCoeff())};
+  }
+  const double radius = table.number("radius_mm", kSize);
+  const double half_length = 0.5 * table.number("length_mm", kSize);
+  return RoundedCylinder{radius, half_length,
+                         read_edge_radius(table, std::min(radius, half_length))};
+}
+
+/// shape, shape_2, shape_3, ... whichever is free.
+std::string free_name(const std::string& shape, const std::set<std::string>& taken) {
+  std::string name = shape;
+  for (int k = 2; taken.contains(name); ++k) name = fmt::format("{}_{}", shape, k);
+  return name;
+}
+
+VirtualObject read_object(const ConfigTable& table, const std::string& default_name) {
+  const std::string shape = table.choice("shape", kShapes);
+  VirtualObject object{.name = table.text("name", default_name),
+                       .shape = read_shape(table, shape),
+                       .motion = Trajectory(),
+                       .friction_coefficient = {}};
+  const Pose origin;
+  const Pose X_WO = read_pose(table, &origin);
+  object.friction_coefficient = table.optional_number("friction_coefficient", kFriction);
+  auto waypoints = read_waypoints(table, &X_WO);
+  object.motion = waypoints.empty() ? Trajectory(X_WO) : Trajectory(std::move(waypoints));
+  return object;
+}
+
+/// Names of fingers stand before the = of --device NAME=FILE and in file names.
+bool is_finger_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, allowed);
+}
+
+SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
+  SceneFinger finger;
+  finger.name = table.text("name");
+  if (!is_finger_name(finger.name)) {
+    table.fail("name", "expected 1 to 64 letters, digits, - or _");
+  }
+  finger.model = table.path("model");
+  finger.device = table.optional_path("device");
+  finger.tracker = table.text("tracker", "script");
+  TrackerSpec tracker;
+  try {
+    tracker = parse_tracker_spec(finger.tracker);
+  } catch (const InputError& error) {
+    table.fail("tracker", error.what());
+  }
+  finger.waypoints = read_waypoints(table, nullptr);
+  if (tracker.kind == TrackerKind::kScript && finger.waypoints.empty() && !trackers_given) {
+    table.finish();  // a misspelt key may be the reason
+    table.fail("tracker", "tracker script needs at least one [[finger.waypoint]]");
+  }
+  return finger;
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file, bool trackers_given) {
+  const ConfigFile config(file);
+  const ConfigTable root = config.root();
+  Scene scene;
+  scene.file = file;
+  scene.description = root.text("description", "");
+  const auto fingers = root.tables("finger");
+  const auto objects = root.tables("object");
+  const ConfigTable rates = root.table_or_empty("rates");
+  scene.simulation_rate = rates.number("simulation_Hz", kSimulationRate, scene.simulation_rate);
+  if (fingers.empty()) {
+    root.finish();  // a misspelt key may be the reason
+    root.fail("finger", "a scene needs at least one [[finger]]");
+  }
+
+  std::set<std::string> names;
+  for (const ConfigTable& table : fingers) {
+    scene.fingers.push_back(read_finger(table, trackers_given));
+    if (!names.insert(scene.fingers.back().name).second) {
+      table.fail("name", fmt::format("two fingers are named '{}'", scene.fingers.back().name));
+    }
+  }
+  // Given names first: a default must not take the name that a later object bears.
+  names.clear();
+  for (const ConfigTable& table : objects) {
+    if (!table.has("name")) continue;
+    const std::string name = table.text("name");
+    if (name.empty()) table.fail("name", "expected a name, found an empty text");
+    if (!names.insert(name).second) {
+      table.fail("name", fmt::format("two objects are named '{}'", name));
+    }
+  }
+  for (const ConfigTable& table : objects) {
+    const std::string shape = table.choice("shape", kShapes);
+    scene.objects.push_back(read_object(table, free_name(shape, names)));
+    names.insert(scene.objects.back().name);
+  }
+  root.finish();
+  return scene;
+}
+
+}  // namespace softfinger
