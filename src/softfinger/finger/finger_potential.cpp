@@ -56,6 +56,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
 void FingerPotential::forget() {
   has_factor_ = false;
   elastic_.reset(work_);
+  cache_is_current_ = false;
 }
 
 void FingerPotential::begin(const Step& step) {

@@ -137,8 +137,8 @@ std::span<const Vector3> FingerSimulation::velocities() const {
 std::uint64_t FingerSimulation::state_hash() const {
   const Implementation& self = *implementation_;
   Hash hash;
-  hash.add(std::span<const Vector3>(self.positions));
-  hash.add(std::span<const Vector3>(self.velocities));
+  for (const Vector3& x : self.positions) hash.add(x);
+  for (const Vector3& v : self.velocities) hash.add(v);
   hash.add(self.bone.X_WF.translation);
   hash.add(self.bone.X_WF.rotation);
   hash.add(self.bone.velocity);
