@@ -1,0 +1,81 @@
+"""tools/check_layers must find each kind of violation, and only those."""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CHECK = pathlib.Path(__file__).resolve().parents[2] / "tools" / "check_layers"
+TABLE = """# Architecture
+
+| module | subject | may include (besides base) |
+| --- | --- | --- |
+| base | units | std, Eigen |
+| geometry | poses | |
+| device | what touches back | geometry |
+| engine | the loop | all above |
+| viewer | the page | engine, geometry |
+| rendering.hpp (beside the modules) | the door | all but viewer |
+| apps/softfinger | the command line | all |
+"""
+
+
+class CheckLayers(unittest.TestCase):
+    def run_on(self, files):
+        """Output of the check on a tree that holds these files."""
+        with tempfile.TemporaryDirectory() as folder:
+            for path, text in {"docs/architecture.md": TABLE, **files}.items():
+                file = pathlib.Path(folder, path)
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(text)
+            run = subprocess.run([sys.executable, CHECK, folder], capture_output=True, text=True)
+            self.assertEqual(run.returncode, 1 if run.stdout else 0, run.stderr)
+            return run.stdout
+
+    def test_allowed_includes_pass(self):
+        self.assertEqual("", self.run_on({
+            "src/softfinger/device/device.hpp":
+                '#include <vector>\n#include <Eigen/Core>\n#include "softfinger/geometry/pose.hpp"\n'
+                '#include "softfinger/base/units.hpp"\n#include "softfinger/device/tilt.hpp"\n',
+            "src/softfinger/device/device.cpp": "#include <fmt/core.h>\n",
+            "src/softfinger/engine/loop.cpp": '#include "softfinger/device/device.hpp"\n',
+            "src/softfinger/rendering.cpp": '#include "softfinger/engine/loop.hpp"\n',
+            "apps/softfinger/main.cpp":
+                '#include "commands.hpp"\n#include "softfinger/viewer/server.hpp"\n#include "softfinger/rendering.hpp"\n',
+        }))
+
+    def test_include_against_the_order_is_named_with_its_line(self):
+        output = self.run_on({"src/softfinger/geometry/pose.cpp": '\n#include "softfinger/device/device.hpp"\n'})
+        self.assertIn("src/softfinger/geometry/pose.cpp:2: geometry may not include device", output)
+
+    def test_what_stands_above_but_not_on_the_line(self):
+        self.assertIn("viewer may not include device", self.run_on(
+            {"src/softfinger/viewer/server.cpp": '#include "softfinger/device/device.hpp"\n'}))
+
+    def test_door_may_not_include_the_viewer(self):
+        self.assertIn("may not include viewer", self.run_on(
+            {"src/softfinger/rendering.hpp": '#include "softfinger/viewer/server.hpp"\n'}))
+
+    def test_no_module_goes_through_the_door(self):
+        self.assertIn("may not include the public door", self.run_on(
+            {"src/softfinger/engine/loop.cpp": '#include "softfinger/rendering.hpp"\n'}))
+
+    def test_third_party_header_in_a_header(self):
+        self.assertIn("third-party header <fmt/core.h>", self.run_on(
+            {"src/softfinger/base/text.hpp": "#include <fmt/core.h>\n"}))
+
+    def test_include_path_is_the_path_in_the_tree(self):
+        self.assertIn('write "softfinger/<module>/pose.hpp"', self.run_on(
+            {"src/softfinger/geometry/pose.cpp": '#include "pose.hpp"\n'}))
+
+    def test_folder_without_a_line(self):
+        self.assertIn("belongs to no line", self.run_on({"src/softfinger/utils/text.cpp": "int x;\n"}))
+
+    def test_links_follow_the_same_table(self):
+        self.assertIn("geometry may not link device", self.run_on(
+            {"src/softfinger/geometry/CMakeLists.txt": "softfinger_module(geometry MODULES device LIBRARIES fmt::fmt)\n"}))
+
+
+if __name__ == "__main__":
+    unittest.main()
