@@ -244,20 +244,17 @@ void RecordingWriter::push(const TickRecord& record) {
   push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);
 }
 
-// Steps before ticks: a step never names a tick that was not handed over before it.
-bool RecordingWriter::drain() {
-  bool any = false;
+// One round: what is there now, at most a ring full. Steps before ticks, and no commit between: a
+// step never names a tick that was not handed over before it, so none is committed without it.
+void RecordingWriter::drain() {
   const auto take = [&](auto& ring) {
-    while (auto* record = ring.front()) {
+    for (std::size_t i = 0; i < ring.capacity(); ++i) {
+      const auto* record = ring.front();
+      if (record == nullptr) return;
       if (!failed_) {
         try {
           database_->begin();
           database_->write(*record);
-          any = true;
-          // A burst longer than the interval is committed in parts.
-          if (Clock::now() - database_->began > std::chrono::duration<double>(kCommitInterval)) {
-            database_->commit();
-          }
         } catch (const SqliteFailure&) {
           failed_ = true;
         }
@@ -267,7 +264,6 @@ bool RecordingWriter::drain() {
   };
   take(steps_);
   for (auto& ring : ticks_) take(*ring);
-  return any;
 }
 
 void RecordingWriter::write_until_closed() {

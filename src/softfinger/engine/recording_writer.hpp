@@ -61,7 +61,7 @@ class RecordingWriter {
   template <typename Record>
   void push_to(RingBuffer<Record>& ring, const Record& record);
   void write_until_closed();
-  bool drain();
+  void drain();
 
   std::filesystem::path file_;
   WhenFull when_full_;

@@ -33,10 +33,15 @@ struct RunSetup {
   Scene scene;                                             ///< overrides applied
   std::vector<std::shared_ptr<const FingerModel>> models;  ///< one per finger
   std::vector<std::shared_ptr<const Device>> devices;      ///< one per finger; null: none
+  /// One per finger: what a file in its tracker's name is relative to.
+  std::vector<std::filesystem::path> tracker_directories;
 };
 
 /// Reads the scene and every file it names. Throws InputError.
 [[nodiscard]] std::shared_ptr<const RunSetup> load_setup(const RunOptions& options);
+
+/// The device's ticks per second; 30 for a device file without a transport. Hz.
+[[nodiscard]] double device_rate(const Device& device);
 
 /// What a recording says of this setup; reads the files once more.
 [[nodiscard]] RecordingInfo recording_info(const RunSetup& setup);

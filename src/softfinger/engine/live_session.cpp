@@ -1,0 +1,177 @@
+#include "softfinger/engine/live_session.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/engine/scene_snapshot.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
+/// More requests than this at a time are not from a person.
+constexpr std::size_t kMostRequests = 32;
+
+void observe(SceneRun& run, const RunObserver& observer) {
+  while (const auto message = run.take_message()) {
+    if (observer.message) observer.message(*message);
+  }
+  if (observer.progress) observer.progress(run.time(), run.duration());
+}
+
+std::vector<std::string> scenes_beside(const fs::path& scene) {
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path directory = scene.has_parent_path() ? scene.parent_path() : fs::path(".");
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// "run.db" for generation 1, "run-2.db" for generation 2.
+fs::path recording_of(const fs::path& file, std::uint64_t generation) {
+  if (generation == 1) return file;
+  fs::path numbered = file;
+  numbered.replace_filename(
+      fmt::format("{}-{}{}", file.stem().string(), generation, file.extension().string()));
+  return numbered;
+}
+
+}  // namespace
+
+RunSummary run_headless(const RunOptions& options, const std::atomic<bool>& stop,
+                        const RunObserver& observer, SceneRun::Hooks hooks) {
+  SceneRun run(load_setup(options), options, SceneRun::Mode::kHeadless, 1, std::move(hooks));
+  run.start();
+  while (!run.ended()) {
+    if (stop.load()) run.stop();
+    observe(run, observer);
+    std::this_thread::sleep_for(kPollInterval);
+  }
+  RunSummary summary = run.finish();
+  observe(run, observer);
+  return summary;
+}
+
+LiveSession::LiveSession(const RunOptions& options, bool repeat, SceneRun::Hooks hooks)
+    : options_(options),
+      repeat_(repeat),
+      hooks_(std::move(hooks)),
+      scene_names_(scenes_beside(options.scene)) {
+  begin(load_setup(options_));
+  viewed_ = run_;
+}
+
+LiveSession::~LiveSession() = default;
+
+void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
+  ++generation_;
+  setup_ = std::move(setup);
+  RunOptions options = options_;
+  if (options.recording) options.recording = recording_of(*options.recording, generation_);
+  auto run =
+      std::make_shared<SceneRun>(setup_, options, SceneRun::Mode::kLive, generation_, hooks_);
+  auto description = std::make_shared<SceneDescription>(describe(*setup_));
+  description->generation = generation_;
+  description->scene_names = scene_names_;
+  description->duration = run->duration().value_or(0.0);
+  const std::lock_guard lock(mutex_);
+  run_ = std::move(run);
+  description_ = std::move(description);
+}
+
+bool LiveSession::take_request(LiveRequest& request) {
+  const std::lock_guard lock(mutex_);
+  if (requests_.empty()) return false;
+  request = requests_.front();
+  requests_.erase(requests_.begin());
+  return true;
+}
+
+RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& observer) {
+  RunSummary summary;
+  bool again = true;
+  while (again) {
+    again = false;
+    run_->start();
+    std::shared_ptr<const RunSetup> next;
+    while (!run_->ended()) {
+      observe(*run_, observer);
+      if (stop.load()) run_->stop();
+      LiveRequest request;
+      while (!next && take_request(request)) {
+        switch (request.kind) {
+          case LiveRequest::Kind::kPause:
+            run_->set_paused(true);
+            break;
+          case LiveRequest::Kind::kResume:
+            run_->set_paused(false);
+            break;
+          case LiveRequest::Kind::kRestart:
+            next = setup_;
+            break;
+          case LiveRequest::Kind::kScene:
+            next = other_scene(request.scene, observer);
+            break;
+        }
+      }
+      if (next) run_->stop();
+      std::this_thread::sleep_for(kPollInterval);
+    }
+    if (!next && repeat_ && !stop.load()) next = setup_;
+    summary = run_->finish();
+    observe(*run_, observer);
+    if (next && !stop.load()) {
+      begin(std::move(next));
+      again = true;
+    }
+  }
+  return summary;
+}
+
+std::shared_ptr<const RunSetup> LiveSession::other_scene(const std::string& name,
+                                                         const RunObserver& observer) {
+  if (std::find(scene_names_.begin(), scene_names_.end(), name) == scene_names_.end()) {
+    return nullptr;
+  }
+  RunOptions options = options_;
+  options.scene = options_.scene.parent_path() / (name + ".toml");
+  try {
+    return load_setup(options);
+  } catch (const InputError& error) {
+    if (observer.message) observer.message(error.what());
+    return nullptr;
+  }
+}
+
+std::shared_ptr<const SceneDescription> LiveSession::description() {
+  const std::lock_guard lock(mutex_);
+  return description_;
+}
+
+bool LiveSession::refresh() {
+  bool changed = false;
+  {
+    const std::lock_guard lock(mutex_);
+    changed = viewed_ != run_;
+    viewed_ = run_;
+  }
+  return viewed_->snapshots().refresh() || changed;
+}
+
+const Snapshot& LiveSession::latest() const { return viewed_->snapshots().latest(); }
+
+void LiveSession::request(const LiveRequest& request) {
+  const std::lock_guard lock(mutex_);
+  if (requests_.size() < kMostRequests) requests_.push_back(request);
+}
+
+}  // namespace softfinger

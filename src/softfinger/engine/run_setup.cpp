@@ -1,0 +1,113 @@
+#include "softfinger/engine/run_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "softfinger/base/config_file.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/instruction_set.hpp"
+#include "softfinger/device/device_file.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Calls set(finger, value) for each "[NAME=]VALUE".
+template <typename Set>
+void apply_overrides(const std::vector<std::string>& overrides, const char* flag, Scene& scene,
+                     const Set& set) {
+  for (const std::string& text : overrides) {
+    std::size_t finger = 0;
+    std::string value = text;
+    const std::size_t equals = text.find('=');
+    bool named = false;
+    if (equals != std::string::npos) {
+      for (std::size_t i = 0; i < scene.fingers.size() && !named; ++i) {
+        if (scene.fingers[i].name != text.substr(0, equals)) continue;
+        named = true;
+        finger = i;
+        value = text.substr(equals + 1);
+      }
+    }
+    if (!named && scene.fingers.size() > 1) {
+      std::vector<std::string> names;
+      for (const SceneFinger& each : scene.fingers) names.push_back(each.name);
+      throw InputError(
+          fmt::format("{} {}: the scene has several fingers, give NAME=... with one of "
+                      "{}",
+                      flag, text, fmt::join(names, ", ")));
+    }
+    set(finger, value);
+  }
+}
+
+std::string content_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
+
+}  // namespace
+
+std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
+  auto setup = std::make_shared<RunSetup>();
+  setup->scene = load_scene(options.scene);
+  Scene& scene = setup->scene;
+  setup->tracker_directories.assign(scene.fingers.size(), scene.file.parent_path());
+  apply_overrides(options.devices, "--device", scene,
+                  [&](std::size_t i, const std::string& file) { scene.fingers[i].device = file; });
+  apply_overrides(options.trackers, "--tracker", scene,
+                  [&](std::size_t i, const std::string& spec) {
+                    scene.fingers[i].tracker = spec;
+                    setup->tracker_directories[i].clear();
+                  });
+  for (const SceneFinger& finger : scene.fingers) {
+    setup->models.push_back(FingerModel::load(finger.model));
+    setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);
+  }
+  return setup;
+}
+
+double device_rate(const Device& device) {
+  const auto& transport = device.settings().transport;
+  return transport ? transport->rate : TransportSettings{}.rate;
+}
+
+RecordingInfo recording_info(const RunSetup& setup) {
+  RecordingInfo info;
+  info.program_version = SOFTFINGER_VERSION;
+  info.instruction_set = name_of(active_instruction_set());
+  info.scene = absolute_path(setup.scene.file);
+  info.simulation_rate = setup.scene.simulation_rate;
+  const auto add_file = [&](const fs::path& file) {
+    info.files.push_back({absolute_path(file), content_of(file)});
+  };
+  add_file(setup.scene.file);
+  for (std::size_t i = 0; i < setup.scene.fingers.size(); ++i) {
+    const SceneFinger& scene_finger = setup.scene.fingers[i];
+    RecordingInfo::Finger finger;
+    finger.name = scene_finger.name;
+    finger.model = absolute_path(scene_finger.model);
+    finger.tracker = scene_finger.tracker;
+    add_file(scene_finger.model);
+    add_file(ConfigFile(scene_finger.model).root().table("mesh").path("file"));
+    if (const Device* device = setup.devices[i].get()) {
+      finger.device = absolute_path(*scene_finger.device);
+      finger.joints = device->joint_count();
+      finger.device_rate = device_rate(*device);
+      for (const ConfigurationAxis& axis : device->axes()) {
+        finger.configuration_names.push_back(axis.name);
+      }
+      add_file(*scene_finger.device);
+    }
+    info.fingers.push_back(std::move(finger));
+  }
+  return info;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,353 @@
+#include "softfinger/engine/scene_run.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/engine/device_clock.hpp"
+#include "softfinger/engine/device_loop.hpp"
+#include "softfinger/engine/finger_loop.hpp"
+#include "softfinger/engine/scene_snapshot.hpp"
+#include "softfinger/engine/step_pacer.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
+
+namespace softfinger {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kSnapshotRate = 60.0;  // Hz
+constexpr auto kPausedInterval = std::chrono::milliseconds(5);
+
+/// A mailbox draft has to have its full size before the loop starts.
+TickInput initial_input(std::size_t samples) {
+  TickInput input;
+  input.contact.samples.resize(samples);
+  return input;
+}
+
+}  // namespace
+
+/// What a device tick is about.
+struct TickContext {
+  std::int64_t step;
+  double time;
+  bool tracked;
+  Clock::time_point arrival;
+};
+
+struct SceneRun::Finger {
+  Finger(std::int64_t index, const RunSetup& setup, const RunOptions& options, Mode mode)
+      : loop(index, setup.models[static_cast<std::size_t>(index)], setup.scene.objects,
+             setup.scene.simulation_rate, options.record_state && options.recording),
+        clock(setup.scene.simulation_rate, 1.0) {
+    const auto i = static_cast<std::size_t>(index);
+    const SceneFinger& scene_finger = setup.scene.fingers[i];
+    tracker =
+        make_tracker(scene_finger.tracker, setup.tracker_directories[i], scene_finger.waypoints);
+    const std::size_t samples = setup.models[i]->sample_nodes.size();
+    if (!setup.devices[i]) return;
+    clock = DeviceClock(setup.scene.simulation_rate, device_rate(*setup.devices[i]));
+    ActuatorOptions actuator;
+    actuator.wait_for_device = options.wait_for_device;
+    actuator.simulated_time = mode == Mode::kHeadless && options.as_fast_as_possible;
+    device = std::make_unique<DeviceLoop>(index, setup.devices[i], samples, actuator);
+    feedback.emplace(initial_feedback(*device));
+    input.emplace(initial_input(samples));
+  }
+
+  FingerLoop loop;
+  DeviceClock clock;
+  std::unique_ptr<Tracker> tracker;
+  std::unique_ptr<DeviceLoop> device;  // null: none
+  std::int64_t known_tick = -1;        // newest tick known to the simulation
+  std::uint64_t known_tick_hash = 0;
+  double known_match_time = 0.0;
+  TickContext last_sent{};
+  FingerSummary summary;  // simulation thread
+
+  // Live: between the simulation thread and this finger's device thread.
+  std::optional<Mailbox<TickInput>> input;
+  std::optional<Mailbox<DeviceFeedback>> feedback;
+  std::atomic<std::uint32_t> doorbell{0};
+  std::thread thread;
+  FingerSummary device_summary;  // device thread
+};
+
+SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& options, Mode mode,
+                   std::uint64_t generation, Hooks hooks)
+    : setup_(std::move(setup)),
+      mode_(mode),
+      paced_(mode == Mode::kLive || !options.as_fast_as_possible),
+      rate_(setup_->scene.simulation_rate),
+      hooks_(std::move(hooks)),
+      generation_(generation),
+      snapshot_interval_(
+          std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))) {
+  StepRecord largest;
+  for (std::size_t i = 0; i < setup_->scene.fingers.size(); ++i) {
+    fingers_.push_back(
+        std::make_unique<Finger>(static_cast<std::int64_t>(i), *setup_, options, mode));
+    const StepRecord& record = fingers_.back()->loop.record();
+    if (record.nodes_W.size() > largest.nodes_W.size()) largest.nodes_W = record.nodes_W;
+    if (record.samples.size() > largest.samples.size()) largest.samples = record.samples;
+  }
+  std::optional<double> end = options.duration;
+  if (!end) {
+    end = 0.0;
+    for (const auto& finger : fingers_) {
+      const std::optional<double> one = finger->tracker->end_time();
+      end = end && one ? std::optional(std::max(*end, *one)) : std::nullopt;
+    }
+  }
+  // A duration that is a whole number of steps up to rounding is that number.
+  if (end) total_steps_ = static_cast<std::int64_t>(std::ceil(*end * rate_ - 1e-6));
+
+  Snapshot snapshot = initial_snapshot(*setup_);
+  snapshot.generation = generation_;
+  for (std::size_t i = 0; i < fingers_.size(); ++i) {
+    if (fingers_[i]->device) fill(snapshot.fingers[i], fingers_[i]->feedback->latest());
+  }
+  snapshots_.emplace(snapshot);
+
+  if (options.recording) {
+    RecordingInfo info = recording_info(*setup_);
+    info.live = mode == Mode::kLive;
+    info.with_state = options.record_state;
+    recording_ = std::make_unique<RecordingWriter>(
+        *options.recording, info,
+        mode == Mode::kLive ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
+        largest);
+  }
+}
+
+SceneRun::~SceneRun() {
+  end_threads();
+  retract_devices();
+}
+
+void SceneRun::start() {
+  for (const auto& finger : fingers_) {
+    if (finger->device && mode_ == Mode::kLive) {
+      finger->thread = std::thread([this, &served = *finger] { serve_device(served); });
+    }
+  }
+  thread_ = std::thread([this] { simulate(); });
+}
+
+double SceneRun::time() const noexcept { return static_cast<double>(step_.load()) / rate_; }
+
+std::optional<double> SceneRun::duration() const {
+  if (!total_steps_) return std::nullopt;
+  return static_cast<double>(*total_steps_) / rate_;
+}
+
+void SceneRun::simulate() {
+  StepPacer::sharpen_timer();
+  for (const auto& finger : fingers_) {
+    finger->loop.start(finger->tracker->sample(0.0));
+    const StepRecord& record = finger->loop.seal(-1, 0);
+    if (recording_) recording_->push(record);
+  }
+  StepPacer pacer(rate_);
+  std::int64_t step = 0;
+  while (!stopping_.load(std::memory_order_relaxed) && !(total_steps_ && step >= *total_steps_)) {
+    if (paused_.load(std::memory_order_relaxed) && mode_ == Mode::kLive) {
+      keep_devices_alive();
+      publish_snapshot(step, false);
+      std::this_thread::sleep_for(kPausedInterval);
+      pacer.restart(step + 1);
+      continue;
+    }
+    ++step;
+    simulate_step(step);
+    step_.store(step, std::memory_order_relaxed);
+    if (mode_ == Mode::kLive && step % snapshot_interval_ == 0) publish_snapshot(step, false);
+    if (paced_) {
+      pacer.wait(step);
+      deadline_misses_.store(pacer.misses(), std::memory_order_relaxed);
+    }
+    if (step == 1 && hooks_.on_loop_thread) hooks_.on_loop_thread();
+  }
+  if (mode_ == Mode::kLive) publish_snapshot(step, true);
+  ended_.store(true);
+}
+
+void SceneRun::simulate_step(std::int64_t step) {
+  const double time = static_cast<double>(step) / rate_;
+  for (const auto& each : fingers_) {
+    Finger& finger = *each;
+    const Clock::time_point arrival = Clock::now();
+    const TrackedPose tracked = finger.tracker->sample(time);
+    finger.loop.step(step, tracked);
+    if (finger.device) {
+      const bool due = finger.clock.ticks(step);
+      const TickContext context{step, time, tracked.valid, arrival};
+      if (mode_ == Mode::kHeadless) {
+        if (due) tick_here(finger, context);
+      } else {
+        if (due) send_to_device(finger, context);
+        if (finger.feedback->refresh()) {
+          const TickRecord& tick = finger.feedback->latest().tick;
+          finger.known_tick = tick.tick;
+          finger.known_tick_hash = tick.hash;
+          finger.known_match_time = tick.cpu_time;
+        }
+      }
+    }
+    const StepRecord& record = finger.loop.seal(finger.known_tick, finger.known_tick_hash);
+    if (recording_) recording_->push(record);
+    finger.summary.add(record);
+  }
+}
+
+void SceneRun::tick_here(Finger& finger, const TickContext& context) {
+  const TickRecord& tick = finger.device->tick(context.step, context.time, context.tracked,
+                                               finger.loop.contact(), context.arrival);
+  finger.known_tick = tick.tick;
+  finger.known_tick_hash = tick.hash;
+  if (recording_) recording_->push(tick);
+  finger.device_summary.add(tick);
+}
+
+void SceneRun::send_to_device(Finger& finger, const TickContext& context) {
+  finger.last_sent = context;
+  TickInput& draft = finger.input->draft();
+  draft.step = context.step;
+  draft.time = context.time;
+  draft.tracked = context.tracked;
+  draft.arrival = context.arrival;
+  draft.contact = finger.loop.contact();
+  finger.input->publish();
+  finger.doorbell.fetch_add(1, std::memory_order_release);
+  finger.doorbell.notify_one();
+}
+
+// Without fresh commands a device takes the loop for stalled and retracts. These are ticks like all
+// others, of the step where time stands, so that a replay takes them too.
+void SceneRun::keep_devices_alive() {
+  for (const auto& finger : fingers_) {
+    if (!finger->device || finger->last_sent.step == 0) continue;
+    const auto period = std::chrono::duration<double>(1.0 / device_rate(finger->device->device()));
+    const Clock::time_point now = Clock::now();
+    if (now - finger->last_sent.arrival < period) continue;
+    TickContext context = finger->last_sent;
+    context.step = finger->loop.record().step;
+    context.time = finger->loop.record().time;
+    context.arrival = now;
+    send_to_device(*finger, context);
+  }
+}
+
+void SceneRun::serve_device(Finger& finger) {
+  std::uint32_t heard = 0;
+  bool first = true;
+  while (true) {
+    finger.doorbell.wait(heard, std::memory_order_acquire);
+    heard = finger.doorbell.load(std::memory_order_acquire);
+    if (devices_ending_.load()) return;
+    if (!finger.input->refresh()) continue;
+    const TickRecord& tick = finger.device->tick(finger.input->latest());
+    // Recorded before it is told: a recorded step never names a tick that is not recorded.
+    if (recording_) recording_->push(tick);
+    finger.device_summary.add(tick);
+    read_device(*finger.device, finger.feedback->draft());
+    finger.feedback->publish();
+    if (first && hooks_.on_loop_thread) hooks_.on_loop_thread();
+    first = false;
+  }
+}
+
+void SceneRun::publish_snapshot(std::int64_t step, bool finished) {
+  Snapshot& draft = snapshots_->draft();
+  draft.generation = generation_;
+  draft.step = static_cast<std::uint64_t>(step);
+  draft.time = static_cast<double>(step) / rate_;
+  draft.paused = paused_.load(std::memory_order_relaxed);
+  draft.finished = finished;
+  draft.step_cpu_time = 0.0;
+  draft.match_cpu_time = 0.0;
+  draft.deadline_misses = deadline_misses_.load(std::memory_order_relaxed);
+  for (std::size_t i = 0; i < draft.X_WO.size(); ++i) {
+    draft.X_WO[i] = setup_->scene.objects[i].motion.sample(draft.time);
+  }
+  for (std::size_t i = 0; i < fingers_.size(); ++i) {
+    Finger& finger = *fingers_[i];
+    fill(draft.fingers[i], finger.loop);
+    if (finger.device) fill(draft.fingers[i], finger.feedback->latest());
+    draft.step_cpu_time += finger.loop.record().cpu_time;
+    draft.match_cpu_time += finger.known_match_time;
+  }
+  snapshots_->publish();
+}
+
+void SceneRun::end_threads() {
+  stop();
+  if (thread_.joinable()) thread_.join();
+  devices_ending_.store(true);
+  for (const auto& finger : fingers_) {
+    finger->doorbell.fetch_add(1, std::memory_order_release);
+    finger->doorbell.notify_one();
+    if (finger->thread.joinable()) finger->thread.join();
+  }
+}
+
+void SceneRun::retract_devices() {
+  std::vector<std::thread> waiting;
+  for (const auto& finger : fingers_) {
+    if (finger->device) {
+      waiting.emplace_back([&device = *finger->device] { device.actuator().finish(); });
+    }
+  }
+  for (std::thread& thread : waiting) thread.join();
+}
+
+RunSummary SceneRun::finish() {
+  end_threads();
+  retract_devices();
+  RunSummary summary;
+  summary.steps = step_.load();
+  if (paced_) summary.deadline_misses = deadline_misses_.load();
+  for (std::size_t i = 0; i < fingers_.size(); ++i) {
+    Finger& finger = *fingers_[i];
+    FingerSummary one = finger.summary;
+    one.merge(finger.device_summary);
+    if (finger.device) one.commands_sent = finger.device->actuator().commands_sent();
+    summary.all.merge(one);
+    summary.fingers.emplace_back(setup_->scene.fingers[i].name, one);
+    // A viewer may keep this run a little longer; the port must be free for the next.
+    finger.device.reset();
+  }
+  if (recording_) {
+    summary.recording = recording_->file();
+    summary.dropped_rows = recording_->dropped();
+    recording_->close();
+  }
+  return summary;
+}
+
+std::optional<std::string> SceneRun::take_message() {
+  for (const auto& finger : fingers_) {
+    if (!finger->device) continue;
+    if (const auto event = finger->device->actuator().take_event()) {
+      return finger->device->actuator().message(*event);
+    }
+  }
+  if (!recording_) return std::nullopt;
+  if (!told_failed_ && recording_->failed()) {
+    told_failed_ = true;
+    return fmt::format("{}: can no longer be written; the run goes on unrecorded",
+                       recording_->file().string());
+  }
+  if (!told_dropped_ && recording_->dropped() > 0) {
+    told_dropped_ = true;
+    return fmt::format("{}: the disk is too slow, rows are missing from the recording",
+                       recording_->file().string());
+  }
+  return std::nullopt;
+}
+
+}  // namespace softfinger

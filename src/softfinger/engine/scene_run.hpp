@@ -1,0 +1,101 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "softfinger/base/mailbox.hpp"
+#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/engine/recording_writer.hpp"
+#include "softfinger/engine/run_setup.hpp"
+#include "softfinger/engine/run_summary.hpp"
+
+namespace softfinger {
+
+struct TickContext;
+
+/// One run of one scene from start to end: the simulation thread and, in a live run, one device
+/// thread a finger. Headless, a device tick is computed in the step it falls in; live, the step
+/// hands its contact set to the device thread, newest value only.
+class SceneRun {
+ public:
+  enum class Mode { kHeadless, kLive };
+  struct Hooks {
+    /// Called once on the simulation thread and on each device thread, after its first step or
+    /// tick; from then on the thread neither allocates nor locks. For scheduling, and for tests.
+    std::function<void()> on_loop_thread;
+  };
+
+  /// Opens devices, trackers and the recording. Throws InputError. `setup` as given by load_setup
+  /// for these options; `generation` numbers the snapshots.
+  SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& options, Mode mode,
+           std::uint64_t generation = 1, Hooks hooks = {});
+  /// Ends as finish() does, without a word about failures.
+  ~SceneRun();
+  SceneRun(const SceneRun&) = delete;
+  SceneRun& operator=(const SceneRun&) = delete;
+
+  void start();
+  /// Asks the loop to end after its present step. Any thread.
+  void stop() noexcept { stopping_.store(true); }
+  /// Live only. Simulated time stands still; the device keeps its pose.
+  void set_paused(bool paused) noexcept { paused_.store(paused); }
+  /// Whether the loop has come to its end.
+  [[nodiscard]] bool ended() const noexcept { return ended_.load(); }
+  /// End of the last finished step, s.
+  [[nodiscard]] double time() const noexcept;
+  /// When the run ends by itself, s; empty: never.
+  [[nodiscard]] std::optional<double> duration() const;
+
+  /// Ends the loop, retracts the devices, closes the recording. Blocks until the devices are
+  /// retracted. Throws OperationError when the recording could not be written. Once.
+  RunSummary finish();
+
+  /// Live only; one reader thread.
+  [[nodiscard]] Mailbox<Snapshot>& snapshots() { return *snapshots_; }
+  /// What a person should know while the run goes on: a device lost or back, rows not recorded;
+  /// one line, each told once. One thread.
+  [[nodiscard]] std::optional<std::string> take_message();
+
+ private:
+  struct Finger;
+
+  void simulate();
+  void simulate_step(std::int64_t step);
+  void tick_here(Finger& finger, const TickContext& context);
+  void send_to_device(Finger& finger, const TickContext& context);
+  void keep_devices_alive();
+  void serve_device(Finger& finger);
+  void publish_snapshot(std::int64_t step, bool finished);
+  void end_threads();
+  void retract_devices();
+
+  std::shared_ptr<const RunSetup> setup_;
+  Mode mode_;
+  bool paced_;
+  double rate_;
+  Hooks hooks_;
+  std::optional<std::int64_t> total_steps_;
+  std::vector<std::unique_ptr<Finger>> fingers_;
+  std::unique_ptr<RecordingWriter> recording_;
+  std::optional<Mailbox<Snapshot>> snapshots_;
+  std::uint64_t generation_;
+  std::int64_t snapshot_interval_;  ///< steps
+
+  std::thread thread_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> paused_{false};
+  std::atomic<bool> ended_{false};
+  std::atomic<bool> devices_ending_{false};
+  std::atomic<std::int64_t> step_{0};
+  std::atomic<std::uint64_t> deadline_misses_{0};
+  bool told_dropped_ = false;
+  bool told_failed_ = false;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "softfinger/engine/device_loop.hpp"
+#include "softfinger/engine/finger_loop.hpp"
+#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/engine/run_setup.hpp"
+
+namespace softfinger {
+
+/// What the device thread tells the simulation thread after a tick.
+struct DeviceFeedback {
+  TickRecord tick;
+  Pose X_FP;                                 ///< surface of the commanded q
+  std::vector<Vector3> linkage_F;            ///< m; three points a leg, of the commanded q
+  DeviceState state = DeviceState::kHoming;  ///< on the wire
+};
+
+/// Feedback before the first tick, at home, with its vectors at full size.
+[[nodiscard]] DeviceFeedback initial_feedback(const DeviceLoop& device);
+/// Fills `feedback` after a tick; allocates nothing.
+void read_device(const DeviceLoop& device, DeviceFeedback& feedback);
+
+/// What the page needs once to draw this scene. scene_names and duration are the caller's.
+[[nodiscard]] SceneDescription describe(const RunSetup& setup);
+/// A snapshot with every vector at full size.
+[[nodiscard]] Snapshot initial_snapshot(const RunSetup& setup);
+/// Fills one finger; allocates nothing.
+void fill(Snapshot::Finger& snapshot, const FingerLoop& loop);
+void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback);
+
+}  // namespace softfinger

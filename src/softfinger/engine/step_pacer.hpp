@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+namespace softfinger {
+
+/// Ties steps to the wall clock by absolute times, so that lateness of one step does not add up.
+/// One thread.
+class StepPacer {
+ public:
+  /// rate in Hz.
+  explicit StepPacer(double rate);
+
+  /// The next step to be finished is `step`; its time begins now.
+  void restart(std::int64_t step);
+  /// Sleeps until the time of `step`, just finished, is over.
+  void wait(std::int64_t step);
+  /// Steps that were not finished when their time was over.
+  [[nodiscard]] std::uint64_t misses() const { return misses_; }
+
+  /// Makes sleeps of the calling thread end as near to their time as the system can.
+  static void sharpen_timer();
+
+ private:
+  double period_;
+  std::int64_t first_ = 1;
+  double origin_ = 0.0;  ///< when `first_` began, s on the monotonic clock
+  std::uint64_t misses_ = 0;
+};
+
+}  // namespace softfinger
