@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace softfinger {
+
+/// Whether a Host header names this server: its own address or localhost, with its port. Everything
+/// else is foreign, so that no other site can reach the server through a visitor's browser (DNS
+/// rebinding, cross-site requests).
+[[nodiscard]] bool is_own_host(std::string_view host, std::string_view address, std::uint16_t port);
+/// The same for an Origin header: "http://" and an own host.
+[[nodiscard]] bool is_own_origin(std::string_view origin, std::string_view address,
+                                 std::uint16_t port);
+
+}  // namespace softfinger

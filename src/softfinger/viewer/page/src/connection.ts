@@ -1,0 +1,46 @@
+import { readSnapshot, type Request, type Scene, type Snapshot } from "./wire";
+
+export interface Listener {
+  onScene(scene: Scene): void;
+  onSnapshot(snapshot: Snapshot): void;
+  onState(state: "connecting" | "live" | "lost"): void;
+}
+
+/** The WebSocket to the program; comes back by itself when the program does. */
+export class Connection {
+  private socket: WebSocket | null = null;
+  private generation = -1;
+
+  constructor(private readonly listener: Listener) {
+    listener.onState("connecting");
+    this.open();
+  }
+
+  send(request: Request): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
+  }
+
+  private open(): void {
+    const socket = new WebSocket(`ws://${location.host}/ws`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => this.listener.onState("live");
+    socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data);
+    socket.onclose = () => {
+      this.listener.onState("lost");
+      this.generation = -1;
+      setTimeout(() => this.open(), 1000);
+    };
+    this.socket = socket;
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (typeof data === "string") {
+      const scene = JSON.parse(data) as Scene;
+      this.generation = scene.generation;
+      this.listener.onScene(scene);
+      return;
+    }
+    const snapshot = readSnapshot(data);
+    if (snapshot && snapshot.generation === this.generation) this.listener.onSnapshot(snapshot);
+  }
+}

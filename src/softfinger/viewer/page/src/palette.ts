@@ -1,0 +1,21 @@
+// Colours shared by the drawings, the plots and the style sheet.
+export const palette = {
+  contact: "#ff3b3f",
+  free: "#3f86ff",
+  skin: "#e8b096",
+  nail: "#f7d9cc",
+  bone: "#efe6d2",
+  object: "#9fb4d6",
+  device: "#35d0bf",
+  metal: "#aab4c3",
+  servo: "#2b3442",
+  force: "#ff7a59",
+  area: "#f2b84b",
+  pitch: "#35d0bf",
+  roll: "#7aa7ff",
+  travel: "#c792ea",
+  step: "#8bd17c",
+  match: "#e6db74",
+  text: "#8d98a9",
+  line: "#232b37",
+} as const;

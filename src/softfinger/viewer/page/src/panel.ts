@@ -1,0 +1,121 @@
+import type { Request, Scene, Snapshot } from "./wire";
+
+const element = (id: string) => document.getElementById(id)!;
+const kDeviceNames: Record<string, string> = {
+  platform_3rrs: "3-RRS thimble",
+  plate_2dof: "2-DoF plate",
+  cable_platform: "cable-driven platform",
+  pin_array: "pin array",
+  delta_tactor: "delta tactor",
+  membrane: "membrane",
+  roller: "roller",
+};
+
+/** Everything on the page that is neither a drawing nor a plot. */
+export class Panel {
+  private scene: Scene | null = null;
+  private paused = false;
+  private received = 0;
+  private readonly history: { at: number; step: number }[] = [];
+
+  constructor(
+    private readonly actions: { send(request: Request): void; resetView(): void },
+  ) {
+    element("pause").onclick = () => this.togglePause();
+    element("restart").onclick = () => actions.send({ request: "restart" });
+    element("reset-view").onclick = () => actions.resetView();
+    window.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+      if (event.target instanceof HTMLButtonElement && event.key === " ") return;
+      if (event.key === " ") this.togglePause();
+      else if (event.key === "r") actions.send({ request: "restart" });
+      else if (event.key === "Home") actions.resetView();
+      else return;
+      event.preventDefault();
+    });
+  }
+
+  showConnection(state: "connecting" | "live" | "lost"): void {
+    document.body.dataset.connection = state;
+    element("connection").textContent =
+      state === "live" ? "live" : state === "lost" ? "no connection" : "connecting";
+    if (state !== "live") this.history.length = 0;
+  }
+
+  showScene(scene: Scene): void {
+    this.scene = scene;
+    this.history.length = 0;
+    const choices = element("scenes");
+    choices.replaceChildren(...scene.scenes.map((name) => {
+      const button = document.createElement("button");
+      button.textContent = name;
+      button.dataset.scene = name;
+      button.setAttribute("role", "radio");
+      button.setAttribute("aria-checked", String(name === scene.scene));
+      button.onclick = () => this.actions.send({ request: "scene", scene: name });
+      return button;
+    }));
+    document.body.dataset.scene = scene.scene;
+    document.body.dataset.generation = String(scene.generation);
+    document.title = `softfinger · ${scene.scene}`;
+    const finger = scene.fingers[0];
+    element("virtual-what").textContent =
+      `${finger?.name ?? "finger"} · ${scene.objects.map((object) => object.name).join(", ")}`;
+    element("rendered-what").textContent = finger?.device_kind
+      ? `${finger.name} · ${kDeviceNames[finger.device_kind] ?? finger.device_kind}`
+      : "no device";
+  }
+
+  /** Called for every snapshot received, drawn or not. */
+  count(snapshot: Snapshot): void {
+    document.body.dataset.frames = String(++this.received);
+    this.history.push({ at: performance.now(), step: snapshot.step });
+    if (this.history.length > 90) this.history.shift();
+  }
+
+  showSnapshot(snapshot: Snapshot): void {
+    const finger = snapshot.fingers[0];
+    const duration = this.scene?.duration_s ?? 0;
+    element("time").textContent = snapshot.time_s.toFixed(2);
+    element("duration").textContent = duration > 0 ? ` / ${duration.toFixed(1)} s` : " s";
+    element("progress").style.transform =
+      `scaleX(${duration > 0 ? Math.min(1, snapshot.time_s / duration) : 0})`;
+    element("rate").textContent = this.stepRate(snapshot);
+    element("misses").textContent = String(snapshot.deadline_misses);
+    element("misses-item").hidden = snapshot.deadline_misses === 0;
+
+    this.paused = snapshot.paused;
+    const state = snapshot.finished ? "finished" : snapshot.paused ? "paused" : "running";
+    document.body.dataset.state = state;
+    element("pause-label").textContent = snapshot.paused ? "Resume" : "Pause";
+    element("notice").textContent =
+      state === "paused" ? "Paused" : state === "finished" ? "End of the script" : "";
+
+    if (!finger) return;
+    element("device-state").textContent = finger.device_state || "no device";
+    document.body.dataset.device = finger.device_state;
+    let contacts = 0;
+    for (const touching of finger.in_contact) contacts += touching;
+    document.body.dataset.contacts = String(contacts);
+    document.body.dataset.samples = String(finger.in_contact.length);
+    document.body.dataset.time = snapshot.time_s.toFixed(3);
+    element("contacts").textContent = `${contacts}`;
+    element("samples").textContent = `of ${finger.in_contact.length}`;
+    element("deviation").textContent = finger.deviation_mm2.toFixed(3);
+    element("joints").textContent =
+      Array.from(finger.joints_deg, (joint) => `${joint.toFixed(0)}°`).join("  ");
+  }
+
+  private togglePause(): void {
+    this.actions.send({ request: this.paused ? "resume" : "pause" });
+  }
+
+  /** Steps a second of wall time over about the last second. */
+  private stepRate(snapshot: Snapshot): string {
+    const first = this.history[0];
+    const last = this.history[this.history.length - 1];
+    if (snapshot.paused || snapshot.finished || !first || !last || last.at - first.at < 200) return "–";
+    const rate = (1000 * (last.step - first.step)) / (last.at - first.at);
+    return rate >= 0 ? (Math.round(rate / 10) * 10).toLocaleString("en").replace(",", "\u202f") : "–";
+  }
+}

@@ -1,0 +1,127 @@
+import {
+  ACESFilmicToneMapping, DirectionalLight, HemisphereLight, PerspectiveCamera, PMREMGenerator, Scene,
+  Spherical, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
+
+// From the finger's right, a little from the tip and from below, so that the pad is seen.
+const kHome = new Vector3(0.5, -1.0, -0.34).normalize();
+
+export interface ViewOptions {
+  pane: HTMLElement;
+  distance: number; // mm
+  target: Vector3;
+}
+
+/** One pane: its scene, camera and orbit controls. */
+export class View {
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(30, 1, 1, 2000);
+  readonly controls: OrbitControls;
+  readonly pane: HTMLElement;
+  private readonly home: ViewOptions;
+
+  constructor(options: ViewOptions) {
+    this.home = options;
+    this.pane = options.pane;
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, options.pane);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.enablePan = false;
+    this.controls.minDistance = 25;
+    this.controls.maxDistance = 260;
+    this.scene.add(new HemisphereLight("#e9f1ff", "#5b4a44", 0.9));
+    const key = new DirectionalLight("#fff4e6", 1.9);
+    key.position.set(60, -90, 110);
+    const fill = new DirectionalLight("#9cc2ff", 1.1);
+    fill.position.set(40, -60, -110);
+    const back = new DirectionalLight("#ffffff", 0.9);
+    back.position.set(-120, 110, 30);
+    this.scene.add(key, fill, back);
+    this.reset();
+  }
+
+  reset(): void {
+    this.controls.target.copy(this.home.target);
+    this.camera.position.copy(this.home.target).addScaledVector(kHome, this.home.distance);
+    this.controls.update();
+  }
+  /** Keeps a moving thing in the middle without turning the view. */
+  follow(point: Vector3, share: number): void {
+    const shift = point.clone().sub(this.controls.target).multiplyScalar(share);
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+  }
+  /** Direction to the eye, as angles about the target. */
+  angles(): Spherical {
+    return new Spherical().setFromVector3(toYUp(this.camera.position.clone().sub(this.controls.target)));
+  }
+  turnTo(angles: Spherical): void {
+    const own = this.angles();
+    own.theta = angles.theta;
+    own.phi = angles.phi;
+    this.camera.position.copy(this.controls.target).add(toZUp(new Vector3().setFromSpherical(own)));
+    this.camera.lookAt(this.controls.target);
+  }
+}
+
+/** One WebGL canvas behind both panes; turning one view turns the other. */
+export class Stage {
+  private readonly renderer: WebGLRenderer;
+
+  constructor(private readonly canvas: HTMLCanvasElement, readonly views: View[]) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.toneMapping = ACESFilmicToneMapping;
+    this.renderer.toneMappingExposure = 1.05;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setScissorTest(true);
+    const generator = new PMREMGenerator(this.renderer);
+    const room = generator.fromScene(new RoomEnvironment(), 0.04).texture;
+    for (const view of views) {
+      view.scene.environment = room;
+      view.scene.environmentIntensity = 0.35;
+      view.controls.addEventListener("change", () => this.link(view));
+      view.pane.addEventListener("dblclick", () => this.reset());
+    }
+    generator.dispose();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+  }
+
+  reset(): void {
+    for (const view of this.views) view.reset();
+  }
+
+  render(): void {
+    const whole = this.canvas.getBoundingClientRect();
+    for (const view of this.views) {
+      view.controls.update();
+      const box = view.pane.getBoundingClientRect();
+      if (box.width < 1 || box.height < 1) continue;
+      const left = box.left - whole.left;
+      const bottom = whole.bottom - box.bottom;
+      view.camera.aspect = box.width / box.height;
+      // Narrow panes step back, so that the whole finger stays in sight.
+      view.camera.fov = view.camera.aspect < 1.15 ? 30 * Math.min(1.9, 1.15 / view.camera.aspect) : 30;
+      view.camera.updateProjectionMatrix();
+      this.renderer.setViewport(left, bottom, box.width, box.height);
+      this.renderer.setScissor(left, bottom, box.width, box.height);
+      this.renderer.render(view.scene, view.camera);
+    }
+  }
+
+  private link(turned: View): void {
+    const angles = turned.angles();
+    for (const view of this.views) if (view !== turned) view.turnTo(angles);
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    this.renderer.setSize(Math.max(clientWidth, 1), Math.max(clientHeight, 1), false);
+  }
+}
+
+const toYUp = (v: Vector3) => v.set(v.x, v.z, -v.y);
+const toZUp = (v: Vector3) => v.set(v.x, -v.z, v.y);

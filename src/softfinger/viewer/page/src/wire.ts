@@ -1,0 +1,125 @@
+// What the server sends. The scene as JSON (scene_message.cpp), the snapshot as a binary frame whose
+// layout is written down in snapshot_message.hpp. Lengths in mm.
+
+export type Shape =
+  | { kind: "plane" }
+  | { kind: "sphere"; radius_mm: number }
+  | { kind: "box"; size_mm: [number, number, number]; edge_radius_mm: number }
+  | { kind: "cylinder"; radius_mm: number; length_mm: number; edge_radius_mm: number };
+
+export interface FingerDescription {
+  name: string;
+  skin_positions_mm: number[];
+  skin_triangles: number[];
+  rigid_positions_mm: number[];
+  bone_triangles: number[];
+  nail_triangles: number[];
+  device_kind: string;
+  configuration_names: string[];
+  disk_radius_mm: number;
+  legs: number;
+}
+
+export interface Scene {
+  type: "scene";
+  generation: number;
+  scene: string;
+  scenes: string[];
+  duration_s: number;
+  objects: { name: string; shape: Shape }[];
+  fingers: FingerDescription[];
+}
+
+/** Position (mm) and unit quaternion x, y, z, w. */
+export type PoseArray = Float32Array;
+
+export interface FingerSnapshot {
+  X_WFt: PoseArray;
+  X_WF: PoseArray;
+  X_FP: PoseArray;
+  normal_force_N: number;
+  tangential_force_N: number;
+  contact_area_mm2: number;
+  deviation_mm2: number;
+  device_state: string;
+  positions_mm: Float32Array; // in F
+  pressures_kPa: Float32Array;
+  in_contact: Uint8Array;
+  configuration: Float32Array; // in the units of configuration_names
+  joints_deg: Float32Array;
+  linkage_mm: Float32Array; // in F; base joint, knee, platform joint of each leg
+}
+
+export interface Snapshot {
+  generation: number;
+  step: number;
+  paused: boolean;
+  finished: boolean;
+  time_s: number;
+  step_ms: number;
+  match_ms: number;
+  deadline_misses: number;
+  X_WO: PoseArray[];
+  fingers: FingerSnapshot[];
+}
+
+const kMagic = 0x31534653;
+
+/** Reads a binary frame; null where it is none. The arrays are views into it. */
+export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
+  const view = new DataView(frame);
+  let at = 0;
+  const u32 = () => view.getUint32((at += 4) - 4, true);
+  const f32 = () => view.getFloat32((at += 4) - 4, true);
+  const f64 = () => view.getFloat64((at += 8) - 8, true);
+  const floats = (count: number) => new Float32Array(frame, (at += 4 * count) - 4 * count, count);
+  const bytes = (count: number) => new Uint8Array(frame, (at += count) - count, count);
+  const pose = () => floats(7);
+
+  if (frame.byteLength < 48 || u32() !== kMagic) return null;
+  const generation = u32();
+  const step = u32();
+  const flags = u32();
+  const time_s = f64();
+  const step_ms = f32();
+  const match_ms = f32();
+  const deadline_misses = u32();
+  const objects = u32();
+  const fingers = u32();
+  at += 4;
+  const readFinger = (): FingerSnapshot => {
+    const X_WFt = pose();
+    const X_WF = pose();
+    const X_FP = pose();
+    const normal_force_N = f32();
+    const tangential_force_N = f32();
+    const contact_area_mm2 = f32();
+    const deviation_mm2 = f32();
+    const [samples, dofs, joints, points] = [u32(), u32(), u32(), u32()];
+    const device_state = new TextDecoder().decode(bytes(16)).replace(/\0+$/, "");
+    const positions_mm = floats(3 * samples);
+    const pressures_kPa = floats(samples);
+    const in_contact = bytes(samples);
+    at = (at + 3) & ~3;
+    const configuration = floats(dofs);
+    const joints_deg = floats(joints);
+    const linkage_mm = floats(3 * points);
+    return {
+      X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
+      device_state, positions_mm, pressures_kPa, in_contact, configuration, joints_deg, linkage_mm,
+    };
+  };
+  return {
+    generation, step, time_s, step_ms, match_ms, deadline_misses,
+    paused: (flags & 1) !== 0,
+    finished: (flags & 2) !== 0,
+    X_WO: Array.from({ length: objects }, pose),
+    fingers: Array.from({ length: fingers }, readFinger),
+  };
+}
+
+export type Request =
+  | { request: "pause" }
+  | { request: "resume" }
+  | { request: "restart" }
+  | { request: "scene"; scene: string };

@@ -1,0 +1,83 @@
+#include "softfinger/viewer/scene_message.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "softfinger/base/units.hpp"
+
+namespace softfinger {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A drawing needs no more than a micrometre; fewer digits make the message a third as long.
+double rounded_mm(double metres) { return std::round(metres / mm * 1e3) / 1e3; }
+
+struct ShapeToJson {
+  Json operator()(const HalfSpace&) const { return {{"kind", "plane"}}; }
+  Json operator()(const Ball& ball) const {
+    return {{"kind", "sphere"}, {"radius_mm", ball.radius / mm}};
+  }
+  Json operator()(const RoundedBox& box) const {
+    return {{"kind", "box"},
+            {"size_mm",
+             {2 * box.half_size.x() / mm, 2 * box.half_size.y() / mm, 2 * box.half_size.z() / mm}},
+            {"edge_radius_mm", box.edge_radius / mm}};
+  }
+  Json operator()(const RoundedCylinder& cylinder) const {
+    return {{"kind", "cylinder"},
+            {"radius_mm", cylinder.radius / mm},
+            {"length_mm", 2 * cylinder.half_length / mm},
+            {"edge_radius_mm", cylinder.edge_radius / mm}};
+  }
+};
+
+Json flat(const std::vector<Vector3>& points) {
+  Json array = Json::array();
+  for (const Vector3& point : points) {
+    for (const double coordinate : point) array.push_back(rounded_mm(coordinate));
+  }
+  return array;
+}
+
+Json flat(const std::vector<std::array<int, 3>>& triangles) {
+  Json array = Json::array();
+  for (const auto& triangle : triangles) {
+    for (const int index : triangle) array.push_back(index);
+  }
+  return array;
+}
+
+Json to_json(const SceneDescription::Finger& finger) {
+  return {{"name", finger.name},
+          {"skin_positions_mm", flat(finger.skin_rest_positions_F)},
+          {"skin_triangles", flat(finger.skin_triangles)},
+          {"rigid_positions_mm", flat(finger.rigid_positions_F)},
+          {"bone_triangles", flat(finger.bone_triangles)},
+          {"nail_triangles", flat(finger.nail_triangles)},
+          {"device_kind", finger.device_kind},
+          {"configuration_names", finger.configuration_names},
+          {"disk_radius_mm", finger.disk_radius / mm},
+          {"legs", finger.legs}};
+}
+
+}  // namespace
+
+std::string scene_message(const SceneDescription& scene) {
+  Json message = {{"type", "scene"},
+                  {"generation", scene.generation},
+                  {"scene", scene.scene_name},
+                  {"scenes", scene.scene_names},
+                  {"duration_s", scene.duration},
+                  {"objects", Json::array()},
+                  {"fingers", Json::array()}};
+  for (const auto& object : scene.objects) {
+    message["objects"].push_back(
+        {{"name", object.name}, {"shape", std::visit(ShapeToJson{}, object.shape)}});
+  }
+  for (const auto& finger : scene.fingers) message["fingers"].push_back(to_json(finger));
+  // Names come from files and may hold broken UTF-8; that must not end the viewer.
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,421 @@
+#include <utility>  // before Boost: its 1.74 headers use std::exchange without it
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/viewer/own_address.hpp"
+#include "softfinger/viewer/page_request.hpp"
+#include "softfinger/viewer/scene_message.hpp"
+#include "softfinger/viewer/server.hpp"
+#include "softfinger/viewer/snapshot_message.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+// What one visitor may take of the machine.
+constexpr std::size_t kMaxConnections = 64;
+constexpr std::uint32_t kMaxHeaderBytes = 8 * 1024;
+constexpr std::size_t kMaxRequestBytes = 1024;
+constexpr int kSendBufferBytes = 128 * 1024;  // small: what waits in it is no longer the newest
+constexpr auto kHttpTimeout = std::chrono::seconds(10);
+constexpr auto kIdleTimeout = std::chrono::seconds(20);
+constexpr auto kRequestInterval = std::chrono::milliseconds(20);
+
+constexpr std::string_view kContentSecurityPolicy =
+    "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
+    "connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
+using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+using Text = std::shared_ptr<const std::string>;
+using HttpRequest = http::request<http::empty_body>;
+
+/// What all connections share; lives as long as the server.
+struct Hub {
+  LiveFeed& feed;
+  std::span<const PageFile> page;
+  std::string address;
+  std::uint16_t port = 0;
+  std::size_t connections = 0;
+  std::shared_ptr<const SceneDescription> description = nullptr;
+  Text scene = nullptr;      ///< message of `description`
+  Bytes snapshot = nullptr;  ///< newest one of that scene, may be null
+
+  bool is_foreign(const HttpRequest& request) const {
+    const auto hosts = request.count(http::field::host);
+    const auto origins = request.count(http::field::origin);
+    const auto value = [&](http::field name) {
+      return std::string_view(request[name].data(), request[name].size());
+    };
+    return hosts != 1 || !is_own_host(value(http::field::host), address, port) || origins > 1 ||
+           (origins == 1 && !is_own_origin(value(http::field::origin), address, port));
+  }
+};
+
+/// Counts a connection while it lives.
+class ConnectionCount {
+ public:
+  explicit ConnectionCount(Hub& hub) : hub_(&hub) { ++hub_->connections; }
+  ConnectionCount(ConnectionCount&& other) noexcept : hub_(std::exchange(other.hub_, nullptr)) {}
+  ConnectionCount& operator=(ConnectionCount&&) = delete;
+  ~ConnectionCount() {
+    if (hub_ != nullptr) --hub_->connections;
+  }
+
+ private:
+  Hub* hub_;
+};
+
+/// One page that watches. Holds at most one message being sent, and the newest ones to send next.
+class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
+ public:
+  WebSocketSession(beast::tcp_stream&& stream, Hub& hub, ConnectionCount&& count)
+      : hub_(hub),
+        count_(std::move(count)),
+        socket_(std::move(stream)),
+        pause_(socket_.get_executor()) {}
+
+  void accept(const HttpRequest& request) {
+    beast::get_lowest_layer(socket_).expires_never();
+    socket_.set_option(websocket::stream_base::timeout{kHttpTimeout, kIdleTimeout, true});
+    socket_.read_message_max(kMaxRequestBytes);
+    socket_.async_accept(request, [self = shared_from_this()](error_code error) {
+      if (error) return;
+      self->open_ = true;
+      self->offer_scene();
+      self->offer_snapshot();
+      self->read();
+    });
+  }
+  void offer_scene() {
+    next_scene_ = hub_.scene;
+    next_snapshot_ = nullptr;  // of the scene before
+    write();
+  }
+  void offer_snapshot() {
+    next_snapshot_ = hub_.snapshot;
+    write();
+  }
+
+ private:
+  void write() {
+    if (writing_ || !open_) return;
+    if (next_scene_) {
+      scene_in_flight_ = std::exchange(next_scene_, nullptr);
+      socket_.text(true);
+      send(asio::buffer(*scene_in_flight_));
+    } else if (next_snapshot_) {
+      snapshot_in_flight_ = std::exchange(next_snapshot_, nullptr);
+      socket_.binary(true);
+      send(asio::buffer(*snapshot_in_flight_));
+    }
+  }
+  void send(asio::const_buffer message) {
+    writing_ = true;
+    socket_.async_write(message, [self = shared_from_this()](error_code error, std::size_t) {
+      self->writing_ = false;
+      self->open_ = self->open_ && !error;
+      self->write();
+    });
+  }
+  void read() {
+    buffer_.clear();
+    socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) {
+        self->open_ = false;
+        return;
+      }
+      self->obey();
+    });
+  }
+  void obey() {
+    const auto data = buffer_.cdata();
+    const std::string_view message(static_cast<const char*>(data.data()), data.size());
+    std::optional<LiveRequest> request;
+    if (socket_.got_text() && hub_.description) {
+      request = parse_page_request(message, hub_.description->scene_names);
+    }
+    if (!request) {
+      open_ = false;
+      socket_.async_close({websocket::close_code::policy_error, "not a request of the live page"},
+                          [self = shared_from_this()](error_code) {});
+      return;
+    }
+    hub_.feed.request(*request);
+    pause_.expires_after(kRequestInterval);
+    pause_.async_wait([self = shared_from_this()](error_code error) {
+      if (!error) self->read();
+    });
+  }
+
+  Hub& hub_;
+  ConnectionCount count_;
+  websocket::stream<beast::tcp_stream> socket_;
+  asio::steady_timer pause_;
+  beast::flat_buffer buffer_{kMaxRequestBytes};
+  Text next_scene_, scene_in_flight_;
+  Bytes next_snapshot_, snapshot_in_flight_;
+  bool open_ = false;
+  bool writing_ = false;
+};
+
+using Watchers = std::vector<std::weak_ptr<WebSocketSession>>;
+
+/// One connection until it ends or becomes a WebSocket.
+class HttpSession : public std::enable_shared_from_this<HttpSession> {
+ public:
+  HttpSession(tcp::socket&& socket, Hub& hub, Watchers& watchers)
+      : hub_(hub), count_(hub), stream_(std::move(socket)), watchers_(watchers) {}
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kMaxHeaderBytes);
+    stream_.expires_after(kHttpTimeout);
+    http::async_read(
+        stream_, buffer_, *parser_,
+        [self = shared_from_this()](error_code error, std::size_t) { self->answer(error); });
+  }
+
+ private:
+  using Response = http::response<http::span_body<const char>>;
+
+  void answer(error_code error) {
+    if (error == http::error::header_limit) {
+      return refuse(http::status::request_header_fields_too_large, "header too large\n");
+    }
+    if (error == http::error::unexpected_body || error == http::error::body_limit) {
+      return refuse(http::status::payload_too_large, "no request of this page has a body\n");
+    }
+    if (error.category() == make_error_code(http::error::bad_method).category() &&
+        error != http::error::end_of_stream && error != http::error::partial_message) {
+      return refuse(http::status::bad_request, "not an HTTP request\n");
+    }
+    if (error) return;
+    const HttpRequest& request = parser_->get();
+    if (hub_.is_foreign(request)) {
+      return refuse(http::status::forbidden, "foreign Host or Origin\n");
+    }
+    const std::string_view target(request.target().data(), request.target().size());
+    if (target.substr(0, target.find('?')) == "/ws") {
+      if (!websocket::is_upgrade(request)) {
+        return refuse(http::status::upgrade_required, "/ws speaks WebSocket\n");
+      }
+      auto session =
+          std::make_shared<WebSocketSession>(std::move(stream_), hub_, std::move(count_));
+      std::erase_if(watchers_, [](const auto& watcher) { return watcher.expired(); });
+      watchers_.push_back(session);
+      session->accept(request);
+      return;
+    }
+    if (request.method() != http::verb::get && request.method() != http::verb::head) {
+      return refuse(http::status::method_not_allowed, "only GET and HEAD\n");
+    }
+    const PageFile* file = find_page_file(hub_.page, target);
+    if (file == nullptr) return respond(http::status::not_found, "text/plain", "no such page\n");
+    respond(http::status::ok, file->content_type, file->content);
+  }
+  void refuse(http::status status, std::string_view reason) {
+    keep_alive_ = false;
+    respond(status, "text/plain", reason);
+  }
+  void respond(http::status status, std::string_view content_type, std::string_view content) {
+    const HttpRequest& request = parser_->get();
+    const bool head = request.method() == http::verb::head;
+    keep_alive_ = keep_alive_ && request.keep_alive();
+    response_ = Response(status, 11);
+    const auto set = [this](http::field name, std::string_view value) {
+      response_.set(name, beast::string_view(value.data(), value.size()));
+    };
+    set(http::field::content_type, content_type);
+    set(http::field::cache_control, "no-cache");
+    response_.set("Content-Security-Policy",
+                  beast::string_view(kContentSecurityPolicy.data(), kContentSecurityPolicy.size()));
+    response_.set("X-Content-Type-Options", "nosniff");
+    response_.set("Cross-Origin-Resource-Policy", "same-origin");
+    if (status == http::status::method_not_allowed) set(http::field::allow, "GET, HEAD");
+    response_.content_length(content.size());
+    response_.keep_alive(keep_alive_);
+    if (!head) response_.body() = beast::span<const char>(content.data(), content.size());
+    serializer_.emplace(response_);
+    serializer_->split(head);
+    stream_.expires_after(kHttpTimeout);
+    const auto sent = [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return;
+      if (self->keep_alive_) return self->read();
+      error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    };
+    if (head) {
+      http::async_write_header(stream_, *serializer_, sent);
+    } else {
+      http::async_write(stream_, *serializer_, sent);
+    }
+  }
+
+  Hub& hub_;
+  ConnectionCount count_;
+  beast::tcp_stream stream_;
+  Watchers& watchers_;
+  beast::flat_buffer buffer_{kMaxHeaderBytes + kMaxRequestBytes};
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  Response response_;
+  std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+  bool keep_alive_ = true;
+};
+
+}  // namespace
+
+struct Server::Implementation {
+  Implementation(LiveFeed& feed, const ServerOptions& options, std::span<const PageFile> page)
+      : hub{feed, page, options.address, options.port},
+        period(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+            std::chrono::duration<double>(1.0 / options.update_rate))) {
+    bind();
+    thread = std::thread([this] { serve(); });
+  }
+  ~Implementation() {
+    context.stop();
+    thread.join();
+  }
+
+  void bind() {
+    error_code error;
+    const auto address = asio::ip::make_address_v4(hub.address, error);
+    if (error) {
+      throw InputError(
+          fmt::format("--listen {}: not an IPv4 address; e.g. 127.0.0.1", hub.address));
+    }
+    const tcp::endpoint endpoint(address, hub.port);
+    acceptor.open(endpoint.protocol());
+    acceptor.set_option(asio::socket_base::reuse_address(true));
+    acceptor.bind(endpoint, error);
+    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+    if (error == asio::error::address_in_use) {
+      throw InputError(fmt::format(
+          "--port {0}: already in use; take another, or --port 0 for any free one", hub.port));
+    }
+    if (error == asio::error::access_denied) {
+      throw InputError(fmt::format(
+          "--port {}: not permitted; take one above 1023, or --port 0 for any free one", hub.port));
+    }
+    if (error) {
+      throw InputError(
+          fmt::format("--listen {}: no such address here; e.g. 127.0.0.1", hub.address));
+    }
+    hub.port = acceptor.local_endpoint().port();
+  }
+  void serve() {
+    accept();
+    next_update = std::chrono::steady_clock::now();
+    schedule_update();
+    while (!context.stopped()) {
+      try {
+        context.run();
+      } catch (const std::exception&) {
+        // One connection's failure (out of memory, say) must not end the others.
+      }
+    }
+  }
+  void accept() {
+    acceptor.async_accept([this](error_code error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      if (error) {  // e.g. out of descriptors: wait for some to be free
+        retry.expires_after(std::chrono::milliseconds(100));
+        retry.async_wait([this](error_code) { accept(); });
+        return;
+      }
+      accept();
+      if (hub.connections < kMaxConnections) {
+        error_code ignored;
+        socket.set_option(tcp::no_delay(true), ignored);
+        socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
+        std::make_shared<HttpSession>(std::move(socket), hub, watchers)->read();
+      }
+    });
+  }
+  void schedule_update() {
+    next_update = std::max(next_update + period, std::chrono::steady_clock::now());
+    update_timer.expires_at(next_update);
+    update_timer.async_wait([this](error_code error) {
+      if (error) return;
+      schedule_update();
+      update();
+    });
+  }
+  void update() {
+    auto description = hub.feed.description();
+    if (description && description != hub.description) {
+      const bool is_new =
+          !hub.description || description->generation != hub.description->generation;
+      hub.description = std::move(description);
+      if (is_new) {
+        hub.scene = std::make_shared<const std::string>(scene_message(*hub.description));
+        hub.snapshot = nullptr;
+        for_each_watcher([](WebSocketSession& session) { session.offer_scene(); });
+      }
+    }
+    untold = hub.feed.refresh() || untold;
+    // A snapshot of another generation waits for its description.
+    if (!untold || !hub.description ||
+        hub.feed.latest().generation != hub.description->generation) {
+      return;
+    }
+    untold = false;
+    auto message = std::make_shared<std::vector<std::byte>>();
+    message->reserve(message_size);
+    write_snapshot_message(hub.feed.latest(), *hub.description, *message);
+    message_size = message->size();
+    hub.snapshot = std::move(message);
+    for_each_watcher([](WebSocketSession& session) { session.offer_snapshot(); });
+  }
+  template <typename Action>
+  void for_each_watcher(const Action& action) {
+    for (const auto& watcher : watchers) {
+      if (const auto session = watcher.lock()) action(*session);
+    }
+  }
+
+  // Connections point at the hub and are destroyed with the context: it comes after them.
+  Hub hub;
+  Watchers watchers;
+  asio::io_context context{1};
+  tcp::acceptor acceptor{context};
+  asio::steady_timer retry{context};
+  asio::steady_timer update_timer{context};
+  std::chrono::steady_clock::duration period;
+  std::chrono::steady_clock::time_point next_update;
+  std::size_t message_size = 0;
+  bool untold = false;  ///< the newest snapshot has not been sent yet
+  std::thread thread;
+};
+
+Server::Server(LiveFeed& feed, const ServerOptions& options, std::span<const PageFile> page)
+    : implementation_(std::make_unique<Implementation>(feed, options, page)) {}
+Server::~Server() = default;
+
+std::uint16_t Server::port() const { return implementation_->hub.port; }
+std::string Server::url() const {
+  return fmt::format("http://{}:{}", implementation_->hub.address, port());
+}
+
+}  // namespace softfinger

@@ -1,0 +1,99 @@
+#include "softfinger/viewer/snapshot_message.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <string_view>
+
+#include "softfinger/base/units.hpp"
+
+namespace softfinger {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the page reads little-endian numbers");
+
+class Writer {
+ public:
+  explicit Writer(std::vector<std::byte>& bytes) : bytes_(bytes) { bytes_.clear(); }
+
+  template <typename T>
+  void put(T value) {
+    const auto* first = reinterpret_cast<const std::byte*>(&value);
+    bytes_.insert(bytes_.end(), first, first + sizeof value);
+  }
+  void count(std::size_t value) { put(static_cast<std::uint32_t>(value)); }
+  void real(double value) { put(static_cast<float>(value)); }
+  void pose(const Pose& pose) {
+    for (const double coordinate : pose.translation) real(coordinate / mm);
+    const Eigen::Quaterniond turn(pose.rotation);
+    for (const double part : turn.coeffs()) real(part);
+  }
+  void point(const Eigen::Vector3f& point) {
+    for (const float coordinate : point) real(double{coordinate} / mm);
+  }
+  void text(std::string_view text, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) put(i < text.size() ? text[i] : '\0');
+  }
+  void pad() {
+    while (bytes_.size() % 4 != 0) put(std::uint8_t{0});
+  }
+
+ private:
+  std::vector<std::byte>& bytes_;
+};
+
+void write_finger(const Snapshot::Finger& finger, const std::vector<std::string>& names,
+                  Writer& out) {
+  out.pose(finger.X_WFt);
+  out.pose(finger.X_WF);
+  out.pose(finger.X_FP);
+  out.real(finger.normal_force);
+  out.real(finger.tangential_force);
+  out.real(finger.contact_area / mm2);
+  out.real(finger.deviation / mm2);
+
+  const std::size_t samples = std::min(
+      {finger.sample_positions_F.size(), finger.sample_pressures.size(), finger.in_contact.size()});
+  out.count(samples);
+  out.count(static_cast<std::size_t>(finger.configuration.size()));
+  out.count(static_cast<std::size_t>(finger.joints.size()));
+  out.count(finger.linkage_F.size());
+  out.text(std::string_view(finger.device_state).substr(0, 15), 16);
+
+  for (std::size_t i = 0; i < samples; ++i) out.point(finger.sample_positions_F[i]);
+  for (std::size_t i = 0; i < samples; ++i) out.real(double{finger.sample_pressures[i]} / kPa);
+  for (std::size_t i = 0; i < samples; ++i) out.put(finger.in_contact[i]);
+  out.pad();
+  for (Eigen::Index i = 0; i < finger.configuration.size(); ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    out.real(finger.configuration[i] / (index < names.size() ? unit_scale(names[index]) : 1.0));
+  }
+  for (const double joint : finger.joints) out.real(joint / deg);
+  for (const Eigen::Vector3f& point : finger.linkage_F) out.point(point);
+}
+
+}  // namespace
+
+void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& scene,
+                            std::vector<std::byte>& message) {
+  Writer out(message);
+  out.put(kSnapshotMagic);
+  out.put(static_cast<std::uint32_t>(snapshot.generation));
+  out.put(static_cast<std::uint32_t>(snapshot.step));
+  out.put(static_cast<std::uint32_t>((snapshot.paused ? 1U : 0U) | (snapshot.finished ? 2U : 0U)));
+  out.put(snapshot.time);
+  out.real(snapshot.step_cpu_time / ms);
+  out.real(snapshot.match_cpu_time / ms);
+  out.put(static_cast<std::uint32_t>(snapshot.deadline_misses));
+  out.count(snapshot.X_WO.size());
+  out.count(snapshot.fingers.size());
+  out.count(0);
+  for (const Pose& X_WO : snapshot.X_WO) out.pose(X_WO);
+  for (std::size_t i = 0; i < snapshot.fingers.size(); ++i) {
+    static const std::vector<std::string> kNoNames;
+    write_finger(snapshot.fingers[i],
+                 i < scene.fingers.size() ? scene.fingers[i].configuration_names : kNoNames, out);
+  }
+}
+
+}  // namespace softfinger

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "softfinger/engine/live_feed.hpp"
+
+namespace softfinger {
+
+inline constexpr std::uint32_t kSnapshotMagic = 0x31534653;  ///< "SFS1"
+
+/// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
+/// configuration; it must be the one of the snapshot's generation.
+///
+/// Layout, little-endian, every number 4 bytes and aligned unless said:
+///
+///     u32 magic "SFS1"        u32 generation (low bits)
+///     u32 step (low bits)     u32 flags: 1 paused, 2 finished
+///     f64 time_s
+///     f32 step_ms             f32 match_ms
+///     u32 deadline_misses     u32 objects         u32 fingers    u32 0
+///     per object: pose X_WO
+///     per finger:
+///       pose X_WFt, pose X_WF, pose X_FP
+///       f32 normal_force_N    f32 tangential_force_N    f32 contact_area_mm2   f32 deviation_mm2
+///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
+///       16 bytes device_state, zero-padded
+///       f32 positions_mm[3 n] in F    f32 pressures_kPa[n]    u8 in_contact[n], zero-padded to 4
+///       f32 configuration[m] in the unit of its name    f32 joints_deg[j]
+///       f32 linkage_mm[3 l] in F
+///     pose: f32 x_mm, y_mm, z_mm, quaternion x, y, z, w
+void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& scene,
+                            std::vector<std::byte>& message);
+
+}  // namespace softfinger

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "softfinger/engine/live_feed.hpp"
+
+namespace softfinger {
+
+/// A live feed without an engine behind it: an ellipsoid pad bobs against a plane, a ball or a box
+/// and is cut off at the surface, a 3-RRS platform follows. Made to look at, and to test the
+/// server.
+class SyntheticFeed : public LiveFeed {
+ public:
+  SyntheticFeed();
+
+  std::shared_ptr<const SceneDescription> description() override;
+  bool refresh() override;  ///< advances by a sixtieth of a second unless paused
+  const Snapshot& latest() const override { return snapshot_; }
+  void request(const LiveRequest& request) override;
+
+  /// Requests received so far.
+  [[nodiscard]] std::vector<LiveRequest> requests() const;
+
+ private:
+  void start_scene(const std::string& name);
+  void fill_snapshot();
+
+  std::shared_ptr<const SceneDescription> description_;
+  Pose X_WO_;
+  Snapshot snapshot_;
+  mutable std::mutex mutex_;
+  std::vector<LiveRequest> requests_;
+};
+
+}  // namespace softfinger
