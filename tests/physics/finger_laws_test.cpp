@@ -64,34 +64,19 @@ TEST(FingerLaws, SteadyForceDoesNotDependOnTheTimeStep) {
   EXPECT_NEAR(forces[2], forces[0], 1e-5 * forces[0]);
 }
 
-double linear_momentum_error(const FingerModel& model, const FingerSimulation& finger,
-                             const Vector3& velocity) {
-  double error = 0.0;
-  for (std::size_t n = 0; n < model.mesh.nodes.size(); ++n) {
-    error = std::max(error, (finger.velocities()[n] - velocity).norm());
-  }
-  return error / velocity.norm();
-}
-
-TEST(FingerLaws, FreeFlightKeepsLinearMomentum) {
-  // A coupling without stiffness or damping leaves the finger to itself.
-  auto model = box_finger();
-  model->coupling = {1e-9, 0.0, 1e-12, 0.0};
+TEST(FingerLaws, CarriedAtConstantSpeedEverythingMovesAlike) {
   const std::vector<VirtualObject> none;
-  FingerSimulation finger(model, none, 1e-3);
+  FingerSimulation finger(box_finger(), none, 1e-3);
   finger.reset(Pose{});
-  // Reset gives no velocity: a coupling of its own throws it.
-  auto thrown = box_finger();
-  FingerSimulation thrower(thrown, none, 1e-3);
-  thrower.reset(Pose{});
   const Vector3 velocity(0.05, -0.02, 0.03);
   Pose X_WFt;
   for (int k = 1; k <= 4000; ++k) {
     X_WFt.translation = velocity * (k * 1e-3);
-    ASSERT_TRUE(thrower.step(X_WFt, k * 1e-3).converged);
+    ASSERT_TRUE(finger.step(X_WFt, k * 1e-3).converged);
   }
-  // Carried along by the coupling at constant speed, all of it moves alike: nothing is lost.
-  EXPECT_LT(linear_momentum_error(*thrown, thrower, velocity), 1e-4);
+  // No drag: the bone does not stay behind, whatever the speed.
+  EXPECT_LT((finger.bone_pose().translation - X_WFt.translation).norm(), 1e-7);
+  for (const Vector3& v : finger.velocities()) EXPECT_LT((v - velocity).norm(), 1e-6);
 }
 
 TEST(FingerLaws, FrictionSaturatesAtTheCoulombLimitAndHoldsWithoutCreep) {
@@ -141,8 +126,9 @@ TEST(FingerLaws, FrictionlessContactHasNoTangentialForce) {
 
 TEST(FingerLaws, AnObjectThatMovesAwayIsNoLongerTouched) {
   std::vector<VirtualObject> objects = floor_at(-8e-3, 0.5);
-  objects[0].motion = Trajectory({{0.2, Pose{Matrix3::Identity(), Vector3(0, 0, -6e-3)}},
-                                  {0.6, Pose{Matrix3::Identity(), Vector3(0, 0, -12e-3)}}});
+  objects[0].motion =
+      Trajectory(std::vector<Waypoint>{{0.2, Pose{Matrix3::Identity(), Vector3(0, 0, -6e-3)}},
+                                       {0.6, Pose{Matrix3::Identity(), Vector3(0, 0, -12e-3)}}});
   FingerSimulation finger(box_finger(), objects, 1e-3);
   finger.reset(Pose{});
   for (int k = 1; k <= 200; ++k) ASSERT_TRUE(finger.step(Pose{}, k * 1e-3).converged);
