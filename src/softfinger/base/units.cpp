@@ -32,7 +32,8 @@ double unit_scale(std::string_view key) {
       {"", 1.0},
   }};
   for (const auto& [suffix, scale] : kSuffixes) {
-    if (key.ends_with(suffix)) return scale;
+    // A key may be nothing but its unit: "us_per_deg".
+    if (key.ends_with(suffix) || key == suffix.substr(suffix.empty() ? 0 : 1)) return scale;
   }
   return 1.0;
 }
