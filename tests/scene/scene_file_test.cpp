@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -202,6 +204,40 @@ TEST(SceneFile, NamesLineAndKeyOfObjectErrors) {
   EXPECT_THAT(error_of(with_object("name = \"a\"\nshape = \"plane\"\n[[object]]\nname = \"a\"\n"
                                    "shape = \"plane\"\n")),
               HasSubstr("named 'a'"));
+}
+
+// The scenes that come with the program: at least 8 s, from rest to rest, no slip of the pen.
+TEST(SceneFile, ShippedScenesAreUnhurriedAndBeginAndEndAloft) {
+  for (const char* name : {"plane", "edge", "sphere"}) {
+    const auto file =
+        std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes" / (std::string(name) + ".toml");
+    const Scene scene = load_scene(file);
+    ASSERT_EQ(scene.fingers.size(), 1u) << name;
+    ASSERT_EQ(scene.objects.size(), 1u) << name;
+    EXPECT_FALSE(scene.description.empty());
+    EXPECT_TRUE(std::filesystem::exists(scene.fingers[0].model)) << name;
+    EXPECT_TRUE(std::filesystem::exists(*scene.fingers[0].device)) << name;
+    const Trajectory motion(scene.fingers[0].waypoints);
+    EXPECT_EQ(motion.start_time(), 0.0);
+    EXPECT_GE(motion.end_time(), 8.0) << name;
+    const Shape& shape = scene.objects[0].shape;
+    const Pose X_OW = scene.objects[0].motion.sample(0.0).inverse();
+    const auto height = [&](double t) {
+      return signed_distance(shape, X_OW * motion.sample(t).translation).distance;
+    };
+    // F's origin lies 7.3 mm above the lowest skin.
+    EXPECT_GT(height(0.0), 0.019) << name;
+    EXPECT_GT(height(motion.end_time()), 0.019) << name;
+    double lowest = 1.0;
+    for (double t = 0.0; t <= motion.end_time(); t += 1e-3) {
+      const double h = height(t);
+      lowest = std::min(lowest, h);
+      const double speed = motion.sample_motion(t).velocity.norm();
+      EXPECT_LT(speed, 0.06) << name << " at " << t;
+    }
+    EXPECT_LT(lowest, 0.006) << name;
+    EXPECT_GT(lowest, 0.004) << name;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/engine/run_setup.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using namespace softfinger;
+
+struct SceneCheckFlags {
+  std::string scene;
+  bool json = false;
+};
+
+/// mm, without the noise of having been metres.
+double in_mm(double metres) { return std::round(metres / mm * 1e9) / 1e9; }
+
+Json describe(const HalfSpace&) { return {{"shape", "plane"}}; }
+Json describe(const Ball& ball) { return {{"shape", "sphere"}, {"radius_mm", in_mm(ball.radius)}}; }
+Json describe(const RoundedBox& box) {
+  const Vector3 size = 2.0 * box.half_size;
+  return {{"shape", "box"},
+          {"size_mm", {in_mm(size.x()), in_mm(size.y()), in_mm(size.z())}},
+          {"edge_radius_mm", in_mm(box.edge_radius)}};
+}
+Json describe(const RoundedCylinder& cylinder) {
+  return {{"shape", "cylinder"},
+          {"radius_mm", in_mm(cylinder.radius)},
+          {"length_mm", in_mm(2.0 * cylinder.half_length)},
+          {"edge_radius_mm", in_mm(cylinder.edge_radius)}};
+}
+
+Json describe(const VirtualObject& object) {
+  Json json{{"name", object.name}};
+  json.update(std::visit([](const auto& shape) { return describe(shape); }, object.shape));
+  json["friction_coefficient"] = nullptr;
+  if (object.friction_coefficient) json["friction_coefficient"] = *object.friction_coefficient;
+  json["moves"] = object.motion.moves();
+  return json;
+}
+
+Json describe(const SceneFinger& finger, const FingerModel& model, const Device* device,
+              std::optional<double> duration) {
+  Json json{{"name", finger.name},
+            {"model", finger.model.lexically_normal().string()},
+            {"samples", model.sample_nodes.size()},
+            {"tetrahedra", model.mesh.tetrahedra.size()},
+            {"device", nullptr},
+            {"device_kind", nullptr},
+            {"tracker", finger.tracker},
+            {"duration_s", nullptr}};
+  if (device != nullptr) {
+    json["device"] = finger.device->lexically_normal().string();
+    json["device_kind"] = device->kind();
+  }
+  if (duration) json["duration_s"] = *duration;
+  return json;
+}
+
+/// Loads all that a run would.
+Json check(const std::string& file) {
+  RunOptions options;
+  options.scene = file;
+  const std::shared_ptr<const RunSetup> setup = load_setup(options);
+  const Scene& scene = setup->scene;
+  Json fingers = Json::array();
+  std::optional<double> longest;
+  for (std::size_t i = 0; i < scene.fingers.size(); ++i) {
+    const SceneFinger& finger = scene.fingers[i];
+    const auto tracker = make_tracker(finger.tracker, scene.file.parent_path(), finger.waypoints);
+    const std::optional<double> end = tracker->end_time();
+    if (end) longest = std::max(longest.value_or(0.0), *end);
+    fingers.push_back(describe(finger, *setup->models[i], setup->devices[i].get(), end));
+  }
+  Json objects = Json::array();
+  for (const VirtualObject& object : scene.objects) objects.push_back(describe(object));
+  Json result{{"scene", scene.file.string()},           {"description", scene.description},
+              {"simulation_Hz", scene.simulation_rate}, {"duration_s", nullptr},
+              {"fingers", std::move(fingers)},          {"objects", std::move(objects)}};
+  if (longest) result["duration_s"] = *longest;
+  return result;
+}
+
+std::string sizes(const Json& object) {
+  const auto number = [&](const char* key) { return object.at(key).get<double>(); };
+  const std::string shape = object.at("shape");
+  if (shape == "sphere") return fmt::format(", radius {} mm", number("radius_mm"));
+  if (shape == "box") {
+    return fmt::format(", {} mm, edge radius {} mm",
+                       fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "),
+                       number("edge_radius_mm"));
+  }
+  if (shape == "cylinder") {
+    return fmt::format(", radius {} mm, length {} mm, edge radius {} mm", number("radius_mm"),
+                       number("length_mm"), number("edge_radius_mm"));
+  }
+  return "";
+}
+
+void print_summary(const Json& scene) {
+  const auto text = [](const Json& json, const char* key) {
+    return json.at(key).get<std::string>();
+  };
+  fmt::print("{}: good\n", text(scene, "scene"));
+  if (const std::string line = text(scene, "description"); !line.empty())
+    fmt::print("  {}\n", line);
+  for (const Json& finger : scene.at("fingers")) {
+    const Json& duration = finger.at("duration_s");
+    fmt::print("  finger {}: {} ({} skin samples, {} tetrahedra), {}, tracker {}{}\n",
+               text(finger, "name"), text(finger, "model"), finger.at("samples").get<int>(),
+               finger.at("tetrahedra").get<int>(),
+               finger.at("device").is_null()
+                   ? "no device"
+                   : fmt::format("{} ({})", text(finger, "device"), text(finger, "device_kind")),
+               text(finger, "tracker"),
+               duration.is_null() ? "" : fmt::format(", {:g} s", duration.get<double>()));
+  }
+  for (const Json& object : scene.at("objects")) {
+    const Json& friction = object.at("friction_coefficient");
+    fmt::print("  object {}: {}{}, friction {}{}\n", text(object, "name"), text(object, "shape"),
+               sizes(object),
+               friction.is_null() ? "of the finger" : fmt::format("{}", friction.get<double>()),
+               object.at("moves").get<bool>() ? ", moves" : "");
+  }
+  fmt::print("  simulation at {:g} Hz\n", scene.at("simulation_Hz").get<double>());
+}
+
+}  // namespace
+
+void add_scene_command(CLI::App& app) {
+  CLI::App* scene = app.add_subcommand("scene", "Look at scene files");
+  scene->require_subcommand(1);
+  CLI::App* command =
+      scene->add_subcommand("check", "Read a scene and every file it names; say what is in it");
+  auto flags = std::make_shared<SceneCheckFlags>();
+  command->add_option("SCENE", flags->scene, "scene file (TOML)")->required();
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] {
+    const Json summary = check(flags->scene);
+    if (flags->json) {
+      fmt::print("{}\n", summary.dump(2));
+    } else {
+      print_summary(summary);
+    }
+  });
+}
