@@ -17,9 +17,9 @@ class Device;
 
 struct ActuatorOptions {
   /// Port instead of the device file's transport.port: "emulator" or any tty. Empty: the file's.
-  std::string port;
+  std::string port = {};
   /// Where the device was read from; messages name it and the line of the key.
-  std::filesystem::path device_file;
+  std::filesystem::path device_file = {};
   /// An absent port is no error; attempts to open it go on beside the run.
   bool wait_for_device = false;
   /// Nothing paces the run by the wall clock. The embedded emulator then advances with the times

@@ -1,5 +1,6 @@
 #include "softfinger/actuation/motion_guard.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -17,9 +18,42 @@ constexpr double kBlocked = 1e-2;
 /// Towards home by this much a try, where rounding to the wire would break a limit.
 constexpr double kPullBack = 2e-3;
 constexpr int kPullBacks = 4;
+/// Step (m of surface motion) of differences of inverse kinematics.
+constexpr double kDifference = 1e-6;
 
 Configuration between(const Configuration& from, const Configuration& to, double fraction) {
   return from + fraction * (to - from);
+}
+
+/// q of joint angles that are a rounding error away from those of `near`: two chord steps on
+/// inverse kinematics. Forward kinematics proper searches the workspace, which takes long where it
+/// fails.
+bool pose_of_joints(const Device& device, const JointAngles& joints, const Configuration& near,
+                    Configuration& q) {
+  using Derivative =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaestroChannels, kMaestroChannels>;
+  const Eigen::Index n = near.size();
+  if (joints.size() != n) return device.forward_kinematics(joints, q);
+  Derivative derivative(n, n);
+  JointAngles above;
+  JointAngles below;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double step = kDifference / device.axes()[static_cast<std::size_t>(i)].metric;
+    q = near;
+    q[i] = near[i] + step;
+    if (!device.inverse_kinematics(q, above)) return false;
+    q[i] = near[i] - step;
+    if (!device.inverse_kinematics(q, below)) return false;
+    derivative.col(i) = (above - below) / (2.0 * step);
+  }
+  const Eigen::PartialPivLU<Derivative> inverse(derivative);
+  q = near;
+  for (int iteration = 0; iteration < 2; ++iteration) {
+    JointAngles now;
+    if (!device.inverse_kinematics(q, now)) return false;
+    q += inverse.solve(joints - now);
+  }
+  return q.allFinite();
 }
 
 /// Largest fraction in [0, 1] that is allowed, by halving; 0 is taken as allowed.
@@ -112,10 +146,9 @@ bool MotionGuard::form(const Configuration& q, Command& command) const {
     command.targets[at] = servos_[at].target(sent[i], limits.min[i], limits.max[i]);
     sent[i] = servos_[at].joint_of_target(command.targets[at]);
   }
-  // Well inside the workspace rounding cannot carry it out; near its border, look.
-  const Configuration outward = between(device_->home(), q, 1.0 + kPullBack);
+  // Rounding moves the platform too: what counts is the pose of the pulses that go out.
   Configuration rounded;
-  return device_->reachable(outward) || device_->forward_kinematics(sent, rounded);
+  return pose_of_joints(*device_, sent, q, rounded) && device_->reachable(rounded);
 }
 
 void MotionGuard::step(const Configuration& wanted, double dt) {

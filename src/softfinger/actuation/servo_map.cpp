@@ -24,7 +24,7 @@ double ServoMap::joint(double pulse) const {
 double ServoMap::resolution() const { return kQuarterMicrosecond / std::abs(settings_.per_radian); }
 
 std::uint16_t ServoMap::target(double joint, double min_joint, double max_joint) const {
-  const auto [low, high] = std::minmax(pulse(min_joint), pulse(max_joint));
+  const auto [low, high] = std::minmax({pulse(min_joint), pulse(max_joint)});
   const double first = std::ceil(low / kQuarterMicrosecond - kRounding);
   const double last = std::min(std::floor(high / kQuarterMicrosecond + kRounding),
                                static_cast<double>(kMaestroMaxValue));

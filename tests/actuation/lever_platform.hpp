@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device.hpp"
+
+namespace softfinger {
+
+/// A device simple enough to check commands by hand: three levers whose angles are linear in
+/// q = (pitch, roll, travel), with joint limits, a tilt limit, and optionally a forbidden wedge
+/// that makes the workspace non-convex.
+class LeverPlatform : public Device {
+ public:
+  struct Shape {
+    std::string port = "emulator";
+    double rate = 30.0;
+    bool wedge = false;  ///< pitch in (5, 10) degrees is forbidden where roll > -5 degrees
+    bool reversed_servo = false;
+  };
+  static constexpr double kMaxTilt = 30.0 * deg;
+  static constexpr double kGain = 40.0;    ///< rad/m
+  static constexpr double kLever = 12e-3;  ///< m
+
+  explicit LeverPlatform(const Shape& shape) : Device(make_settings(shape)), wedge_(shape.wedge) {}
+
+  bool inverse_kinematics(const Configuration& q, JointAngles& joints) const override {
+    if (q.size() != 3 || !q.allFinite()) return false;
+    joints.resize(3);
+    for (int i = 0; i < 3; ++i) {
+      const double azimuth = 2.0 * std::numbers::pi / 3.0 * i;
+      joints[i] = kGain * (q[2] + kLever * (std::cos(azimuth) * q[0] + std::sin(azimuth) * q[1])) +
+                  30.0 * deg;
+    }
+    return true;
+  }
+  void clamped_joints(const Configuration& q, JointAngles& joints) const override {
+    (void)inverse_kinematics(q, joints);
+    joints = joints.cwiseMax(joint_limits().min).cwiseMin(joint_limits().max);
+  }
+  bool forward_kinematics(const JointAngles& joints, Configuration& q) const override {
+    q.setZero(3);
+    for (int i = 0; i < 3; ++i) {
+      const double azimuth = 2.0 * std::numbers::pi / 3.0 * i;
+      const double height = (joints[i] - 30.0 * deg) / kGain;
+      q[0] += 2.0 / 3.0 * std::cos(azimuth) * height / kLever;
+      q[1] += 2.0 / 3.0 * std::sin(azimuth) * height / kLever;
+      q[2] += height / 3.0;
+    }
+    return reachable(q);
+  }
+  bool reachable(const Configuration& q) const override {
+    JointAngles joints;
+    if (!inverse_kinematics(q, joints)) return false;
+    if (wedge_ && q[0] > 5.0 * deg + 1e-9 && q[0] < 10.0 * deg - 1e-9 && q[1] > -5.0 * deg + 1e-9) {
+      return false;
+    }
+    return ((joints - joint_limits().min).array() >= -1e-9).all() &&
+           ((joint_limits().max - joints).array() >= -1e-9).all() &&
+           std::hypot(q[0], q[1]) <= kMaxTilt + 1e-9;
+  }
+
+  int constraint_count() const override { return 0; }
+  bool constraints(const Configuration&, Eigen::Ref<Eigen::VectorXd>,
+                   Eigen::Ref<Eigen::MatrixXd>) const override {
+    return true;
+  }
+  void add_constraint_curvature(const Configuration&, const Eigen::Ref<const Eigen::VectorXd>&,
+                                Eigen::Ref<Eigen::MatrixXd>) const override {}
+  std::span<const std::string> constraint_names(int) const override { return {}; }
+  ClosestPointResidual closest_point_residual(const Configuration&, const Vector3&) const override {
+    return {};
+  }
+  SurfaceDistance signed_distance(const Configuration&, const Vector3&) const override {
+    return {};
+  }
+  Configuration facing(const Vector3&, const Configuration& q) const override { return q; }
+  int approach_axis() const override { return 2; }
+  Pose surface_pose(const Configuration&) const override { return {}; }
+  WorkspaceSummary workspace_summary() const override { return {}; }
+
+ private:
+  static DeviceSettings make_settings(const Shape& shape) {
+    DeviceSettings settings;
+    settings.kind = "lever_platform";
+    settings.axes = {{"pitch_deg", deg, kLever}, {"roll_deg", deg, kLever}, {"travel_mm", mm, 1.0}};
+    settings.home = Configuration::Zero(3);
+    settings.retracted = Configuration::Zero(3);
+    settings.retracted[2] = -8.0 * mm;
+    settings.joint_limits = {JointAngles::Constant(3, -20.0 * deg),
+                             JointAngles::Constant(3, 90.0 * deg), 400.0 * deg};
+    TransportSettings transport;
+    transport.kind = "maestro";
+    transport.port = shape.port;
+    transport.rate = shape.rate;
+    for (int i = 0; i < 3; ++i) {
+      const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
+      transport.servos.push_back({.channel = 2 * i,
+                                  .zero = sign > 0.0 ? 1500.3e-6 : 1900e-6,
+                                  .per_radian = sign * 10e-6 / deg,
+                                  .min = 700e-6,
+                                  .max = 2500e-6});
+    }
+    settings.transport = transport;
+    return settings;
+  }
+
+  bool wedge_;
+};
+
+inline std::shared_ptr<const Device> lever_platform(const LeverPlatform::Shape& shape = {}) {
+  return std::make_shared<const LeverPlatform>(shape);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,179 @@
+#include "softfinger/actuation/motion_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "lever_platform.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kTick = 1.0 / 30.0;
+
+/// Looks at commands as the wire sees them.
+class CommandWatch {
+ public:
+  explicit CommandWatch(const Device& device) : device_(device) {}
+
+  void check(const MotionGuard& guard, double dt) {
+    const auto targets = guard.targets();
+    ASSERT_EQ(targets.size(), 3u);
+    JointAngles joints(3);
+    for (int i = 0; i < 3; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      joints[i] = guard.servos()[at].joint_of_target(targets[at]);
+      ASSERT_GE(joints[i], device_.joint_limits().min[i] - 1e-7);
+      ASSERT_LE(joints[i], device_.joint_limits().max[i] + 1e-7);
+      if (last_.size() == 3) {
+        ASSERT_LE(std::abs(joints[i] - last_[i]), device_.joint_limits().max_rate * dt + 1e-9);
+      }
+    }
+    Configuration q;
+    ASSERT_TRUE(device_.forward_kinematics(joints, q)) << joints.transpose() / deg;
+    ASSERT_LE(std::hypot(q[0], q[1]), LeverPlatform::kMaxTilt + 1e-9);
+    last_ = joints;
+  }
+
+ private:
+  const Device& device_;
+  JointAngles last_;
+};
+
+Configuration configuration(double pitch_deg, double roll_deg, double travel_mm) {
+  Configuration q(3);
+  q << pitch_deg * deg, roll_deg * deg, travel_mm * mm;
+  return q;
+}
+
+TEST(MotionGuard, ReachesWhatIsAllowed) {
+  const auto device = lever_platform();
+  MotionGuard guard(device, device->settings().transport->servos);
+  EXPECT_EQ(guard.configuration(), device->home());
+  const Configuration wanted = configuration(5, -3, 2);
+  int ticks = 0;
+  while (!guard.arrived() || ticks == 0) {
+    guard.step(wanted, kTick);
+    ASSERT_LT(++ticks, 30);
+  }
+  EXPECT_EQ(guard.configuration(), wanted);
+}
+
+TEST(MotionGuard, MovesAtTheRateLimitAndNoSlower) {
+  const auto device = lever_platform();
+  MotionGuard guard(device, device->settings().transport->servos);
+  const JointAngles before = guard.joints();
+  guard.step(configuration(0, 0, -15), kTick);
+  const double travel = (guard.joints() - before).cwiseAbs().maxCoeff();
+  EXPECT_LE(travel, 400 * deg * kTick);
+  EXPECT_GE(travel, 0.99 * 400 * deg * kTick);
+}
+
+TEST(MotionGuard, StopsAtTheEdgeOfTheWorkspaceAndSlidesAlongIt) {
+  const auto device = lever_platform();
+  MotionGuard guard(device, device->settings().transport->servos);
+  for (int k = 0; k < 100; ++k) {
+    const double angle = 0.02 * k;
+    guard.step(configuration(80 * std::cos(angle), 80 * std::sin(angle), 0), kTick);
+  }
+  const Configuration& q = guard.configuration();
+  EXPECT_NEAR(std::hypot(q[0], q[1]), LeverPlatform::kMaxTilt, 0.1 * deg);
+  EXPECT_NEAR(std::atan2(q[1], q[0]), 0.02 * 99, 0.03);
+}
+
+TEST(MotionGuard, HoldsWhenWhatIsWantedIsNoNumber) {
+  const auto device = lever_platform();
+  MotionGuard guard(device, device->settings().transport->servos);
+  for (int k = 0; k < 30; ++k) guard.step(configuration(10, 5, 1), kTick);
+  const Configuration before = guard.configuration();
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  guard.step(configuration(kNaN, 0, 0), kTick);
+  guard.step(configuration(0, -kInfinity, 0), kTick);
+  guard.step(Configuration(), kTick);
+  guard.step(Configuration::Zero(7), kTick);
+  guard.step(configuration(0, 0, 0), kNaN);
+  guard.step(configuration(0, 0, 0), -1.0);
+  EXPECT_EQ(guard.configuration(), before);
+}
+
+const LeverPlatform::Shape kShapes[] = {{}, {.wedge = true}, {.reversed_servo = true}};
+
+class HostileGuard : public testing::TestWithParam<int> {};
+
+TEST_P(HostileGuard, EveryCommandIsWithinLimits) {
+  const auto device = lever_platform(kShapes[GetParam()]);
+  MotionGuard guard(device, device->settings().transport->servos);
+  CommandWatch watch(*device);
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double hostile[] = {std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::infinity(),
+                            -std::numeric_limits<double>::infinity(),
+                            1e30,
+                            -1e30,
+                            1e308,
+                            -1e308,
+                            5e-324,
+                            0.0};
+  Configuration wanted = device->home();
+  for (int k = 0; k < 100000; ++k) {
+    const auto kind = random() % 8;
+    if (kind < 3) {  // walks
+      for (int i = 0; i < 3; ++i) wanted[i] += 0.02 * device->axes()[0].metric * uniform(random);
+    } else if (kind < 6) {  // jumps, often outside
+      wanted = configuration(60 * uniform(random), 60 * uniform(random), 30 * uniform(random));
+    } else if (kind == 6) {
+      wanted[static_cast<int>(random() % 3)] = hostile[random() % std::size(hostile)];
+    }  // else: stays
+    const double dt = kTick * (0.05 + 0.95 * std::abs(uniform(random)));
+    guard.step(wanted, dt);
+    watch.check(guard, dt);
+    if (HasFatalFailure()) FAIL() << "command " << k << ", wanted " << wanted.transpose();
+    if (!wanted.allFinite()) wanted = guard.configuration();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, HostileGuard, testing::Range(0, 3));
+
+int ticks_to(MotionGuard& guard, const Configuration& goal) {
+  for (int ticks = 1; ticks < 100; ++ticks) {
+    guard.step(goal, kTick);
+    if (guard.arrived()) return ticks;
+  }
+  return -1;
+}
+
+TEST(MotionGuard, GoesByHomeWhereTheStraightWayIsBlocked) {
+  const auto device = lever_platform({.wedge = true});
+  MotionGuard guard(device, device->settings().transport->servos);
+  guard.reset(configuration(0, 25, 0));
+  const Configuration goal = configuration(20, -21, 0);
+  EXPECT_GT(ticks_to(guard, goal), 0);
+  EXPECT_EQ(guard.configuration(), goal);
+}
+
+TEST(MotionGuard, RetractsFromAnywhere) {
+  for (const bool wedge : {false, true}) {
+    const auto device = lever_platform({.wedge = wedge});
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    int tried = 0;
+    while (tried < 500) {
+      const Configuration from =
+          configuration(30 * uniform(random), 30 * uniform(random), 20 * uniform(random));
+      // What is promised is the way by home.
+      bool sees_home = true;
+      for (double t = 0.0; t <= 1.0; t += 1e-3) sees_home &= device->reachable(t * from);
+      if (!sees_home) continue;
+      ++tried;
+      MotionGuard guard(device, device->settings().transport->servos);
+      guard.reset(from);
+      EXPECT_GT(ticks_to(guard, device->retracted()), 0) << from.transpose();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace softfinger
