@@ -1,0 +1,195 @@
+#include "softfinger/matching/deviation_minimiser.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace softfinger {
+namespace {
+
+// Stages of attraction to home, relative to one sample's weight. Only the last one is needed where
+// E has curvature in every direction; it shifts the minimum by nanometres.
+constexpr std::array<double, 4> kStages{1e-2, 1e-4, 1e-6, 1e-8};
+constexpr double kFlat = 1e-3;                // curvature of E below which the stages are walked
+constexpr double kLongestStep = 5e-3;         // m
+constexpr double kStepTolerance = 1e-10;      // m
+constexpr double kFeasibilityMargin = 1e-13;  // m
+
+}  // namespace
+
+DeviationMinimiser::DeviationMinimiser(const Device& device)
+    : device_(device),
+      n_(device.degrees_of_freedom()),
+      here_(n_),
+      there_(n_),
+      metric_(n_),
+      gradient_(n_),
+      values_(device.constraint_count()),
+      raw_values_(device.constraint_count()),
+      matrix_(n_, n_),
+      jacobian_(device.constraint_count(), n_),
+      curvature_(n_, n_),
+      program_(n_, device.constraint_count()),
+      projection_(n_, device.constraint_count()),
+      multipliers_(Eigen::VectorXd::Zero(device.constraint_count())),
+      zero_(Eigen::VectorXd::Zero(n_)) {
+  for (int k = 0; k < n_; ++k) metric_[k] = device.axes()[static_cast<std::size_t>(k)].metric;
+  // The projection's metric is |ds|^2 and never changes.
+  static_cast<void>(projection_.factor(Eigen::MatrixXd::Identity(n_, n_)));
+}
+
+void DeviationMinimiser::expand(const Configuration& q, Expansion& expansion) const {
+  expansion.value = device_.deviation_derivatives(q, *samples_, expansion.gradient,
+                                                  expansion.gauss_newton, expansion.hessian);
+  for (int j = 0; j < n_; ++j) {
+    expansion.gradient[j] /= metric_[j];
+    for (int i = 0; i < n_; ++i) {
+      const double scale = 1.0 / (metric_[i] * metric_[j]);
+      expansion.gauss_newton(i, j) *= scale;
+      expansion.hessian(i, j) *= scale;
+    }
+  }
+}
+
+double DeviationMinimiser::attracted(double deviation, const Configuration& q) const {
+  return deviation + attraction_ * device_.squared_distance(q, device_.home());
+}
+
+bool DeviationMinimiser::degenerate(const Expansion& expansion) {
+  matrix_ = expansion.hessian;
+  for (int k = 0; k < n_; ++k) matrix_(k, k) -= kFlat;
+  return !program_.factor(matrix_);
+}
+
+// Moves q by the least |ds| to satisfy all constraints; false if that fails.
+bool DeviationMinimiser::restore(Configuration& q) {
+  for (int round = 0; round < 8; ++round) {
+    if (!device_.constraints(q, values_, jacobian_)) return false;
+    if (values_.maxCoeff() <= 0.0) return true;
+    for (int j = 0; j < n_; ++j) jacobian_.col(j) /= metric_[j];
+    raw_values_ = values_.array() + kFeasibilityMargin;
+    if (!projection_.solve(zero_, raw_values_, jacobian_)) return false;
+    const double length = projection_.step().norm();
+    if (!(length < 2.0 * kLongestStep)) return false;
+    for (int k = 0; k < n_; ++k) q[k] += projection_.step()[k] / metric_[k];
+  }
+  return false;
+}
+
+// Newton direction at q, from here_, in program_.step(); with `exact` by the second derivatives,
+// else by the Gauss-Newton matrix. False where the matrix is not positive definite.
+bool DeviationMinimiser::form_direction(const Configuration& q, bool inside, double damping,
+                                        bool exact) {
+  gradient_ = here_.gradient;
+  matrix_ = exact ? here_.hessian : here_.gauss_newton;
+  for (int k = 0; k < n_; ++k) {
+    gradient_[k] += 2.0 * attraction_ * metric_[k] * (q[k] - device_.home()[k]);
+    matrix_(k, k) += 2.0 * attraction_ + damping;
+  }
+  if (inside && multipliers_.maxCoeff() > 0.0) {
+    curvature_.setZero();
+    device_.add_constraint_curvature(q, multipliers_, curvature_);
+    for (int j = 0; j < n_; ++j) {
+      for (int i = 0; i < n_; ++i) {
+        const double bend = curvature_(i, j) / (metric_[i] * metric_[j]);
+        matrix_(i, j) += bend;
+      }
+    }
+  }
+  if (!program_.factor(matrix_)) return false;
+  if (!inside) {
+    program_.solve(gradient_);
+    return true;
+  }
+  if (!device_.constraints(q, values_, jacobian_)) return false;
+  for (int j = 0; j < n_; ++j) jacobian_.col(j) /= metric_[j];
+  return program_.solve(gradient_, values_, jacobian_);
+}
+
+DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool inside,
+                                                      int iteration_limit, int& iterations) {
+  double damping = 0.0;
+  multipliers_.setZero();
+  while (iterations < iteration_limit) {
+    ++iterations;
+    double scale = 1e-3;
+    for (int k = 0; k < n_; ++k) scale = std::max(scale, here_.gauss_newton(k, k));
+    bool formed = form_direction(q, inside, damping, true);
+    if (!formed) formed = form_direction(q, inside, damping, false);
+    if (!formed) {  // the multipliers' curvature is in the way, or damping is missing
+      multipliers_.setZero();
+      formed = form_direction(q, inside, std::max(damping, 1e-6 * scale), false);
+    }
+    if (!formed) return Stage::kStalled;
+    const Eigen::VectorXd& step = program_.step();
+    const double length = step.norm();
+    const double value = attracted(here_.value, q);
+    const double slope = gradient_.dot(step);
+    const double shrink = length > kLongestStep ? kLongestStep / length : 1.0;
+    if (inside) multipliers_ = program_.multipliers();
+
+    bool accepted = false;
+    double fraction = shrink;
+    for (int halving = 0; halving < 12; ++halving, fraction *= 0.5) {
+      Configuration trial = q;
+      for (int k = 0; k < n_; ++k) trial[k] += fraction * step[k] / metric_[k];
+      if (inside) {
+        if (!restore(trial)) continue;
+        if (fraction * length > 5e-4 && !device_.reachable(trial)) continue;
+      }
+      double trial_value = 0.0;
+      if (halving == 0) {
+        expand(trial, there_);
+        trial_value = attracted(there_.value, trial);
+      } else {
+        trial_value = attracted(device_.deviation(trial, *samples_), trial);
+      }
+      if (trial_value <= value + 1e-4 * fraction * std::min(slope, 0.0) + 1e-13 * value) {
+        q = trial;
+        if (halving > 0) expand(q, there_);
+        accepted = true;
+        break;
+      }
+    }
+    const double gain = -slope;
+    if (!accepted) {
+      if (gain <= 1e-11 * value + 1e-26 || length < 10.0 * kStepTolerance) return Stage::kConverged;
+      if (damping > 1e3 * scale) return Stage::kStalled;
+      damping = std::max(10.0 * damping, 1e-3 * scale);
+      continue;
+    }
+    std::swap(here_, there_);
+    damping = fraction == shrink ? (damping < 1e-6 * scale ? 0.0 : 0.1 * damping) : damping;
+    if (length * fraction < kStepTolerance && fraction == 1.0) return Stage::kConverged;
+  }
+  return Stage::kIterationLimit;
+}
+
+DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& samples,
+                                                         const Configuration& start, bool inside,
+                                                         int iteration_limit) {
+  samples_ = &samples;
+  Outcome outcome;
+  outcome.q = start;
+  if (inside && !(restore(outcome.q) && device_.reachable(outcome.q))) return outcome;
+  outcome.valid = true;
+  expand(outcome.q, here_);
+  const bool flat = samples.contact_count == 0 || degenerate(here_);
+  Stage stage = Stage::kConverged;
+  const auto walk = [&](std::size_t first) {
+    for (std::size_t k = first; k < kStages.size(); ++k) {
+      attraction_ = kStages[k];
+      stage = descend(outcome.q, inside, iteration_limit, outcome.iterations);
+    }
+  };
+  walk(flat ? 0 : kStages.size() - 1);
+  // A start with curvature may lead to where there is none.
+  if (!flat && degenerate(here_)) walk(0);
+  outcome.deviation = here_.value;
+  outcome.termination = stage == Stage::kConverged        ? Termination::kConverged
+                        : stage == Stage::kIterationLimit ? Termination::kIterationLimit
+                                                          : Termination::kNonsmooth;
+  return outcome;
+}
+
+}  // namespace softfinger
