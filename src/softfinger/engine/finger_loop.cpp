@@ -30,17 +30,11 @@ FingerLoop::FingerLoop(std::int64_t finger, std::shared_ptr<const FingerModel> m
   }
 }
 
-void FingerLoop::take(const TrackedPose& tracked) {
-  record_.X_WFt = StoredPose(tracked.X_WFt);
-  record_.tracked_time = tracked.time;
-  record_.valid = tracked.valid;
-}
-
-void FingerLoop::start(const TrackedPose& tracked) {
+void FingerLoop::start(const TrackedInput& tracked) {
   record_.step = 0;
   record_.time = 0.0;
-  take(tracked);
-  X_WFt_limited_ = record_.X_WFt.pose();
+  record_.tracked = tracked;
+  X_WFt_limited_ = tracked.X_WFt.pose();
   placed_ = tracked.valid;
   simulation_.reset(X_WFt_limited_, 0.0);
   record_.iterations = 0;
@@ -51,22 +45,22 @@ void FingerLoop::start(const TrackedPose& tracked) {
   read_simulation();
 }
 
-void FingerLoop::step(std::int64_t step, const TrackedPose& tracked) {
+void FingerLoop::step(std::int64_t step, const TrackedInput& tracked) {
   const auto began = std::chrono::steady_clock::now();
   const double cpu_began = thread_cpu_time();
   record_.step = step;
   record_.time = static_cast<double>(step) / simulation_rate_;
-  take(tracked);
+  record_.tracked = tracked;
   StepSummary summary;
   if (!placed_ && !tracked.valid) {
     // Nowhere yet: the finger waits where it was put.
   } else if (!placed_) {
     placed_ = true;
-    X_WFt_limited_ = record_.X_WFt.pose();
+    X_WFt_limited_ = tracked.X_WFt.pose();
     simulation_.reset(X_WFt_limited_, record_.time);
   } else {
     X_WFt_limited_ =
-        moved_towards(X_WFt_limited_, record_.X_WFt.pose(), kMaxTrackedSpeed / simulation_rate_,
+        moved_towards(X_WFt_limited_, tracked.X_WFt.pose(), kMaxTrackedSpeed / simulation_rate_,
                       kMaxTrackedAngularSpeed / simulation_rate_);
     summary = simulation_.step(X_WFt_limited_, record_.time);
   }

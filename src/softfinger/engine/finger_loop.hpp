@@ -6,7 +6,6 @@
 
 #include "softfinger/engine/record.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
-#include "softfinger/tracking/tracker.hpp"
 
 namespace softfinger {
 
@@ -26,9 +25,9 @@ class FingerLoop {
              std::span<const VirtualObject> objects, double simulation_rate, bool with_state);
 
   /// Step 0: at rest at the tracked pose, or waiting for the first valid one.
-  void start(const TrackedPose& tracked);
+  void start(const TrackedInput& tracked);
   /// Step `step` (from 1), to its end at step / simulation_rate.
-  void step(std::int64_t step, const TrackedPose& tracked);
+  void step(std::int64_t step, const TrackedInput& tracked);
   /// Completes the record of the step: `tick` is the newest device tick known to it (-1: none) and
   /// `tick_hash` that tick's hash.
   const StepRecord& seal(std::int64_t tick, std::uint64_t tick_hash);
@@ -38,7 +37,6 @@ class FingerLoop {
   [[nodiscard]] const ContactSet& contact() const { return simulation_.contact(); }
 
  private:
-  void take(const TrackedPose& tracked);
   void read_simulation();
 
   FingerSimulation simulation_;

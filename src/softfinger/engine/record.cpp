@@ -51,8 +51,8 @@ std::uint64_t hash_of(const TickRecord& tick) {
 
 std::uint64_t hash_of(const StepRecord& step, std::uint64_t state, std::uint64_t tick) {
   Hash hash;
-  hash.add(step.step).add(step.valid);
-  add(hash, step.X_WFt);
+  hash.add(step.step).add(step.tracked.valid);
+  add(hash, step.tracked.X_WFt);
   add(hash, step.X_WF);
   hash.add(state).add(step.tick).add(tick);
   return hash.value();
@@ -60,7 +60,8 @@ std::uint64_t hash_of(const StepRecord& step, std::uint64_t state, std::uint64_t
 
 const char* first_difference(const StepRecord& a, const StepRecord& b) {
   if (a.step != b.step || a.finger != b.finger) return "step";
-  if (!same(a.X_WFt, b.X_WFt) || a.valid != b.valid) return "tracked pose";
+  if (!same(a.tracked.X_WFt, b.tracked.X_WFt) || a.tracked.valid != b.tracked.valid)
+    return "tracked pose";
   if (!same(a.X_WF, b.X_WF)) return "bone pose";
   if (a.contact_count != b.contact_count || !same(a.contact_area, b.contact_area) ||
       !same(a.normal_force, b.normal_force) || !same(a.tangential_force, b.tangential_force) ||

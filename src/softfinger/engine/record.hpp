@@ -8,6 +8,7 @@
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/geometry/pose.hpp"
+#include "softfinger/tracking/tracker.hpp"
 
 namespace softfinger {
 
@@ -27,6 +28,17 @@ struct StoredPose {
   [[nodiscard]] Pose pose() const { return {rotation.toRotationMatrix(), translation}; }
 };
 
+/// What one step takes from its tracker, as it is recorded.
+struct TrackedInput {
+  StoredPose X_WFt;
+  double time = 0.0;   ///< s, when the pose was true
+  bool valid = false;  ///< false while tracking is lost
+
+  TrackedInput() = default;
+  explicit TrackedInput(const TrackedPose& tracked)
+      : X_WFt(tracked.X_WFt), time(tracked.time), valid(tracked.valid) {}
+};
+
 /// Skin sample as recorded with the whole state.
 struct SampleRecord {
   Vector3 position_F = Vector3::Zero();  ///< m
@@ -39,10 +51,8 @@ struct SampleRecord {
 struct StepRecord {
   std::int64_t finger = 0;
   std::int64_t step = 0;
-  double time = 0.0;          ///< s, end of the step
-  StoredPose X_WFt;           ///< tracked
-  double tracked_time = 0.0;  ///< s, when the tracked pose was true
-  bool valid = true;          ///< false while tracking is lost
+  double time = 0.0;  ///< s, end of the step
+  TrackedInput tracked;
   // What the step computed; compared bit by bit by a replay.
   StoredPose X_WF;  ///< bone
   std::int64_t contact_count = 0;

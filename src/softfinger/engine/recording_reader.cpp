@@ -165,6 +165,15 @@ void RecordingReader::rewind() {
   }
 }
 
+std::int64_t RecordingReader::last_step() {
+  try {
+    SqliteStatement query(database_->connection, "select max(step) from steps");
+    return query.next() ? query.integer(0) : 0;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
 bool RecordingReader::next(StepRecord& r) {
   try {
     SqliteStatement& row = *database_->steps;
@@ -173,9 +182,9 @@ bool RecordingReader::next(StepRecord& r) {
     r.step = row.integer(column++);
     r.finger = row.integer(column++);
     r.time = row.number(column++);
-    column = read_pose(row, column, r.X_WFt);
-    r.tracked_time = row.number(column++);
-    r.valid = row.integer(column++) != 0;
+    column = read_pose(row, column, r.tracked.X_WFt);
+    r.tracked.time = row.number(column++);
+    r.tracked.valid = row.integer(column++) != 0;
     column = read_pose(row, column, r.X_WF);
     r.contact_count = row.integer(column++);
     r.contact_area = row.number(column++);

@@ -25,6 +25,8 @@ class RecordingReader {
   /// Whether the run closed it.
   [[nodiscard]] bool complete() const { return complete_; }
 
+  /// Number of the last step recorded; 0 if there is none.
+  [[nodiscard]] std::int64_t last_step();
   /// Next step in order of (step, finger); false at the end.
   bool next(StepRecord& record);
   /// Next tick in order of (step, finger, tick); false at the end.

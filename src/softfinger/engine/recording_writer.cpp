@@ -126,9 +126,9 @@ struct RecordingWriter::Database {
     s.bind(column++, r.step);
     s.bind(column++, r.finger);
     s.bind(column++, r.time);
-    column = bind_pose(s, column, r.X_WFt);
-    s.bind(column++, r.tracked_time);
-    s.bind(column++, std::int64_t{r.valid});
+    column = bind_pose(s, column, r.tracked.X_WFt);
+    s.bind(column++, r.tracked.time);
+    s.bind(column++, std::int64_t{r.tracked.valid});
     column = bind_pose(s, column, r.X_WF);
     s.bind(column++, r.contact_count);
     s.bind(column++, r.contact_area);

@@ -148,7 +148,7 @@ std::optional<double> SceneRun::duration() const {
 void SceneRun::simulate() {
   StepPacer::sharpen_timer();
   for (const auto& finger : fingers_) {
-    finger->loop.start(finger->tracker->sample(0.0));
+    finger->loop.start(TrackedInput(finger->tracker->sample(0.0)));
     const StepRecord& record = finger->loop.seal(-1, 0);
     if (recording_) recording_->push(record);
   }
@@ -182,7 +182,7 @@ void SceneRun::simulate_step(std::int64_t step) {
     Finger& finger = *each;
     const Clock::time_point arrival = Clock::now();
     const TrackedPose tracked = finger.tracker->sample(time);
-    finger.loop.step(step, tracked);
+    finger.loop.step(step, TrackedInput(tracked));
     if (finger.device) {
       const bool due = finger.clock.ticks(step);
       const TickContext context{step, time, tracked.valid, arrival};

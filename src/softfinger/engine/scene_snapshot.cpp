@@ -102,7 +102,7 @@ Snapshot initial_snapshot(const RunSetup& setup) {
 
 void fill(Snapshot::Finger& snapshot, const FingerLoop& loop) {
   const ContactSet& contact = loop.contact();
-  snapshot.X_WFt = loop.record().X_WFt.pose();
+  snapshot.X_WFt = loop.record().tracked.X_WFt.pose();
   snapshot.X_WF = loop.simulation().bone_pose();
   const std::size_t samples = std::min(contact.samples.size(), snapshot.in_contact.size());
   for (std::size_t i = 0; i < samples; ++i) {

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+/// A bar on stderr for work that takes longer than a second; nothing unless stderr is a terminal.
+class ProgressBar {
+ public:
+  ~ProgressBar() { clear(); }
+
+  /// fraction in [0, 1].
+  void show(double fraction) {
+    using std::chrono::steady_clock;
+    const auto now = steady_clock::now();
+    if (!terminal_ || now - start_ < std::chrono::seconds(1) ||
+        now - drawn_ < std::chrono::milliseconds(100)) {
+      return;
+    }
+    drawn_ = now;
+    const auto filled =
+        static_cast<std::size_t>(std::clamp(fraction, 0.0, 1.0) * static_cast<double>(kWidth));
+    fmt::print(stderr, "\r[{}{}] {:3.0f} %", std::string(filled, '='),
+               std::string(kWidth - filled, ' '), 100.0 * std::clamp(fraction, 0.0, 1.0));
+    std::fflush(stderr);
+    shown_ = true;
+  }
+  /// Takes the bar away, e.g. before a line is printed.
+  void clear() {
+    if (shown_) fmt::print(stderr, "\r{}\r", std::string(kWidth + 10, ' '));
+    shown_ = false;
+  }
+
+ private:
+  static constexpr std::size_t kWidth = 50;
+  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point drawn_{};
+};

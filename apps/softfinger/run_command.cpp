@@ -1,0 +1,132 @@
+#include <fmt/core.h>
+#include <signal.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commands.hpp"
+#include "progress_bar.hpp"
+#include "run_report.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/instruction_set.hpp"
+#include "softfinger/engine/live_session.hpp"
+#include "softfinger/viewer/server.hpp"
+
+namespace {
+
+using namespace softfinger;
+
+struct RunFlags {
+  RunOptions options;
+  std::optional<double> duration_s;
+  std::string recording;
+  std::string simd;
+  bool headless = false;
+  bool repeat = false;
+  bool json = false;
+  std::uint16_t port = 8080;
+};
+
+std::atomic<bool> stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+// More than one Ctrl-C does not hurry the end: the device retracts, which takes about a second.
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_asked.store(true); };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void check(const RunFlags& flags) {
+  if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
+    throw InputError(
+        fmt::format("--duration-s {}: must be a time above 0 in seconds", *flags.duration_s));
+  }
+  if (flags.options.as_fast_as_possible && !flags.headless) {
+    throw InputError(
+        "--as-fast-as-possible: a live run keeps to the wall clock; give --headless as well");
+  }
+  if (flags.options.record_state && flags.recording.empty()) {
+    throw InputError("--record-state: needs --record FILE");
+  }
+  if (flags.repeat && flags.headless) {
+    throw InputError("--repeat: only for a live run, without --headless");
+  }
+}
+
+RunSummary run_live(const RunFlags& flags, const RunObserver& observer) {
+  LiveSession session(flags.options, flags.repeat);
+  ServerOptions server_options;
+  server_options.port = flags.port;
+  const Server server(session, server_options);
+  fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
+  std::fflush(stdout);
+  return session.run(stop_asked, observer);
+}
+
+void run(RunFlags flags) {
+  check(flags);
+  if (!flags.simd.empty()) choose_instruction_set(flags.simd);
+  flags.options.duration = flags.duration_s;
+  if (!flags.recording.empty()) flags.options.recording = flags.recording;
+  stop_on_signals();
+
+  ProgressBar bar;
+  RunObserver observer;
+  observer.message = [&bar](const std::string& message) {
+    bar.clear();
+    fmt::print(stderr, "softfinger: {}\n", message);
+  };
+  if (flags.headless) {
+    observer.progress = [&bar](double time, std::optional<double> end) {
+      if (end && *end > 0.0) bar.show(time / *end);
+    };
+  }
+  const RunSummary summary = flags.headless ? run_headless(flags.options, stop_asked, observer)
+                                            : run_live(flags, observer);
+  bar.clear();
+  if (flags.json) {
+    fmt::print("{}\n", run_report(summary).dump(2));
+  } else {
+    fmt::print("{}", run_report_text(summary));
+  }
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("run", "Run a scene: live with a page in the browser, or headless");
+  auto flags = std::make_shared<RunFlags>();
+  RunOptions& options = flags->options;
+  command->add_option("SCENE", options.scene, "scene file (TOML)")->required();
+  command->add_flag("--headless", flags->headless, "no page");
+  command->add_option("--duration-s", flags->duration_s, "end after this time, s");
+  command
+      ->add_option("--device", options.devices,
+                   "device file instead of the scene's; NAME=FILE for one of several fingers")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--tracker", options.trackers,
+                   "tracker instead of the scene's: script or csv:FILE; NAME=SPEC for one of "
+                   "several fingers")
+      ->allow_extra_args(false);
+  command->add_option("--record", flags->recording, "record into this new file");
+  command->add_flag("--record-state", options.record_state,
+                    "record all nodes and samples of every step as well");
+  command->add_option("--port", flags->port, "port of the page; 0: any free one")
+      ->capture_default_str();
+  command->add_flag("--as-fast-as-possible", options.as_fast_as_possible,
+                    "headless: do not keep to the wall clock");
+  command->add_flag("--wait-for-device", options.wait_for_device,
+                    "start although a device's port is absent, and connect when it appears");
+  command->add_flag("--repeat", flags->repeat, "live: a script that ends starts over");
+  command->add_option("--simd", flags->simd, "instruction set: baseline, avx2 or avx512");
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] { run(*flags); });
+}

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "softfinger/engine/run_summary.hpp"
+
+/// The fields of `run --json`.
+nlohmann::ordered_json run_report(const softfinger::RunSummary& summary);
+/// The same for people, several lines.
+std::string run_report_text(const softfinger::RunSummary& summary);

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace softfinger {
+
+struct ReplayOptions {
+  std::filesystem::path recording;
+  /// Run this scene with the recorded input; empty: the scene, fingers and devices as recorded.
+  std::optional<std::filesystem::path> scene;
+};
+
+struct ReplayResult {
+  bool agree = true;
+  std::int64_t steps = 0;                        ///< of the recording
+  std::optional<std::int64_t> first_difference;  ///< step
+  std::string difference;  ///< what differs there, for people; empty where all agrees
+};
+
+/// Runs a recording again with its recorded tracked poses and device ticks and compares every step
+/// bit by bit. Uses the active instruction set; no device is opened. Stops at the first difference.
+/// `progress` gets the fraction done. Throws InputError for what is no recording, is damaged, or
+/// has other fingers than the scene.
+[[nodiscard]] ReplayResult replay(const ReplayOptions& options,
+                                  const std::function<void(double)>& progress = {});
+
+/// The instruction set a recording was made with. Throws InputError.
+[[nodiscard]] std::string recorded_instruction_set(const std::filesystem::path& recording);
+
+}  // namespace softfinger
