@@ -24,17 +24,17 @@ class FingerModel {
   /// Reads a finger file and its mesh. Throws InputError with file, line and key.
   [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file);
 
-  TetrahedralMesh mesh;                 ///< rest shape in F, m
-  std::vector<int> sample_nodes;        ///< node of each skin sample
-  std::vector<double> sample_rest_areas;  ///< m^2
+  TetrahedralMesh mesh;                            ///< rest shape in F, m
+  std::vector<int> sample_nodes;                   ///< node of each skin sample
+  std::vector<double> sample_rest_areas;           ///< m^2
   std::vector<std::array<int, 3>> skin_triangles;  ///< indices into sample_nodes, outward
-  std::vector<bool> node_is_rigid;      ///< per node: moves with the bone
+  std::vector<bool> node_is_rigid;                 ///< per node: moves with the bone
   std::vector<int> tetrahedron_material;  ///< per tetrahedron, index into materials; -1: rigid
   struct Material {
     std::string volume;
     double youngs_modulus = 45e3;  ///< Pa
     double poissons_ratio = 0.4;
-    double density = 1000.0;       ///< kg/m^3
+    double density = 1000.0;  ///< kg/m^3
   };
   std::vector<Material> materials;
   struct StrainLimits {

@@ -1,0 +1,167 @@
+#include "softfinger/finger/finger_model.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "softfinger/base/config_file.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/finger/finger_groups.hpp"
+#include "softfinger/geometry/msh_file.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kLeastExtent = 1e-3;    // m; a mesh smaller or larger than a finger can be
+constexpr double kGreatestExtent = 0.5;  // has the wrong unit
+
+void read_mesh(const ConfigTable& table, FingerModel& model) {
+  const std::filesystem::path file = table.path("file");
+  const bool metres = table.choice("unit", {"mm", "m"}, "mm") == "m";
+  model.mesh = read_msh(file, metres ? 1.0 : mm);
+  Eigen::AlignedBox3d box;
+  for (const Vector3& node : model.mesh.nodes) box.extend(node);
+  const double extent = box.sizes().maxCoeff();
+  if (extent < kLeastExtent || extent > kGreatestExtent) {
+    table.fail("unit", fmt::format("the mesh is {:.3g} mm long in this unit, expected a finger of "
+                                   "{:g} to {:g} mm",
+                                   extent / mm, kLeastExtent / mm, kGreatestExtent / mm));
+  }
+}
+
+FingerModel::Material read_material(const ConfigTable& table, FingerModel::Material fallback) {
+  const Range below_half{.min = 0.0, .max = 0.5, .open_max = true};
+  fallback.youngs_modulus =
+      table.number("youngs_modulus_kPa", Range::positive(), fallback.youngs_modulus);
+  fallback.poissons_ratio = table.number("poissons_ratio", below_half, fallback.poissons_ratio);
+  fallback.density = table.number("density_kg_per_m3", Range::positive(), fallback.density);
+  return fallback;
+}
+
+void read_materials(const ConfigTable& table, FingerModel& model) {
+  const TetrahedralMesh& mesh = model.mesh;
+  const FingerModel::Material common = read_material(table, {});
+  const std::vector<std::string> own_keys{"youngs_modulus_kPa", "poissons_ratio",
+                                          "density_kg_per_m3"};
+  for (const std::string& key : table.keys()) {
+    const bool is_volume = std::find(mesh.volume_names.begin(), mesh.volume_names.end(), key) !=
+                           mesh.volume_names.end();
+    if (is_volume && key == kBoneGroup) table.fail(key, "the volume 'bone' is rigid: no material");
+    const bool is_own = std::find(own_keys.begin(), own_keys.end(), key) != own_keys.end();
+    // A misspelt key is left to the check for unknown keys, which names the right one.
+    if (!is_volume && !is_own && nearest_word(key, own_keys).empty()) {
+      table.fail(key, fmt::format("the mesh has no physical volume of this name; it has: {}",
+                                  fmt::join(mesh.volume_names, ", ")));
+    }
+  }
+  std::vector<int> material_of_volume;
+  for (const std::string& volume : mesh.volume_names) {
+    if (volume == kBoneGroup) {
+      material_of_volume.push_back(-1);
+      continue;
+    }
+    material_of_volume.push_back(static_cast<int>(model.materials.size()));
+    const auto own = volume.empty() ? std::nullopt : table.optional_table(volume);
+    model.materials.push_back(own ? read_material(*own, common) : common);
+    model.materials.back().volume = volume;
+  }
+  for (const int volume : mesh.tetrahedron_volume) {
+    model.tetrahedron_material.push_back(material_of_volume[static_cast<std::size_t>(volume)]);
+  }
+}
+
+void read_strain_limits(const ConfigTable& table, FingerModel::StrainLimits& limits) {
+  limits.enabled = true;
+  limits.min = table.number("min", Range::inside(0.0, 1.0), limits.min);
+  limits.max = table.number("max", Range{.min = 1.0, .max = 10.0, .open_min = true}, limits.max);
+  limits.stiffness = table.number("stiffness_kPa", Range::positive(), limits.stiffness);
+  const double widest = std::min(1.0 - limits.min, limits.max - 1.0);
+  limits.width = table.number("width", Range::positive(), std::min(limits.width, widest));
+  if (limits.width > widest * (1.0 + 1e-9)) {
+    table.fail("width",
+               fmt::format("must be at most {:.6g}, the lesser of 1 - min and max - 1, else "
+                           "the skin is stressed at rest; found {}",
+                           widest, limits.width));
+  }
+}
+
+void read_coupling(const ConfigTable& table, Coupling& coupling) {
+  coupling.translation_stiffness =
+      table.number("translation_N_per_mm", Range::positive(), coupling.translation_stiffness);
+  coupling.translation_damping =
+      table.number("translation_N_s_per_mm", Range::at_least(0.0), coupling.translation_damping);
+  coupling.rotation_stiffness =
+      table.number("rotation_N_mm_per_rad", Range::positive(), coupling.rotation_stiffness);
+  coupling.rotation_damping =
+      table.number("rotation_N_mm_s_per_rad", Range::at_least(0.0), coupling.rotation_damping);
+}
+
+/// Scales the mesh about F's origin so that the skin's rest bounding box has the sizes asked for.
+void read_size(const ConfigTable& table, FingerModel& model) {
+  Eigen::AlignedBox3d box;
+  for (const int node : model.sample_nodes) {
+    box.extend(model.mesh.nodes[static_cast<std::size_t>(node)]);
+  }
+  Vector3 scale = Vector3::Ones();
+  const std::array<std::string_view, 3> keys{"length_mm", "breadth_mm", "depth_mm"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto size = table.optional_number(keys[static_cast<std::size_t>(axis)],
+                                            Range::between(1.0, kGreatestExtent / mm));
+    if (size) scale[axis] = *size / box.sizes()[axis];
+  }
+  for (Vector3& node : model.mesh.nodes) node = node.cwiseProduct(scale);
+}
+
+std::vector<double> sample_areas(const FingerModel& model) {
+  std::vector<double> areas(model.sample_nodes.size(), 0.0);
+  for (const auto& triangle : model.skin_triangles) {
+    std::array<Vector3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int node = model.sample_nodes[static_cast<std::size_t>(triangle[k])];
+      corners[k] = model.mesh.nodes[static_cast<std::size_t>(node)];
+    }
+    const double area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm();
+    for (const int sample : triangle) areas[static_cast<std::size_t>(sample)] += area / 3.0;
+  }
+  return areas;
+}
+
+}  // namespace
+
+std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file) {
+  const ConfigFile config(file);
+  const ConfigTable root = config.root();
+  auto model = std::make_shared<FingerModel>();
+  model->file = file;
+  const ConfigTable mesh = root.table("mesh");
+  read_mesh(mesh, *model);
+  read_materials(root.table_or_empty("material"), *model);
+  if (const auto limits = root.optional_table("strain_limits")) {
+    read_strain_limits(*limits, model->strain_limits);
+  }
+  model->bone_mass =
+      root.table_or_empty("bone").number("mass_g", Range::positive(), model->bone_mass);
+  read_coupling(root.table_or_empty("coupling"), model->coupling);
+  const ConfigTable contact = root.table_or_empty("contact");
+  model->contact_tolerance =
+      contact.number("tolerance_mm", Range::between(0.0, 5.0), model->contact_tolerance);
+  model->friction_coefficient = contact.number("friction_coefficient", Range::between(0.0, 10.0),
+                                               model->friction_coefficient);
+  const auto size = root.optional_table("size");
+
+  FingerGroups groups = group_nodes(model->mesh);
+  if (!groups.defect.empty()) mesh.fail("file", groups.defect);
+  model->sample_nodes = std::move(groups.sample_nodes);
+  model->skin_triangles = std::move(groups.skin_triangles);
+  model->node_is_rigid = std::move(groups.node_is_rigid);
+  if (size) read_size(*size, *model);
+  model->sample_rest_areas = sample_areas(*model);
+  root.finish();
+  model->as_read = config.as_read();
+  return model;
+}
+
+}  // namespace softfinger
