@@ -98,17 +98,19 @@ void StiffnessAssembly::add_pair(int a, int b, const BlockCholesky::Slot& slot,
     cholesky_.add(slots[1], by_rotation.data());
     return;
   }
+  if (a == b) {
+    const Matrix3 arm = skew(lever_arms_[static_cast<std::size_t>(a)]);
+    body_[0] += block;
+    body_[1] -= block * arm;
+    body_[2] -= arm * block * arm;
+    return;
+  }
   const Matrix3 arm_a = skew(lever_arms_[static_cast<std::size_t>(a)]);
   const Matrix3 arm_b = skew(lever_arms_[static_cast<std::size_t>(b)]);
   const Matrix3 rotation = -arm_a * block * arm_b;
-  body_[0] += block;
-  body_[1] -= block * arm_b;
-  body_[2] += rotation;
-  if (a != b) {
-    body_[0] += block.transpose();
-    body_[1] -= block.transpose() * arm_a;
-    body_[2] += rotation.transpose();
-  }
+  body_[0] += block + block.transpose();
+  body_[1] -= block * arm_b + block.transpose() * arm_a;
+  body_[2] += rotation + rotation.transpose();
 }
 
 void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticModel::Work& work,
@@ -122,6 +124,16 @@ void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticMode
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const auto& slots = pair_slots_[g * kLaneCount + lane];
       for (std::size_t k = 0; k < kPairs.size(); ++k) {
+        if (slots[k].row != 0) {  // both nodes free
+          double* v = cholesky_.values() + slots[k].offset;
+          for (int c = 0; c < 3; ++c) {
+            for (int r = 0; r < 3; ++r) {
+              v[r * slots[k].row + c * slots[k].column] += hessians.block[k][3 * c + r][lane];
+            }
+          }
+          continue;
+        }
+        if (!map_.body_moves) continue;
         for (std::size_t e = 0; e < 9; ++e) block.data()[e] = hessians.block[k][e][lane];
         add_pair(group.nodes[kPairs[k][0]][lane], group.nodes[kPairs[k][1]][lane], slots[k], block);
       }
