@@ -56,7 +56,9 @@ void SqliteStatement::bind(int parameter, std::string_view text) {
 }
 
 void SqliteStatement::bind_blob(int parameter, const void* data, std::size_t size) {
-  check(sqlite3_bind_blob64(handle_, parameter + 1, data, size, SQLITE_TRANSIENT));
+  // No address would make it NULL.
+  check(size == 0 ? sqlite3_bind_zeroblob(handle_, parameter + 1, 0)
+                  : sqlite3_bind_blob64(handle_, parameter + 1, data, size, SQLITE_TRANSIENT));
 }
 
 void SqliteStatement::bind_null(int parameter) { check(sqlite3_bind_null(handle_, parameter + 1)); }

@@ -1,0 +1,184 @@
+#include "softfinger/rendering.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/engine/device_clock.hpp"
+#include "softfinger/engine/device_loop.hpp"
+#include "softfinger/engine/finger_loop.hpp"
+#include "softfinger/engine/run_setup.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kLongestGap = 1.0;  // s
+
+std::size_t finger_index(const Scene& scene, const std::string& name) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.fingers.size(); ++i) {
+    if (name.empty() || scene.fingers[i].name == name) return i;
+    names.push_back(scene.fingers[i].name);
+  }
+  throw InputError(fmt::format("{}: no finger named {}; there is {}", scene.file.string(), name,
+                               fmt::join(names, ", ")));
+}
+
+std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
+                                     const RenderingOptions& options) {
+  RunOptions run;
+  run.scene = scene;
+  if (!options.device.empty()) {
+    const Scene read = load_scene(scene);
+    run.devices.push_back(read.fingers[finger_index(read, options.finger)].name + "=" +
+                          options.device.string());
+  }
+  return load_setup(run);
+}
+
+}  // namespace
+
+struct Rendering::Implementation {
+  Implementation(const std::filesystem::path& scene, const RenderingOptions& options)
+      : setup(load(scene, options)),
+        index(finger_index(setup->scene, options.finger)),
+        rate(setup->scene.simulation_rate),
+        loop(0, setup->models[index], setup->scene.objects, rate, false),
+        clock(rate, rate) {
+    if (!setup->devices[index]) return;
+    ActuatorOptions actuator;
+    if (!options.open_device) {
+      actuator.port = "emulator";
+      actuator.simulated_time = true;
+    }
+    const Device& description = *setup->devices[index];
+    clock = DeviceClock(rate, softfinger::device_rate(description));
+    device = std::make_unique<DeviceLoop>(0, setup->devices[index],
+                                          setup->models[index]->sample_nodes.size(), actuator);
+    command.configuration = device->record().command.configuration;
+    command.joints = device->record().command.joints;
+    if (description.settings().transport) {
+      command.pulse_widths.setZero(
+          static_cast<Eigen::Index>(description.settings().transport->servos.size()));
+    }
+    command.state = state_name(DeviceState::kHoming);
+  }
+
+  const RenderingCommand& advance(const TrackedPose& target, double time) {
+    const auto arrival = std::chrono::steady_clock::now();
+    if (!std::isfinite(time)) return command;
+    if (!begun) {
+      begun = true;
+      origin = time;
+      loop.start(TrackedInput(target));
+      from = target.X_WFt;
+      return command;
+    }
+    const auto due = static_cast<std::int64_t>(std::floor((time - origin) * rate + 1e-6));
+    std::int64_t steps = due - done;
+    if (static_cast<double>(steps) > kLongestGap * rate) {
+      origin = time - static_cast<double>(done + 1) / rate;
+      steps = 1;
+    }
+    const Pose start = from;
+    for (std::int64_t i = 1; i <= steps; ++i) {
+      const double fraction = static_cast<double>(i) / static_cast<double>(steps);
+      TrackedPose tracked = target;
+      tracked.time = static_cast<double>(++done) / rate;
+      if (i < steps) tracked.X_WFt = between(start, target.X_WFt, fraction);
+      loop.step(done, TrackedInput(tracked));
+      if (device && clock.ticks(done)) tick(tracked, arrival);
+      loop.seal(command.tick, device ? device->record().hash : 0);
+    }
+    if (steps > 0) from = target.X_WFt;
+    return command;
+  }
+
+  static Pose between(const Pose& a, const Pose& b, double fraction) {
+    const Vector3 turn = log_rotation(a.rotation.transpose() * b.rotation);
+    return {a.rotation * exp_rotation(fraction * turn),
+            a.translation + fraction * (b.translation - a.translation)};
+  }
+
+  void tick(const TrackedPose& tracked, std::chrono::steady_clock::time_point arrival) {
+    const TickRecord& tick =
+        device->tick(done, tracked.time, tracked.valid, loop.contact(), arrival);
+    command.tick = tick.tick;
+    command.time = origin + tick.time;
+    command.configuration = tick.command.configuration;
+    command.joints = tick.command.joints;
+    for (Eigen::Index i = 0; i < command.pulse_widths.size() && i < tick.command.servos; ++i) {
+      command.pulse_widths[i] = tick.command.targets[static_cast<std::size_t>(i)] * 0.25e-6;
+    }
+    command.deviation = tick.deviation;
+    command.state = state_name(tick.command.state);
+  }
+
+  std::shared_ptr<const RunSetup> setup;
+  std::size_t index;
+  double rate;
+  FingerLoop loop;
+  DeviceClock clock;
+  std::unique_ptr<DeviceLoop> device;  // null: none
+  RenderingCommand command;
+  bool begun = false;
+  double origin = 0.0;    // the caller's time at step 0, s
+  std::int64_t done = 0;  // steps
+  Pose from;              // tracked pose of the last step
+};
+
+Rendering::Rendering(const std::filesystem::path& scene, const RenderingOptions& options)
+    : implementation_(std::make_unique<Implementation>(scene, options)) {}
+Rendering::~Rendering() = default;
+Rendering::Rendering(Rendering&&) noexcept = default;
+Rendering& Rendering::operator=(Rendering&&) noexcept = default;
+
+const RenderingCommand& Rendering::step(const Pose& X_WFt, double time) {
+  if (!X_WFt.translation.allFinite() || !X_WFt.rotation.allFinite()) return lost(time);
+  return implementation_->advance({time, X_WFt, true}, time);
+}
+
+const RenderingCommand& Rendering::lost(double time) {
+  return implementation_->advance({time, implementation_->from, false}, time);
+}
+
+RenderingSnapshot Rendering::snapshot() const {
+  const FingerLoop& loop = implementation_->loop;
+  const ContactSet& contact = loop.contact();
+  RenderingSnapshot snapshot;
+  snapshot.time = implementation_->origin + loop.record().time;
+  snapshot.X_WFt = loop.record().tracked.X_WFt.pose();
+  snapshot.X_WF = loop.simulation().bone_pose();
+  for (const ContactSample& sample : contact.samples) {
+    snapshot.sample_positions_F.push_back(sample.position_F);
+    snapshot.sample_pressures.push_back(sample.area > 0.0 ? sample.normal_force / sample.area
+                                                          : 0.0);
+    snapshot.in_contact.push_back(sample.in_contact);
+  }
+  snapshot.contact_area = contact.contact_area;
+  snapshot.normal_force = contact.normal_force;
+  snapshot.tangential_force = contact.tangential_force;
+  snapshot.centroid_F = contact.centroid_F;
+  snapshot.mean_normal_F = contact.mean_normal_F;
+  return snapshot;
+}
+
+double Rendering::simulation_rate() const { return implementation_->rate; }
+
+double Rendering::device_rate() const {
+  return implementation_->device ? softfinger::device_rate(implementation_->device->device()) : 0.0;
+}
+
+std::vector<std::string> Rendering::configuration_names() const {
+  std::vector<std::string> names;
+  if (!implementation_->device) return names;
+  for (const ConfigurationAxis& axis : implementation_->device->device().axes()) {
+    names.push_back(axis.name);
+  }
+  return names;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "softfinger/geometry/pose.hpp"
+
+namespace softfinger {
+
+/// How a Rendering is built from a scene file.
+struct RenderingOptions {
+  std::string finger;            ///< name of a finger in the scene; empty: the first
+  std::filesystem::path device;  ///< device file instead of the scene's; empty: the scene's
+  /// Send the commands to the port named by the device file, at the device's own rate, with its
+  /// watchdog: when calls stop coming, the device retracts. Else commands are only formed.
+  bool open_device = false;
+};
+
+/// What the device of the finger is told. Empty vectors where the scene names no device.
+struct RenderingCommand {
+  std::int64_t tick = -1;         ///< counts the device ticks, from 0; -1 before the first
+  double time = 0.0;              ///< s, of that tick
+  Eigen::VectorXd configuration;  ///< q in the device's order; rad and m
+  Eigen::VectorXd joints;         ///< joint angles of q, rad
+  Eigen::VectorXd pulse_widths;   ///< one a servo, s
+  double deviation = 0.0;         ///< E of the match, m^2; 0 when nothing is touched
+  std::string_view state;         ///< homing, ready, rendering, holding, retracting, ...
+};
+
+/// The finger as simulated. F is the simulated distal phalanx, W the world.
+struct RenderingSnapshot {
+  double time = 0.0;                        ///< s, end of the last step
+  Pose X_WFt;                               ///< tracked
+  Pose X_WF;                                ///< simulated; stays behind the tracked pose in contact
+  std::vector<Vector3> sample_positions_F;  ///< m, deformed skin
+  std::vector<double> sample_pressures;     ///< Pa
+  std::vector<bool> in_contact;             ///< whether each sample touches
+  double contact_area = 0.0;                ///< m^2
+  double normal_force = 0.0;                ///< N, sum over the samples in contact
+  double tangential_force = 0.0;            ///< N, magnitude of the sum
+  Vector3 centroid_F = Vector3::Zero();     ///< m, weighted by force; zero without contact
+  Vector3 mean_normal_F = Vector3::Zero();  ///< out of the object; zero without contact
+};
+
+/// The whole chain for those who bring their own program and tracker: a soft finger explores the
+/// scene's objects, a device answers.
+///
+///     softfinger::Rendering rendering("scenes/sphere.toml");
+///     while (tracking) {
+///       const auto& command = rendering.step(tracked_pose(), seconds_since_start());
+///       ...
+///     }
+///
+/// Time advances in steps of the scene's simulation rate. The same calls give the same bits. One
+/// thread at a time.
+class Rendering {
+ public:
+  /// Reads the scene and the finger and device files it names; trackers and waypoints in it are
+  /// ignored. Throws InputError (a std::runtime_error) with file, line and key.
+  explicit Rendering(const std::filesystem::path& scene, const RenderingOptions& options = {});
+  ~Rendering();
+  Rendering(Rendering&&) noexcept;
+  Rendering& operator=(Rendering&&) noexcept;
+
+  /// Simulates up to `time` (s, on any clock; the first call says where it begins and places the
+  /// finger) and returns the newest command. X_WFt: tracked distal phalanx Ft in W, m; between
+  /// calls it moves straight. Time that does not advance by a step gives the last command; a gap of
+  /// more than a second is skipped, not simulated. A pose with numbers that are not finite is lost
+  /// tracking: the device holds, after 200 ms it retracts. Throws nothing and, after the first
+  /// call that simulates, allocates nothing.
+  const RenderingCommand& step(const Pose& X_WFt, double time);
+  /// Tracking is lost; else as step().
+  const RenderingCommand& lost(double time);
+
+  /// The finger after the last step.
+  [[nodiscard]] RenderingSnapshot snapshot() const;
+
+  [[nodiscard]] double simulation_rate() const;  ///< Hz
+  [[nodiscard]] double device_rate() const;      ///< Hz; 0 without a device
+  /// Names of the components of q with the unit people read: pitch_deg, ...
+  [[nodiscard]] std::vector<std::string> configuration_names() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger
