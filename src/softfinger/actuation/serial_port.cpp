@@ -66,8 +66,8 @@ std::string SerialPort::open(const std::string& port, unsigned baud) {
 void SerialPort::close() noexcept {
   boost::system::error_code error;
   if (line_->port.is_open()) {
-    // Bytes a stuck line has not taken would make close() wait for them.
-    ::tcflush(line_->port.native_handle(), TCIFLUSH);
+    // A line that is stuck would make close() wait for it to take what it has.
+    if (waiting_from_ < waiting_to_) ::tcflush(line_->port.native_handle(), TCIOFLUSH);
     line_->port.close(error);
   }
   waiting_from_ = 0;
