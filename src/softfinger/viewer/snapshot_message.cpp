@@ -18,8 +18,9 @@ class Writer {
 
   template <typename T>
   void put(T value) {
-    const auto* first = reinterpret_cast<const std::byte*>(&value);
-    bytes_.insert(bytes_.end(), first, first + sizeof value);
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof value);
+    std::memcpy(bytes_.data() + at, &value, sizeof value);
   }
   void count(std::size_t value) { put(static_cast<std::uint32_t>(value)); }
   void real(double value) { put(static_cast<float>(value)); }
