@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/geometry/tetrahedron_faces.hpp"
+
+namespace softfinger {
+namespace {
+
+struct Expected {
+  std::string name;
+  std::size_t least_tetrahedra, most_tetrahedra;
+};
+
+std::ostream& operator<<(std::ostream& stream, const Expected& expected) {
+  return stream << expected.name;
+}
+
+class ShippedFinger : public ::testing::TestWithParam<Expected> {
+ protected:
+  static std::filesystem::path folder() {
+    return std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers";
+  }
+  void SetUp() override { model_ = FingerModel::load(folder() / (GetParam().name + ".toml")); }
+
+  [[nodiscard]] const Vector3& node(int index) const {
+    return model_->mesh.nodes[static_cast<std::size_t>(index)];
+  }
+  /// Nodes of the triangles of a group.
+  [[nodiscard]] std::set<int> group(const std::string& name) const {
+    const TetrahedralMesh& mesh = model_->mesh;
+    std::set<int> nodes;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (mesh.surface_names[static_cast<std::size_t>(mesh.triangle_surface[i])] == name) {
+        nodes.insert(mesh.triangles[i].begin(), mesh.triangles[i].end());
+      }
+    }
+    return nodes;
+  }
+
+  std::shared_ptr<const FingerModel> model_;
+};
+
+TEST_P(ShippedFinger, HasTheCountsOfItsSize) {
+  const TetrahedralMesh& mesh = model_->mesh;
+  EXPECT_GE(mesh.tetrahedra.size(), GetParam().least_tetrahedra);
+  EXPECT_LE(mesh.tetrahedra.size(), GetParam().most_tetrahedra);
+  if (GetParam().name != "index") return;
+  std::set<int> boundary;
+  for (const Triangle& triangle : boundary_of(faces_of(mesh.tetrahedra))) {
+    boundary.insert(triangle.begin(), triangle.end());
+  }
+  for (const int bone : group("bone")) boundary.erase(bone);
+  EXPECT_GE(boundary.size(), 110u);
+  EXPECT_LE(boundary.size(), 130u);
+}
+
+TEST_P(ShippedFinger, EveryBoundaryFaceIsInOneGroup) {
+  const TetrahedralMesh& mesh = model_->mesh;
+  std::multiset<Triangle> grouped, boundary;
+  for (const Triangle& triangle : mesh.triangles) grouped.insert(sorted(triangle));
+  for (const Triangle& triangle : boundary_of(faces_of(mesh.tetrahedra))) {
+    boundary.insert(sorted(triangle));
+  }
+  EXPECT_EQ(grouped, boundary);
+}
+
+TEST_P(ShippedFinger, HasTheSizeOfAnIndexFinger) {
+  Eigen::AlignedBox3d skin, bone;
+  for (const int n : model_->sample_nodes) skin.extend(node(n));
+  for (const int n : group("bone")) bone.extend(node(n));
+  EXPECT_NEAR(skin.sizes().x(), 25e-3, 0.5e-3);
+  EXPECT_NEAR(skin.sizes().y(), 16e-3, 0.5e-3);
+  EXPECT_NEAR(skin.sizes().z(), 13.5e-3, 0.5e-3);
+  EXPECT_NEAR(bone.sizes().x(), 16e-3, 1e-3);
+  EXPECT_LT(bone.center().norm(), 0.6e-3) << "F's origin is the centre of the bone";
+  const double pulp = bone.min().z() - skin.min().z();
+  EXPECT_GE(pulp, 4e-3);
+  EXPECT_LE(pulp, 5e-3);
+  double volume = 0.0;
+  for (const auto& [a, b, c, d] : model_->mesh.tetrahedra) {
+    volume += (node(b) - node(a)).cross(node(c) - node(a)).dot(node(d) - node(a)) / 6.0;
+  }
+  EXPECT_NEAR(volume, 3200e-9, 200e-9);
+}
+
+TEST_P(ShippedFinger, NailIsDorsalAndPulpIsSkin) {
+  for (const int n : group("nail")) EXPECT_GT(node(n).z(), 0.0);
+  const std::set<int> samples(model_->sample_nodes.begin(), model_->sample_nodes.end());
+  std::size_t on_pulp = 0;
+  for (const int n : samples) {
+    const Vector3& p = node(n);
+    if (p.z() < -3.5e-3 && p.x() > -3e-3 && p.x() < 11e-3) {
+      ++on_pulp;
+      EXPECT_FALSE(model_->node_is_rigid[static_cast<std::size_t>(n)]);
+    }
+  }
+  EXPECT_GE(4 * on_pulp, samples.size()) << "graded to the pulp";
+}
+
+TEST_P(ShippedFinger, SharesOneSetOfConstants) {
+  auto own = nlohmann::json::parse(model_->as_read);
+  auto first = nlohmann::json::parse(FingerModel::load(folder() / "index.toml")->as_read);
+  own.erase("mesh");
+  first.erase("mesh");
+  EXPECT_EQ(own, first);
+}
+
+TEST_P(ShippedFinger, ElementsAreWellShaped) {
+  double least = 1.0;
+  for (const auto& tetrahedron : model_->mesh.tetrahedra) {
+    // Sine of the angle between the planes of two faces at their common edge.
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        std::array<std::size_t, 2> others{};
+        for (std::size_t k = 0, count = 0; k < 4; ++k) {
+          if (k != i && k != j) others[count++] = k;
+        }
+        const Vector3 edge = (node(tetrahedron[j]) - node(tetrahedron[i])).normalized();
+        const auto across = [&](std::size_t k) {
+          const Vector3 arm = node(tetrahedron[k]) - node(tetrahedron[i]);
+          return Vector3((arm - arm.dot(edge) * edge).normalized());
+        };
+        const double angle =
+            std::acos(std::clamp(across(others[0]).dot(across(others[1])), -1.0, 1.0));
+        least = std::min(least, angle);
+      }
+    }
+  }
+  EXPECT_GT(least * 57.29577951308232, 12.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, ShippedFinger,
+                         ::testing::Values(Expected{"index", 340, 480},
+                                           Expected{"index-medium", 1200, 1400},
+                                           Expected{"index-fine", 4000, 6500},
+                                           Expected{"index-reference", 20000, 30000}),
+                         [](const auto& test) {
+                           std::string name = test.param.name;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace softfinger
