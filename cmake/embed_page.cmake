@@ -1,5 +1,6 @@
 # cmake -DPAGE=FOLDER -DOUTPUT=FILE.cpp -P embed_page.cmake
 # Writes every file under PAGE as a constant, and softfinger::live_page() over all of them.
+cmake_minimum_required(VERSION 3.25)
 set(type_html "text/html; charset=utf-8")
 set(type_js "text/javascript; charset=utf-8")
 set(type_css "text/css; charset=utf-8")

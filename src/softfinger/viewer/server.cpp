@@ -37,9 +37,9 @@ using boost::system::error_code;
 constexpr std::size_t kMaxConnections = 64;
 constexpr std::uint32_t kMaxHeaderBytes = 8 * 1024;
 constexpr std::size_t kMaxRequestBytes = 1024;
-constexpr int kSendBufferBytes = 128 * 1024;  // small: what waits in it is no longer the newest
+constexpr int kSendBufferBytes = 64 * 1024;  // small: what waits in it is no longer the newest
 constexpr auto kHttpTimeout = std::chrono::seconds(10);
-constexpr auto kIdleTimeout = std::chrono::seconds(20);
+constexpr auto kIdleTimeout = std::chrono::seconds(60);
 constexpr auto kRequestInterval = std::chrono::milliseconds(20);
 
 constexpr std::string_view kContentSecurityPolicy =
@@ -99,6 +99,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     beast::get_lowest_layer(socket_).expires_never();
     socket_.set_option(websocket::stream_base::timeout{kHttpTimeout, kIdleTimeout, true});
     socket_.read_message_max(kMaxRequestBytes);
+    socket_.auto_fragment(false);  // one message, one frame: easy to read for other clients
     socket_.async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return;
       self->open_ = true;

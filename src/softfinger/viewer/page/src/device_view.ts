@@ -1,5 +1,5 @@
 import {
-  BoxGeometry, CylinderGeometry, Group, Mesh, MeshPhysicalMaterial, MeshStandardMaterial, Object3D,
+  BoxGeometry, CylinderGeometry, Group, Mesh, MeshStandardMaterial, Object3D,
   Quaternion, SphereGeometry, TorusGeometry, Vector3,
 } from "three";
 import { place } from "./finger_view";
@@ -55,7 +55,7 @@ export class DeviceView {
     const radius = this.description.disk_radius_mm;
     const disk = new Mesh(
       new CylinderGeometry(radius, radius, kDiskThickness, 72).rotateX(Math.PI / 2),
-      new MeshPhysicalMaterial({
+      new MeshStandardMaterial({
         color: palette.device, roughness: 0.25, transparent: true, opacity: 0.3, depthWrite: false,
         emissive: palette.device, emissiveIntensity: 0.08,
       }));
@@ -84,7 +84,7 @@ export class DeviceView {
     frame.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), normal);
     const plate = new Mesh(
       new CylinderGeometry(radius - 3.2, radius - 3.2, 1.6, 72).rotateX(Math.PI / 2),
-      new MeshPhysicalMaterial({
+      new MeshStandardMaterial({
         color: palette.servo, roughness: 0.5, transparent: true, opacity: 0.55, depthWrite: false,
       }));
     plate.renderOrder = 4;
@@ -93,7 +93,25 @@ export class DeviceView {
       new MeshStandardMaterial({ color: palette.metal, roughness: 0.35, metalness: 0.7 }));
     frame.add(plate, ring);
     this.base.add(frame);
+    this.addCushion(centre, normal);
     for (const point of bases) this.base.add(servo(point, centre, normal));
+  }
+
+  /** What holds the base on the nail: drawn from the plate down to the nail's highest point. */
+  private addCushion(centre: Vector3, normal: Vector3): void {
+    const { rigid_positions_mm: p, nail_triangles } = this.description;
+    let height = Infinity;
+    for (const i of nail_triangles) {
+      const vertex = new Vector3(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+      height = Math.min(height, -normal.dot(vertex.sub(centre)));
+    }
+    if (!(height > 0.5 && height < 40)) return;
+    const cushion = new Mesh(
+      new CylinderGeometry(5.6, 4.2, height, 40).rotateX(Math.PI / 2),
+      new MeshStandardMaterial({ color: palette.servo, roughness: 0.85 }));
+    cushion.position.copy(centre).addScaledVector(normal, -height / 2);
+    cushion.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), normal);
+    this.base.add(cushion);
   }
 }
 

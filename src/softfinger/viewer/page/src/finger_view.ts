@@ -1,59 +1,61 @@
 import {
-  BackSide, BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, Group, InstancedMesh,
-  Matrix4, Mesh, MeshPhysicalMaterial, MeshStandardMaterial, SphereGeometry, type Side,
+  BackSide, BufferAttribute, BufferGeometry, DoubleSide, FrontSide, Group,
+  InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry, type Side,
 } from "three";
 import { palette } from "./palette";
 import { SmoothSurface } from "./smooth_surface";
 import type { FingerDescription, FingerSnapshot, PoseArray } from "./wire";
 
-const kSampleRadius = 0.27; // mm
-const kContactRadius = 0.4;
-
-/** Skin, its samples, bone and nail of one finger, in its own frame F. */
+/**
+ * Skin, its samples, bone and nail of one finger, in its own frame F. Can be shown in several places
+ * at once: all of them share the same geometry, filled once a frame.
+ */
 export class FingerView {
-  readonly group = new Group();
   private readonly surface: SmoothSurface;
-  private readonly samples: InstancedMesh;
+  private readonly skin = [skinMaterial(BackSide, 0.55), skinMaterial(FrontSide, 0.42)];
+  private readonly rigid: Mesh[];
+  private readonly free: SampleCloud;
+  private readonly touching: SampleCloud;
   private readonly count: number;
   private readonly glow: Float32Array;
-  private readonly contactColor = new Color(palette.contact);
-  private readonly freeColor = new Color(palette.free);
-  private readonly matrix = new Matrix4();
 
   constructor(description: FingerDescription) {
     this.count = description.skin_positions_mm.length / 3;
     this.glow = new Float32Array(this.count);
     this.surface = new SmoothSurface(new Uint32Array(description.skin_triangles), this.count);
-    // Far side first, then the near side: both show, in the right order.
-    for (const [side, opacity, order] of [[BackSide, 0.5, 1], [FrontSide, 0.4, 2]] as const) {
-      const skin = new Mesh(this.surface.geometry, skinMaterial(side, opacity));
-      skin.renderOrder = order;
-      this.group.add(skin);
-    }
-
-    const rigid = new BufferAttribute(new Float32Array(description.rigid_positions_mm), 3);
+    this.free = new SampleCloud(this.count, palette.free, 0.27, false);
+    this.touching = new SampleCloud(this.count, palette.contact, 0.42, true);
+    const positions = new Float32Array(description.rigid_positions_mm);
     const bone = new MeshStandardMaterial({ color: palette.bone, roughness: 0.75, side: DoubleSide });
-    this.group.add(new Mesh(rigidGeometry(rigid, description.bone_triangles), bone));
-    const nail = new MeshPhysicalMaterial({
-      color: palette.nail, roughness: 0.28, clearcoat: 0.6, clearcoatRoughness: 0.25, side: DoubleSide,
-    });
-    this.group.add(new Mesh(rigidGeometry(rigid, description.nail_triangles), nail));
-
-    const ball = new SphereGeometry(1, 14, 10);
-    this.samples = new InstancedMesh(
-      ball, new MeshStandardMaterial({ roughness: 0.45, toneMapped: false }), this.count);
-    this.samples.frustumCulled = false;
-    for (let i = 0; i < this.count; ++i) this.samples.setColorAt(i, this.freeColor);
-    this.group.add(this.samples);
+    const nail = new MeshStandardMaterial({ color: palette.nail, roughness: 0.25, side: DoubleSide });
+    this.rigid = [
+      new Mesh(rigidGeometry(positions, description.bone_triangles), bone),
+      new Mesh(rigidGeometry(positions, description.nail_triangles), nail),
+    ];
     this.fill(description.skin_positions_mm, new Uint8Array(this.count), null);
+  }
+
+  /** A new group that shows this finger. */
+  show(): Group {
+    const group = new Group();
+    // Far side first, then the near side: both show, in the right order.
+    this.skin.forEach((material, side) => {
+      const mesh = new Mesh(this.surface.geometry, material);
+      mesh.renderOrder = 1 + side;
+      mesh.frustumCulled = false; // its bounds change with every frame
+      group.add(mesh);
+    });
+    for (const mesh of this.rigid) group.add(new Mesh(mesh.geometry, mesh.material));
+    group.add(this.free.show(), this.touching.show());
+    return group;
   }
 
   dispose(): void {
     this.surface.dispose();
-    this.samples.dispose();
-    this.group.traverse((node) => {
-      if (node instanceof Mesh) node.geometry.dispose();
-    });
+    for (const mesh of this.rigid) mesh.geometry.dispose();
+    for (const material of this.skin) material.dispose();
+    this.free.dispose();
+    this.touching.dispose();
   }
 
   update(snapshot: FingerSnapshot): void {
@@ -64,19 +66,62 @@ export class FingerView {
   private fill(
     positions: ArrayLike<number>, inContact: Uint8Array, pressures: Float32Array | null,
   ): void {
+    this.free.clear();
+    this.touching.clear();
     for (let i = 0; i < this.count; ++i) {
       const touching = inContact[i] !== 0;
-      const radius = touching ? kContactRadius : kSampleRadius;
-      this.matrix.makeScale(radius, radius, radius);
-      this.matrix.setPosition(positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!);
-      this.samples.setMatrixAt(i, this.matrix);
-      this.samples.setColorAt(i, touching ? this.contactColor : this.freeColor);
-      const pressure = pressures ? pressures[i]! : 0;
-      this.glow[i] = touching ? 0.35 + 0.65 * (1 - Math.exp(-pressure / 8)) : 0;
+      (touching ? this.touching : this.free).add(
+        positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!);
+      this.glow[i] = touching ? 0.35 + 0.65 * (1 - Math.exp(-(pressures?.[i] ?? 0) / 8)) : 0;
     }
-    this.samples.instanceMatrix.needsUpdate = true;
-    if (this.samples.instanceColor) this.samples.instanceColor.needsUpdate = true;
+    this.free.finish();
+    this.touching.finish();
     this.surface.update(positions, this.glow);
+  }
+}
+
+/** Skin samples of one colour as small balls. */
+class SampleCloud {
+  private readonly meshes: InstancedMesh[] = [];
+  private readonly matrices: InstancedBufferAttribute;
+  private readonly ball = new SphereGeometry(1, 14, 10);
+  private readonly material: MeshStandardMaterial;
+  private readonly matrix = new Matrix4();
+  private filled = 0;
+
+  /** `onTop`: drawn after skin and glass, which then do not dim it. */
+  constructor(count: number, color: string, radius: number, private readonly onTop: boolean) {
+    this.matrices = new InstancedBufferAttribute(new Float32Array(16 * count), 16);
+    this.matrix.makeScale(radius, radius, radius);
+    this.material = new MeshStandardMaterial({
+      color, emissive: color, emissiveIntensity: onTop ? 0.55 : 0.2, roughness: 0.5,
+      toneMapped: false, transparent: onTop,
+    });
+  }
+  show(): InstancedMesh {
+    const mesh = new InstancedMesh(this.ball, this.material, this.matrices.count);
+    mesh.instanceMatrix = this.matrices;
+    mesh.count = this.filled;
+    mesh.frustumCulled = false;
+    if (this.onTop) mesh.renderOrder = 5;
+    this.meshes.push(mesh);
+    return mesh;
+  }
+  clear(): void {
+    this.filled = 0;
+  }
+  add(x: number, y: number, z: number): void {
+    this.matrix.setPosition(x, y, z);
+    this.matrix.toArray(this.matrices.array as Float32Array, 16 * this.filled++);
+  }
+  finish(): void {
+    this.matrices.needsUpdate = true;
+    for (const mesh of this.meshes) mesh.count = this.filled;
+  }
+  dispose(): void {
+    this.ball.dispose();
+    this.material.dispose();
+    for (const mesh of this.meshes) mesh.dispose();
   }
 }
 
@@ -89,8 +134,8 @@ export function place(group: Group, pose: PoseArray): void {
 /** Translucent skin that flushes where it is pressed. */
 function skinMaterial(side: Side, opacity: number): MeshPhysicalMaterial {
   const material = new MeshPhysicalMaterial({
-    color: palette.skin, roughness: 0.62, sheen: 0.5, sheenRoughness: 0.6,
-    sheenColor: new Color("#ff9a78"), transparent: true, opacity, depthWrite: false, side,
+    color: palette.skin, roughness: 0.6, sheen: 0.6, sheenRoughness: 0.5,
+    sheenColor: new Color("#ff9a78"), emissive: "#8a3a26", emissiveIntensity: 0.3, transparent: true, opacity, depthWrite: false, side,
   });
   material.onBeforeCompile = (shader) => {
     shader.vertexShader = shader.vertexShader
@@ -110,11 +155,10 @@ function skinMaterial(side: Side, opacity: number): MeshPhysicalMaterial {
   return material;
 }
 
-function rigidGeometry(positions: BufferAttribute, triangles: number[]): BufferGeometry {
+function rigidGeometry(positions: Float32Array, triangles: number[]): BufferGeometry {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", positions);
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
   geometry.setIndex(triangles);
-  const indexed = geometry.clone(); // own normals, though positions are shared
-  indexed.computeVertexNormals();
-  return indexed;
+  geometry.computeVertexNormals();
+  return geometry;
 }

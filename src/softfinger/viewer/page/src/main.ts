@@ -1,5 +1,5 @@
 import "./style.css";
-import { Vector3 } from "three";
+import { type Group, Vector3 } from "three";
 import { Connection } from "./connection";
 import { DeviceView } from "./device_view";
 import { FingerView, place } from "./finger_view";
@@ -11,34 +11,34 @@ import type { Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
 
-const virtual = new View({ pane: element("virtual"), distance: 76, target: new Vector3(0, 0, 0) });
-const rendered = new View({ pane: element("rendered"), distance: 104, target: new Vector3(0, 0, 1) });
+const virtual = new View({ pane: element("virtual"), distance: 68, target: new Vector3(0, 0, 0) });
+const rendered = new View({ pane: element("rendered"), distance: 92, target: new Vector3(0.5, 0, 4.5) });
 const stage = new Stage(element("stage") as HTMLCanvasElement, [virtual, rendered]);
 const plots = new Plots(element("plots"));
 
 let objects: ObjectView[] = [];
-let fingers: FingerView[] = []; // in the virtual scene
-let wearer: FingerView | null = null; // on the device
+let fingers: FingerView[] = [];
+let fingersInWorld: Group[] = []; // in the virtual scene
+let wearer: Group | null = null; // the first finger, on the device
 let device: DeviceView | null = null;
 let newest: Snapshot | null = null;
 let drawn: Snapshot | null = null;
 let arrived = false; // the view has jumped to the finger
 
 function build(scene: Scene): void {
-  for (const view of objects) view.dispose();
-  for (const view of fingers) view.dispose();
-  wearer?.dispose();
-  for (const node of [...objects, ...fingers]) virtual.scene.remove(node.group);
-  if (wearer) rendered.scene.remove(wearer.group);
+  for (const view of [...objects, ...fingers]) view.dispose();
+  virtual.scene.remove(...objects.map((view) => view.group), ...fingersInWorld);
+  if (wearer) rendered.scene.remove(wearer);
   if (device) rendered.scene.remove(device.group);
 
   objects = scene.objects.map((object) => new ObjectView(object.shape));
   fingers = scene.fingers.map((finger) => new FingerView(finger));
-  for (const node of [...objects, ...fingers]) virtual.scene.add(node.group);
+  fingersInWorld = fingers.map((view) => view.show());
+  virtual.scene.add(...objects.map((view) => view.group), ...fingersInWorld);
   const first = scene.fingers[0];
-  wearer = first ? new FingerView(first) : null;
+  wearer = fingers[0]?.show() ?? null;
   device = first && first.device_kind ? new DeviceView(first) : null;
-  if (wearer) rendered.scene.add(wearer.group);
+  if (wearer) rendered.scene.add(wearer);
   if (device) rendered.scene.add(device.group);
   newest = drawn = null;
   arrived = false;
@@ -50,23 +50,20 @@ function show(snapshot: Snapshot): void {
     const finger = snapshot.fingers[i];
     if (!finger) return;
     view.update(finger);
-    place(view.group, finger.X_WF);
+    place(fingersInWorld[i]!, finger.X_WF);
   });
-  const first = snapshot.fingers[0];
-  if (!first) return;
-  wearer?.update(first);
-  device?.update(first);
+  if (snapshot.fingers[0]) device?.update(snapshot.fingers[0]);
 }
 
 /** Keeps the virtual finger in sight and the glass sorted against the skin. */
 function followFinger(): void {
-  const finger = fingers[0];
-  if (!finger) return;
-  virtual.follow(finger.group.position.clone().add(new Vector3(0, 0, -1.5)), arrived ? 0.08 : 1);
+  const finger = fingersInWorld[0];
+  if (!finger || !drawn) return;
+  virtual.follow(finger.position.clone().add(new Vector3(0, 0, -2.5)), arrived ? 0.08 : 1);
   arrived = true;
-  const below = virtual.camera.position.z < finger.group.position.z - 5;
+  const below = virtual.camera.position.z < finger.position.z - 5;
   for (const object of objects) {
-    object.lookAround(finger.group.position);
+    object.lookAround(finger.position);
     object.drawBehindSkin(!below);
   }
 }

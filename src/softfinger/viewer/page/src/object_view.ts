@@ -128,7 +128,7 @@ function glass(endless: boolean): ShaderMaterial {
         float grid = max(max(lines(vLocal.x) * (1.0 - m.x), lines(vLocal.y) * (1.0 - m.y)),
                          lines(vLocal.z) * (1.0 - m.z));
         float fade = 1.0 - smoothstep(0.35 * reach, reach, distance(vWorld, centre));
-        float alpha = (0.11 + 0.42 * rim + 0.2 * grid) * fade;
+        float alpha = (0.07 + 0.42 * rim + 0.16 * grid) * fade;
         gl_FragColor = vec4(color * (light + 0.5 * rim + 0.3 * grid), alpha);
         #include <colorspace_fragment>
       }`,

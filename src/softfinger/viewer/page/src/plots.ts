@@ -52,7 +52,7 @@ function descriptions(names: string[]): PlotDescription[] {
                  value: (s) => s.fingers[0]?.contact_area_mm2 ?? 0 }],
     },
     {
-      id: "configuration", title: "Device configuration q", range: [-6, 6], rightRange: [0, 4],
+      id: "configuration", title: "Configuration q", range: [-6, 6], rightRange: [0, 4],
       curves: configurationCurves(names),
     },
     {
@@ -157,7 +157,7 @@ class LivePlot {
   private options(): uPlot.Options {
     const axis = (scale: string, side: 1 | 3, size: number, grid: boolean): uPlot.Axis => ({
       scale, side, size, gap: 4, font: "11px Inter Variable", stroke: palette.text,
-      grid: { show: grid, stroke: palette.line, width: 1 }, ticks: { show: false }, space: 24,
+      grid: { show: grid, stroke: palette.line, width: 1 }, ticks: { show: false }, space: 28,
     });
     const hasRight = this.description.rightRange !== undefined;
     const atLeast = ([low, high]: [number, number]) =>
@@ -169,7 +169,7 @@ class LivePlot {
       };
     return {
       width: 200, height: 100, legend: { show: false }, cursor: { show: false }, pxAlign: false,
-      padding: [6, hasRight ? 0 : 10, 0, 0],
+      padding: [6, hasRight ? 0 : 18, 0, 0],
       scales: {
         x: { time: false, range: (_, __, max) => [Math.max(0, (max ?? 0) - kWindow), Math.max(kWindow, max ?? 0)] },
         y: { range: atLeast(this.description.range) },

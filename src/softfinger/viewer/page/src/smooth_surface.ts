@@ -62,7 +62,6 @@ export class SmoothSurface {
     for (const name of ["position", "normal", "glow"]) {
       (this.geometry.getAttribute(name) as BufferAttribute).needsUpdate = true;
     }
-    this.geometry.computeBoundingSphere();
   }
 
   /** Bernstein weights at barycentric (1 - u - v, u, v): ten for positions, six for normals. */

@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "softfinger/viewer/own_address.hpp"
+#include "softfinger/viewer/page_file.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr std::array<PageFile, 2> kPage{{
+    {"/index.html", "text/html; charset=utf-8", "<p>page"},
+    {"/assets/page.css", "text/css; charset=utf-8", "p {}"},
+}};
+
+TEST(PageFile, RootIsTheIndex) {
+  ASSERT_NE(find_page_file(kPage, "/"), nullptr);
+  EXPECT_EQ(find_page_file(kPage, "/")->path, "/index.html");
+}
+
+TEST(PageFile, QueryIsIgnored) {
+  EXPECT_EQ(find_page_file(kPage, "/?scene=edge"), find_page_file(kPage, "/"));
+  EXPECT_EQ(find_page_file(kPage, "/assets/page.css?v=2")->content_type, "text/css; charset=utf-8");
+}
+
+TEST(PageFile, NothingOutsideThePage) {
+  for (const char* target :
+       {"", "?", "*", "//", "/etc/passwd", "/../index.html", "/assets/../index.html", "/assets",
+        "/index.html/", "/INDEX.HTML", "http://127.0.0.1/index.html"}) {
+    EXPECT_EQ(find_page_file(kPage, target), nullptr) << target;
+  }
+}
+
+TEST(PageFile, TheBuiltPageIsWhole) {
+  const auto page = live_page();
+  const PageFile* index = find_page_file(page, "/");
+  ASSERT_NE(index, nullptr);
+  EXPECT_EQ(index->content_type, "text/html; charset=utf-8");
+  EXPECT_TRUE(index->content.starts_with("<!doctype html>"));
+  // What the index names is there, and nothing is fetched from elsewhere.
+  for (const PageFile& file : page) {
+    if (file.path.starts_with("/assets/index")) {
+      EXPECT_NE(index->content.find(file.path), std::string_view::npos) << file.path;
+    }
+  }
+  EXPECT_EQ(index->content.find("http"), std::string_view::npos);
+}
+
+TEST(OwnAddress, OwnHostsOnly) {
+  EXPECT_TRUE(is_own_host("127.0.0.1:8080", "127.0.0.1", 8080));
+  EXPECT_TRUE(is_own_host("localhost:8080", "127.0.0.1", 8080));
+  EXPECT_TRUE(is_own_host("localhost", "127.0.0.1", 80));
+  for (const char* host : {"", "localhost", "127.0.0.1", "127.0.0.1:80", "127.0.0.1:80800",
+                           "localhost:8080.example.org", "example.org:8080", "127.0.0.2:8080",
+                           "localhost:8080 ", "user@localhost:8080"}) {
+    EXPECT_FALSE(is_own_host(host, "127.0.0.1", 8080)) << host;
+  }
+}
+
+TEST(OwnAddress, OwnOriginsOnly) {
+  EXPECT_TRUE(is_own_origin("http://127.0.0.1:8080", "127.0.0.1", 8080));
+  EXPECT_TRUE(is_own_origin("http://localhost:8080", "127.0.0.1", 8080));
+  for (const char* origin : {"", "null", "https://localhost:8080", "http://localhost:8081",
+                             "http://localhost:8080/", "http://example.org", "127.0.0.1:8080"}) {
+    EXPECT_FALSE(is_own_origin(origin, "127.0.0.1", 8080)) << origin;
+  }
+}
+
+}  // namespace
+}  // namespace softfinger
