@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -153,8 +154,10 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     const auto data = buffer_.cdata();
     const std::string_view message(static_cast<const char*>(data.data()), data.size());
     std::optional<LiveRequest> request;
-    if (socket_.got_text() && hub_.description) {
-      request = parse_page_request(message, hub_.description->scene_names);
+    if (socket_.got_text()) {
+      const auto& scene = hub_.description;
+      request = parse_page_request(
+          message, scene ? std::span(scene->scene_names) : std::span<const std::string>());
     }
     if (!request) {
       open_ = false;
@@ -326,9 +329,12 @@ struct Server::Implementation {
     hub.port = acceptor.local_endpoint().port();
   }
   void serve() {
-    accept();
-    next_update = std::chrono::steady_clock::now();
-    schedule_update();
+    asio::post(context, [this] {
+      accept();
+      next_update = std::chrono::steady_clock::now();
+      schedule_update();
+      update();
+    });
     while (!context.stopped()) {
       try {
         context.run();
