@@ -59,9 +59,10 @@ bool Platform3rrs::forward_kinematics(const JointAngles& joints, Configuration& 
     bool following = true;
     for (int piece = 1; piece <= kPieces && following; ++piece) {
       const JointAngles between = from + (joints - from) * (static_cast<double>(piece) / kPieces);
-      following = newton_forward(between, q);
+      following = newton_forward(between, q) && singularity_ratio(q) > 0.0;
     }
-    if (following && reachable(q)) return true;
+    // Followed to the end, this is the solution of home's assembly mode: in the workspace or not.
+    if (following) return reachable(q);
   }
 
   // Starts all over the workspace.

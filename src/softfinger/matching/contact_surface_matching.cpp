@@ -9,7 +9,10 @@
 namespace softfinger {
 namespace {
 
-constexpr double kAtLimit = 1e-8;  // m of surface motion
+constexpr double kAtLimit = 1e-8;    // m of surface motion
+constexpr double kNearTilt = 0.06;   // rad, of starts around the best minimum found
+constexpr double kFarTilt = 0.35;    // rad, of starts around home
+constexpr double kRendered = 1e-16;  // m^2; less deviation than this is none
 
 }  // namespace
 
@@ -44,6 +47,9 @@ struct ContactSurfaceMatching::Implementation {
 
   SurfaceSamples pack(const ContactPoints& points, const MatchingOptions& options);
   void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome) const;
+  void look_around(const SurfaceSamples& samples, const MatchingOptions& options,
+                   const Configuration& centre, double tilt, MatchingResult& best);
+  [[nodiscard]] std::uint64_t active_limits(const Configuration& q);
   void finish(MatchingResult& result, MatchingLimits limits);
 };
 
@@ -101,21 +107,37 @@ void ContactSurfaceMatching::Implementation::consider(
   }
 }
 
+/// Starts at `centre` turned by `tilt` (rad) to four sides.
+void ContactSurfaceMatching::Implementation::look_around(const SurfaceSamples& samples,
+                                                         const MatchingOptions& options,
+                                                         const Configuration& centre, double tilt,
+                                                         MatchingResult& best) {
+  const Configuration around = centre;
+  const Matrix3 facing_F = device->surface_pose(around).rotation;
+  for (int side = 0; side < 4; ++side) {
+    const Vector3 sideways = facing_F.col(side / 2) * (side % 2 == 0 ? 1.0 : -1.0);
+    const Vector3 normal_F = std::cos(tilt) * facing_F.col(2) + std::sin(tilt) * sideways;
+    const Configuration start = device->facing(normal_F, around);
+    if (start == around) return;  // this kind does not turn
+    consider(best, minimiser.minimise(samples, start, options.limits == MatchingLimits::kInside,
+                                      options.iteration_limit, &best.configuration));
+  }
+}
+
+std::uint64_t ContactSurfaceMatching::Implementation::active_limits(const Configuration& q) {
+  std::uint64_t active = 0;
+  if (!device->constraints(q, values, jacobian)) return active;
+  for (int k = 0; k < std::min(device->constraint_count(), 64); ++k) {
+    if (values[k] > -kAtLimit) active |= std::uint64_t{1} << k;
+  }
+  return active;
+}
+
 void ContactSurfaceMatching::Implementation::finish(MatchingResult& result, MatchingLimits limits) {
-  result.active_constraints = 0;
-  result.joints_exist =
-      limits == MatchingLimits::kNone ? device->reachable(result.configuration) : true;
-  if (result.joints_exist) {
-    result.joints_exist = device->inverse_kinematics(result.configuration, result.joints);
-  }
-  if (limits == MatchingLimits::kNone ||
-      !device->constraints(result.configuration, values, jacobian)) {
-    return;
-  }
-  const int constraints = std::min(device->constraint_count(), 64);
-  for (int k = 0; k < constraints; ++k) {
-    if (values[k] > -kAtLimit) result.active_constraints |= std::uint64_t{1} << k;
-  }
+  const bool unlimited = limits == MatchingLimits::kNone;
+  result.active_constraints = unlimited ? 0 : active_limits(result.configuration);
+  result.joints_exist = (!unlimited || device->reachable(result.configuration)) &&
+                        device->inverse_kinematics(result.configuration, result.joints);
 }
 
 ContactSurfaceMatching::ContactSurfaceMatching(std::shared_ptr<const Device> device, int capacity)
@@ -136,42 +158,34 @@ MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
   const Configuration& home = device.home();
   MatchingResult result;
   const bool inside = options.limits == MatchingLimits::kInside;
-  const auto run = [&](const Configuration& start, bool constrained) {
-    return self.minimiser.minimise(samples, start, constrained, options.iteration_limit);
+  const auto run = [&](const Configuration& start) {
+    self.consider(result, self.minimiser.minimise(
+                              samples, start, inside, options.iteration_limit,
+                              result.configuration.size() == 0 ? nullptr : &result.configuration));
   };
-
-  // Without limits first: where that ends in the workspace the limits are not in the way.
-  MatchingResult unlimited;
-  if (warm != nullptr) self.consider(unlimited, run(*warm, false));
-  self.consider(unlimited, run(home, false));
-  if (options.limits == MatchingLimits::kNone) {
-    result = unlimited;
-  } else if (options.limits == MatchingLimits::kClamp) {
-    result = unlimited;
-    result.configuration = clamped_to_limits(device, unlimited.configuration);
-    result.deviation = device.deviation(result.configuration, samples);
-  } else {
-    result.iterations = unlimited.iterations;
-    const bool free = device.reachable(unlimited.configuration);
-    if (free) {
-      DeviationMinimiser::Outcome as_is;
-      as_is.q = unlimited.configuration;
-      as_is.deviation = unlimited.deviation;
-      as_is.termination = unlimited.termination;
-      as_is.valid = true;
-      self.consider(result, as_is);
-    } else {
-      if (warm != nullptr) self.consider(result, run(*warm, true));
-      self.consider(result, run(home, true));
-      self.consider(result, run(clamped_to_limits(device, unlimited.configuration), true));
-    }
-    if (result.configuration.size() == 0) {  // no start was feasible: home always is
-      result.configuration = home;
-      result.deviation = device.deviation(home, samples);
-      result.termination = Termination::kNonsmooth;
+  if (warm != nullptr) run(*warm);
+  run(home);
+  if (result.configuration.size() == 0) {  // no start was feasible: home always is
+    result.configuration = home;
+    result.deviation = device.deviation(home, samples);
+    result.termination = Termination::kNonsmooth;
+  }
+  // What the surface renders exactly has no better minimum. Elsewhere E has shallow minima side by
+  // side, parted by the rim: look around, and from a cold start further away.
+  if (result.deviation > kRendered) {
+    if (warm == nullptr) self.look_around(samples, options, home, kFarTilt, result);
+    self.look_around(samples, options, result.configuration, kNearTilt, result);
+    if (inside && self.active_limits(result.configuration) != 0) {
+      const DeviationMinimiser::Outcome unlimited =
+          self.minimiser.minimise(samples, result.configuration, false, options.iteration_limit);
+      result.iterations += unlimited.iterations;
+      run(clamped_to_limits(device, unlimited.q));
     }
   }
-  static_cast<void>(inside);
+  if (options.limits == MatchingLimits::kClamp) {
+    result.configuration = clamped_to_limits(device, result.configuration);
+    result.deviation = device.deviation(result.configuration, samples);
+  }
   self.finish(result, options.limits);
   return result;
 }

@@ -12,7 +12,9 @@ namespace {
 constexpr std::array<double, 4> kStages{1e-2, 1e-4, 1e-6, 1e-8};
 constexpr double kFlat = 1e-3;                // curvature of E below which the stages are walked
 constexpr double kLongestStep = 5e-3;         // m
-constexpr double kStepTolerance = 1e-10;      // m
+constexpr double kStepTolerance = 1e-9;       // m; Newton's next step would be far shorter
+constexpr double kStageTolerance = 1e-6;      // m; of the stages before the last
+constexpr double kSame = 2e-5;                // m; nearer minima are not told apart
 constexpr double kFeasibilityMargin = 1e-13;  // m
 
 }  // namespace
@@ -56,7 +58,7 @@ double DeviationMinimiser::attracted(double deviation, const Configuration& q) c
 }
 
 bool DeviationMinimiser::degenerate(const Expansion& expansion) {
-  matrix_ = expansion.hessian;
+  matrix_ = expansion.gauss_newton;
   for (int k = 0; k < n_; ++k) matrix_(k, k) -= kFlat;
   return !program_.factor(matrix_);
 }
@@ -109,6 +111,7 @@ bool DeviationMinimiser::form_direction(const Configuration& q, bool inside, dou
 DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool inside,
                                                       int iteration_limit, int& iterations) {
   double damping = 0.0;
+  const double tolerance = attraction_ > kStages.back() ? kStageTolerance : kStepTolerance;
   multipliers_.setZero();
   while (iterations < iteration_limit) {
     ++iterations;
@@ -128,6 +131,9 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
     const double shrink = length > kLongestStep ? kLongestStep / length : 1.0;
     if (inside) multipliers_ = program_.multipliers();
 
+    // Iterates are on their limits to the margin only, which E feels by the multipliers.
+    const double rounding =
+        1e-13 * value + (inside ? 4.0 * kFeasibilityMargin * multipliers_.sum() : 0.0);
     bool accepted = false;
     double fraction = shrink;
     for (int halving = 0; halving < 12; ++halving, fraction *= 0.5) {
@@ -144,7 +150,7 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
       } else {
         trial_value = attracted(device_.deviation(trial, *samples_), trial);
       }
-      if (trial_value <= value + 1e-4 * fraction * std::min(slope, 0.0) + 1e-13 * value) {
+      if (trial_value <= value + 1e-4 * fraction * std::min(slope, 0.0) + rounding) {
         q = trial;
         if (halving > 0) expand(q, there_);
         accepted = true;
@@ -153,22 +159,27 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
     }
     const double gain = -slope;
     if (!accepted) {
-      if (gain <= 1e-11 * value + 1e-26 || length < 10.0 * kStepTolerance) return Stage::kConverged;
+      if (gain <= 100.0 * rounding + 1e-26 || length < tolerance) return Stage::kConverged;
       if (damping > 1e3 * scale) return Stage::kStalled;
       damping = std::max(10.0 * damping, 1e-3 * scale);
       continue;
     }
     std::swap(here_, there_);
     damping = fraction == shrink ? (damping < 1e-6 * scale ? 0.0 : 0.1 * damping) : damping;
-    if (length * fraction < kStepTolerance && fraction == 1.0) return Stage::kConverged;
+    if (length < tolerance) return Stage::kConverged;
+    if (known_ != nullptr && device_.squared_distance(q, *known_) < kSame * kSame) {
+      return Stage::kKnown;
+    }
   }
   return Stage::kIterationLimit;
 }
 
 DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& samples,
                                                          const Configuration& start, bool inside,
-                                                         int iteration_limit) {
+                                                         int iteration_limit,
+                                                         const Configuration* known) {
   samples_ = &samples;
+  known_ = known;
   Outcome outcome;
   outcome.q = start;
   if (inside && !(restore(outcome.q) && device_.reachable(outcome.q))) return outcome;
@@ -177,14 +188,15 @@ DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& s
   const bool flat = samples.contact_count == 0 || degenerate(here_);
   Stage stage = Stage::kConverged;
   const auto walk = [&](std::size_t first) {
-    for (std::size_t k = first; k < kStages.size(); ++k) {
+    for (std::size_t k = first; k < kStages.size() && stage != Stage::kKnown; ++k) {
       attraction_ = kStages[k];
       stage = descend(outcome.q, inside, iteration_limit, outcome.iterations);
     }
   };
   walk(flat ? 0 : kStages.size() - 1);
   // A start with curvature may lead to where there is none.
-  if (!flat && degenerate(here_)) walk(0);
+  if (!flat && stage != Stage::kKnown && degenerate(here_)) walk(0);
+  outcome.valid = stage != Stage::kKnown;
   outcome.deviation = here_.value;
   outcome.termination = stage == Stage::kConverged        ? Termination::kConverged
                         : stage == Stage::kIterationLimit ? Termination::kIterationLimit

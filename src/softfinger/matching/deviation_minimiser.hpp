@@ -24,9 +24,11 @@ class DeviationMinimiser {
 
   explicit DeviationMinimiser(const Device& device);
 
-  /// `inside`: every iterate within the device's constraints.
+  /// `inside`: every iterate within the device's constraints. `known`: a minimum found before; may
+  /// be null. A way that leads close to it is not walked to its end, and the outcome is not valid.
   [[nodiscard]] Outcome minimise(const SurfaceSamples& samples, const Configuration& start,
-                                 bool inside, int iteration_limit);
+                                 bool inside, int iteration_limit,
+                                 const Configuration* known = nullptr);
 
  private:
   /// E and its derivatives at one q, in the variables s.
@@ -37,7 +39,7 @@ class DeviationMinimiser {
     Eigen::MatrixXd gauss_newton, hessian;
   };
   /// How one stage of attraction ended.
-  enum class Stage { kConverged, kIterationLimit, kStalled };
+  enum class Stage { kConverged, kIterationLimit, kStalled, kKnown };
 
   void expand(const Configuration& q, Expansion& expansion) const;
   [[nodiscard]] double attracted(double deviation, const Configuration& q) const;
@@ -50,6 +52,7 @@ class DeviationMinimiser {
   const Device& device_;
   int n_;
   const SurfaceSamples* samples_ = nullptr;
+  const Configuration* known_ = nullptr;
   double attraction_ = 0.0;
   Expansion here_, there_;
   Eigen::VectorXd metric_, gradient_, values_, raw_values_;

@@ -1,5 +1,6 @@
 #include "softfinger/numerics/quadratic_program.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -82,6 +83,7 @@ bool QuadraticProgram::solve(const Eigen::VectorXd& g, const Eigen::VectorXd& c,
                              const Eigen::MatrixXd& A) {
   const auto constraints = static_cast<int>(c.size());
   solve(g);
+  const double reach = step_.cwiseAbs().maxCoeff();  // sets the size of rounding below
   multipliers_.setZero();
   active_.clear();
   const auto drop = [&](std::size_t which) {
@@ -97,8 +99,9 @@ bool QuadraticProgram::solve(const Eigen::VectorXd& g, const Eigen::VectorXd& c,
     double worst = 0.0;
     for (int k = 0; k < constraints; ++k) {
       const double violation = c[k] + A.row(k).dot(step_);
-      const double size = std::abs(c[k]) + A.row(k).cwiseAbs().dot(step_.cwiseAbs());
-      if (violation > 1e-13 * size && violation > worst) {
+      const double size = std::abs(c[k]) + A.row(k).cwiseAbs().sum() * reach;
+      if (violation > 1e-14 * size && violation > worst &&
+          std::find(active_.begin(), active_.end(), k) == active_.end()) {
         worst = violation;
         p = k;
       }
