@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "loop_guard.hpp"
+#include "softfinger/engine/live_session.hpp"
+#include "temporary_directory.hpp"
+
+namespace softfinger {
+namespace {
+
+const std::filesystem::path kScenes = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes";
+
+class RealTimePath : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
+    reset_guard();
+    options_.scene = kScenes / GetParam();
+    options_.recording = directory_ / "run.db";
+  }
+  SceneRun::Hooks hooks_{.on_loop_thread = guard_this_thread};
+  std::atomic<bool> stop_{false};
+  TemporaryDirectory directory_;
+  RunOptions options_;
+};
+
+TEST(LoopGuard, Counts) {
+  if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
+  reset_guard();
+  std::thread([] {
+    guard_this_thread();
+    std::vector<int> some(10);
+    some.resize(1000);
+    std::mutex mutex;
+    const std::lock_guard lock(mutex);
+  }).join();
+  EXPECT_GE(guard_counts().allocations, 2u);
+  EXPECT_GE(guard_counts().locks, 1u);
+  EXPECT_EQ(guard_counts().threads, 1u);
+}
+
+TEST_P(RealTimePath, HeadlessNeitherAllocatesNorLocks) {
+  options_.duration = 8.0;
+  options_.as_fast_as_possible = true;
+  options_.record_state = true;
+  const RunSummary summary = run_headless(options_, stop_, {}, hooks_);
+  EXPECT_EQ(summary.steps, 8000);
+  EXPECT_GT(summary.all.max_contact_area, 0.0) << "something is touched";
+  EXPECT_EQ(guard_counts().threads, 1u);
+  EXPECT_EQ(guard_counts().allocations, 0u);
+  EXPECT_EQ(guard_counts().locks, 0u);
+}
+
+TEST_P(RealTimePath, LiveNeitherAllocatesNorLocks) {
+  options_.duration = 3.0;
+  LiveSession session(options_, false, hooks_);
+  const RunSummary summary = session.run(stop_);
+  EXPECT_EQ(summary.steps, 3000);
+  EXPECT_EQ(guard_counts().threads, 2u) << "simulation and device";
+  EXPECT_EQ(guard_counts().allocations, 0u);
+  EXPECT_EQ(guard_counts().locks, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, RealTimePath, testing::Values("sphere.toml", "edge.toml"), [](const auto& scene) {
+      return std::string(scene.param).substr(0, std::string(scene.param).find('.'));
+    });
+
+}  // namespace
+}  // namespace softfinger

@@ -1,0 +1,244 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/engine/live_session.hpp"
+#include "softfinger/engine/recording_reader.hpp"
+#include "softfinger/engine/replay.hpp"
+#include "softfinger/engine/sqlite_database.hpp"
+#include "temporary_directory.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kScenes = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes";
+
+RunSummary record(const fs::path& scene, const fs::path& file, double duration,
+                  std::vector<std::string> trackers = {}) {
+  RunOptions options;
+  options.scene = scene;
+  options.trackers = std::move(trackers);
+  options.duration = duration;
+  options.as_fast_as_possible = true;
+  options.recording = file;
+  const std::atomic<bool> stop{false};
+  return run_headless(options, stop);
+}
+
+std::vector<TickRecord> ticks_of(const fs::path& file) {
+  RecordingReader reader(file);
+  std::vector<TickRecord> ticks;
+  TickRecord tick;
+  while (reader.next(tick)) ticks.push_back(tick);
+  return ticks;
+}
+
+TEST(Run, HeadlessTicksOnSimulatedTime) {
+  const TemporaryDirectory directory;
+  const RunSummary summary = record(kScenes / "sphere.toml", directory / "run.db", 1.0);
+  EXPECT_EQ(summary.steps, 1000);
+  EXPECT_FALSE(summary.deadline_misses.has_value());
+  EXPECT_EQ(summary.all.step_cpu_time.count(), 1000u);
+  ASSERT_EQ(summary.fingers.size(), 1u);
+  EXPECT_EQ(summary.fingers[0].first, "index");
+  const std::vector<TickRecord> ticks = ticks_of(directory / "run.db");
+  ASSERT_EQ(ticks.size(), 31u);
+  EXPECT_GT(summary.all.commands_sent, ticks.size()) << "the device retracts at the end";
+  for (std::size_t k = 0; k < ticks.size(); ++k) {
+    EXPECT_EQ(ticks[k].step,
+              std::max<std::int64_t>(1, (static_cast<std::int64_t>(k) * 1000 + 29) / 30));
+  }
+}
+
+TEST(Run, TwoRunsHaveTheSameBits) {
+  const TemporaryDirectory directory;
+  record(kScenes / "edge.toml", directory / "a.db", 2.0);
+  record(kScenes / "edge.toml", directory / "b.db", 2.0);
+  RecordingReader a(directory / "a.db");
+  RecordingReader b(directory / "b.db");
+  StepRecord step_a, step_b;
+  std::int64_t rows = 0;
+  while (a.next(step_a)) {
+    ASSERT_TRUE(b.next(step_b));
+    ASSERT_EQ(first_difference(step_a, step_b), nullptr) << "step " << step_a.step;
+    ++rows;
+  }
+  EXPECT_EQ(rows, 2001);
+}
+
+TEST(Run, EveryStepConvergesAndForcesStayInBounds) {
+  const TemporaryDirectory directory;
+  const RunSummary summary = record(kScenes / "sphere.toml", directory / "run.db", 3.0);
+  EXPECT_EQ(summary.all.unconverged_steps, 0u);
+  EXPECT_GT(summary.all.max_normal_force, 0.1);
+  EXPECT_LT(summary.all.max_normal_force, 30.0);
+}
+
+class Replay : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    directory_ = std::make_unique<TemporaryDirectory>();
+    record(kScenes / "sphere.toml", *directory_ / "original.db", 2.0);
+  }
+  static void TearDownTestSuite() { directory_.reset(); }
+
+  void SetUp() override {
+    fs::remove(file_);
+    fs::copy_file(*directory_ / "original.db", file_);
+  }
+  void alter(const char* sql) {
+    SqliteDatabase database(file_, SqliteDatabase::Mode::kCreate);
+    database.execute(sql);
+  }
+
+  static std::unique_ptr<TemporaryDirectory> directory_;
+  fs::path file_ = *directory_ / "copy.db";
+};
+std::unique_ptr<TemporaryDirectory> Replay::directory_;
+
+TEST_F(Replay, Agrees) {
+  const ReplayResult result = replay({.recording = file_, .scene = {}});
+  EXPECT_TRUE(result.agree) << *result.first_difference << " " << result.difference;
+  EXPECT_EQ(result.steps, 2000);
+  EXPECT_FALSE(result.first_difference.has_value());
+}
+
+TEST_F(Replay, AgreesWithTheSceneItself) {
+  EXPECT_TRUE(replay({.recording = file_, .scene = kScenes / "sphere.toml"}).agree);
+}
+
+TEST_F(Replay, FindsAnotherScene) {
+  const ReplayResult result = replay({.recording = file_, .scene = kScenes / "plane.toml"});
+  EXPECT_FALSE(result.agree);
+}
+
+TEST_F(Replay, FindsATrackedPoseAlteredByANanometre) {
+  alter("update steps set y_m = y_m + 1e-9 where step = 700");
+  const ReplayResult result = replay({.recording = file_, .scene = {}});
+  EXPECT_FALSE(result.agree);
+  EXPECT_EQ(result.first_difference, 700);
+}
+
+TEST_F(Replay, FindsARotationAlteredByTheLeastThatCounts) {
+  alter("update steps set qw = qw - 1e-9 where step = 1999");
+  EXPECT_EQ(replay({.recording = file_, .scene = {}}).first_difference, 1999);
+}
+
+TEST_F(Replay, FindsABonePoseAltered) {
+  alter("update steps set bone_x_m = bone_x_m + 1e-9 where step = 1500");
+  const ReplayResult result = replay({.recording = file_, .scene = {}});
+  EXPECT_EQ(result.first_difference, 1500);
+  EXPECT_THAT(result.difference, testing::HasSubstr("bone pose"));
+}
+
+TEST_F(Replay, FindsAMissingRow) {
+  alter("delete from steps where step = 42");
+  EXPECT_EQ(replay({.recording = file_, .scene = {}}).first_difference, 42);
+}
+
+TEST_F(Replay, NeedsNoFileButTheRecording) {
+  alter(
+      "update files set content = replace(cast(content as text), 'radius_mm = 20', 'radius_mm = "
+      "21') "
+      "where path like '%sphere.toml'");
+  EXPECT_FALSE(replay({.recording = file_, .scene = {}}).agree) << "the carried scene is used";
+}
+
+TEST(LiveRun, ReplaysToTheBit) {
+  const TemporaryDirectory directory;
+  RunOptions options;
+  options.scene = kScenes / "sphere.toml";
+  options.duration = 2.5;
+  options.recording = directory / "live.db";
+  LiveSession session(options, false);
+  const std::atomic<bool> stop{false};
+  const RunSummary summary = session.run(stop);
+  EXPECT_EQ(summary.steps, 2500);
+  EXPECT_TRUE(summary.deadline_misses.has_value());
+  EXPECT_TRUE(RecordingReader(directory / "live.db").info().live);
+  const ReplayResult result = replay({.recording = directory / "live.db", .scene = {}});
+  EXPECT_TRUE(result.agree) << *result.first_difference << " " << result.difference;
+}
+
+TEST(LiveRun, PausesRestartsAndChangesScene) {
+  const TemporaryDirectory directory;
+  RunOptions options;
+  options.scene = kScenes / "sphere.toml";
+  options.recording = directory / "live.db";
+  LiveSession session(options, false);
+  EXPECT_THAT(session.description()->scene_names,
+              testing::IsSupersetOf({"edge", "plane", "sphere"}));
+  std::atomic<bool> stop{false};
+  std::thread viewer([&] {
+    const auto wait = [&](const auto& condition) {
+      for (int i = 0; i < 1000; ++i) {
+        session.refresh();
+        if (condition(session.latest())) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      return false;
+    };
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 300; }));
+    session.request({LiveRequest::Kind::kPause, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.paused; }));
+    const std::uint64_t step = session.latest().step;
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    session.refresh();
+    EXPECT_EQ(session.latest().step, step);
+    EXPECT_NE(session.latest().fingers.at(0).device_state, "retracting");
+    session.request({LiveRequest::Kind::kResume, ""});
+    EXPECT_TRUE(wait([&](const Snapshot& s) { return s.step > step + 300; }));
+    session.request({LiveRequest::Kind::kScene, "no such scene"});
+    session.request({LiveRequest::Kind::kScene, "edge"});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.generation == 2 && s.step > 100; }));
+    EXPECT_EQ(session.description()->scene_name, "edge");
+    stop = true;
+  });
+  session.run(stop);
+  viewer.join();
+  const ReplayResult paused = replay({.recording = directory / "live.db", .scene = {}});
+  EXPECT_TRUE(paused.agree) << *paused.first_difference << " " << paused.difference;
+  EXPECT_TRUE(replay({.recording = directory / "live-2.db", .scene = {}}).agree);
+}
+
+TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
+  const TemporaryDirectory directory;
+  {
+    std::ofstream csv(directory / "poses.csv");
+    csv << "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n";
+    for (int i = 0; i <= 300; ++i) {
+      if (i > 100 && i < 200) continue;  // a second without rows
+      csv << i / 100.0 << ",-3,0,45,1,0,0,0\n";
+    }
+  }
+  record(kScenes / "sphere.toml", directory / "run.db", 3.0,
+         {"csv:" + (directory / "poses.csv").string()});
+  bool held = false, retracted = false, resumed = false;
+  for (const TickRecord& tick : ticks_of(directory / "run.db")) {
+    const DeviceState state = tick.command.state;
+    held = held || state == DeviceState::kHolding;
+    if (state == DeviceState::kRetracting) {
+      EXPECT_TRUE(held);
+      EXPECT_GT(tick.time, 1.2 + 0.2);
+      retracted = true;
+    }
+    if (tick.time > 2.5) resumed = resumed || state == DeviceState::kReady;
+  }
+  EXPECT_TRUE(held);
+  EXPECT_TRUE(retracted);
+  EXPECT_TRUE(resumed);
+}
+
+TEST(Run, NamesBelongToSeveralFingers) {
+  RunOptions options;
+  options.scene = kScenes / "sphere.toml";
+  options.trackers = {"index=csv:/no/such/file.csv"};
+  const std::atomic<bool> stop{false};
+  EXPECT_THROW(run_headless(options, stop), InputError);
+}
+
+}  // namespace
+}  // namespace softfinger
