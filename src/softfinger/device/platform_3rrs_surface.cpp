@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "softfinger/device/disk_surface.hpp"
 #include "softfinger/device/platform_3rrs.hpp"
@@ -9,7 +10,6 @@
 namespace softfinger {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
@@ -36,56 +36,88 @@ Vector6 moment_arm(const Vector3& n, const Vector3& p_P) {
   return arm;
 }
 
-/// Sums over samples, in P, of everything E's derivatives need.
-struct DeviationSums {
-  double value = 0.0;
-  Matrix3 force_point = Matrix3::Zero();   ///< sum f x^T, f the derivative of E by x
-  Vector3 force = Vector3::Zero();         ///< sum f
-  Matrix6 gauss_newton = Matrix6::Zero();  ///< sum of 2 w arm arm^T
-  Matrix6 curvature = Matrix6::Zero();     ///< what the exact second derivative has on top
-  // Samples that see the flat top only: arm = (-y, x, 0, 0, 0, -1).
-  double w = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0, wyy = 0.0;
-  double fz = 0.0, fzx = 0.0, fzy = 0.0, fzz = 0.0;
-  bool only_top = true;
+/// What E's derivatives need, summed over samples; positions in P.
+class DeviationSums {
+ public:
+  explicit DeviationSums(const Matrix63& twist)
+      : omega_(twist.topRows<3>()), v_(twist.bottomRows<3>()) {}
 
+  double value = 0.0;
+  Matrix3 force_point = Matrix3::Zero();  ///< sum f x^T, f the derivative of E by x
+  Vector3 force = Vector3::Zero();        ///< sum f
+  Vector3 gradient = Vector3::Zero();
+  Matrix3 gauss_newton = Matrix3::Zero();
+  Matrix3 curvature =
+      Matrix3::Zero();  ///< what bending of the distance adds to the Gauss-Newton part
+
+  /// A sample that sees the flat top only: n = z.
   void add_top(double weight, double lack, double x, double y, double z) {
     const double w2 = 2.0 * weight;
-    value += weight * lack * lack;
-    w += w2;
-    wx += w2 * x;
-    wy += w2 * y;
-    wxx += w2 * x * x;
-    wxy += w2 * x * y;
-    wyy += w2 * y * y;
     const double f = w2 * lack;
-    fz += f;
-    fzx += f * x;
-    fzy += f * y;
-    fzz += f * z;
+    const double wx = w2 * x;
+    const double wy = w2 * y;
+    top_value_ += f * lack;
+    w_ += w2;
+    wx_ += wx;
+    wy_ += wy;
+    wxx_ += wx * x;
+    wxy_ += wx * y;
+    wyy_ += wy * y;
+    f_ += f;
+    fx_ += f * x;
+    fy_ += f * y;
+    fz_ += f * z;
   }
+  /// A residual along n.
   void add(double weight, double lack, const Vector3& n, const Vector3& p_P) {
-    only_top = false;
-    const Vector3 f = 2.0 * weight * lack * n;
+    const Vector3 f = (2.0 * weight * lack) * n;
     value += weight * lack * lack;
     force += f;
     force_point += f * p_P.transpose();
-    const Vector6 arm = moment_arm(n, p_P);
-    gauss_newton += (2.0 * weight) * arm * arm.transpose();
+    const Vector3 row = by_q(n, p_P);
+    gradient += (2.0 * weight * lack) * row;
+    add_square(2.0 * weight, row, gauss_newton);
   }
+  void add_curvature(double factor, const Vector3& n, const Vector3& p_P) {
+    add_square(factor, by_q(n, p_P), curvature);
+  }
+  void add_gauss_newton(double factor, const Vector3& n, const Vector3& p_P) {
+    add_square(factor, by_q(n, p_P), gauss_newton);
+  }
+  /// Works in the sums of the flat top: each sample's row is -y omega_0 + x omega_1 - v_2.
   void finish() {
-    force.z() += fz;
-    force_point.row(2) += Eigen::RowVector3d(fzx, fzy, fzz);
-    gauss_newton(0, 0) += wyy;
-    gauss_newton(0, 1) -= wxy;
-    gauss_newton(1, 0) -= wxy;
-    gauss_newton(1, 1) += wxx;
-    gauss_newton(0, 5) += wy;
-    gauss_newton(5, 0) += wy;
-    gauss_newton(1, 5) -= wx;
-    gauss_newton(5, 1) -= wx;
-    gauss_newton(5, 5) += w;
+    value += 0.5 * top_value_;
+    force.z() += f_;
+    force_point.row(2) += Eigen::RowVector3d(fx_, fy_, fz_);
+    const Vector3 a = omega_.row(0);
+    const Vector3 b = omega_.row(1);
+    const Vector3 c = v_.row(2);
+    gradient += fx_ * b - fy_ * a - f_ * c;
+    gauss_newton += wyy_ * a * a.transpose() + wxx_ * b * b.transpose() + w_ * c * c.transpose() -
+                    wxy_ * (a * b.transpose() + b * a.transpose()) +
+                    wy_ * (a * c.transpose() + c * a.transpose()) -
+                    wx_ * (b * c.transpose() + c * b.transpose());
   }
+
+ private:
+  [[nodiscard]] Vector3 by_q(const Vector3& n, const Vector3& p_P) const {
+    return omega_.transpose() * n.cross(p_P) - v_.transpose() * n;
+  }
+  static void add_square(double factor, const Vector3& row, Matrix3& sum) {
+    sum += (factor * row) * row.transpose();
+  }
+
+  Matrix3 omega_, v_;
+  double top_value_ = 0.0;
+  double w_ = 0.0, wx_ = 0.0, wy_ = 0.0, wxx_ = 0.0, wxy_ = 0.0, wyy_ = 0.0;
+  double f_ = 0.0, fx_ = 0.0, fy_ = 0.0, fz_ = 0.0;
 };
+
+/// Whether the nearest surface of the solid is its flat top, without a square root.
+bool sees_top(double radius, double rho2, double z) {
+  const double edge = z >= 0.0 ? radius : radius + z * (std::numbers::sqrt2 - 1.0);
+  return edge > 0.0 && rho2 <= edge * edge;
+}
 
 }  // namespace
 
@@ -138,12 +170,14 @@ double Platform3rrs::deviation(const Configuration& q, const SurfaceSamples& sam
     if (i >= contacts && z >= samples.margin[i]) continue;
     const double x = R(0, 0) * px + R(0, 1) * py + R(0, 2) * pz + t.x();
     const double y = R(1, 0) * px + R(1, 1) * py + R(1, 2) * pz + t.y();
+    const double rho2 = x * x + y * y;
     if (i < contacts) {
-      const double rho2 = x * x + y * y;
       const double beyond = rho2 > radius * radius ? std::sqrt(rho2) - radius : 0.0;
       sum += samples.weight[i] * (z * z + beyond * beyond);
     } else {
-      const double lack = cone_distance(radius, {x, y, z}).distance - samples.margin[i];
+      const double distance =
+          sees_top(radius, rho2, z) ? z : cone_distance(radius, {x, y, z}).distance;
+      const double lack = distance - samples.margin[i];
       if (lack < 0.0) sum += samples.weight[i] * lack * lack;
     }
   }
@@ -164,7 +198,7 @@ double Platform3rrs::deviation_derivatives(const Configuration& q, const Surface
   const double radius = geometry_.disk_radius;
   const auto contacts = static_cast<std::size_t>(samples.contact_count);
 
-  DeviationSums sums;
+  DeviationSums sums(platform_twist(rotation, tilt, centre));
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
     const double px = samples.x[i];
     const double py = samples.y[i];
@@ -175,50 +209,40 @@ double Platform3rrs::deviation_derivatives(const Configuration& q, const Surface
     const double x = R(0, 0) * px + R(0, 1) * py + R(0, 2) * pz + t.x();
     const double y = R(1, 0) * px + R(1, 1) * py + R(1, 2) * pz + t.y();
     const double w = samples.weight[i];
+    const double rho2 = x * x + y * y;
     if (i < contacts) {
       sums.add_top(w, z, x, y, z);
-      const double rho2 = x * x + y * y;
       if (rho2 > radius * radius) {
         const double rho = std::sqrt(rho2);
         const Vector3 p_P(x, y, z);
         const Vector3 outward(x / rho, y / rho, 0.0);
+        const Vector3 tangent(-outward.y(), outward.x(), 0.0);
         sums.add(w, rho - radius, outward, p_P);
         const double part = 1.0 - radius / rho;
-        const Vector6 arm = moment_arm(Vector3(-outward.y(), outward.x(), 0.0), p_P);
-        const Matrix6 across = (2.0 * w) * arm * arm.transpose();
-        sums.gauss_newton += (part * part) * across;
-        sums.curvature += (part - part * part) * across;
+        sums.add_gauss_newton(2.0 * w * part * part, tangent, p_P);
+        sums.add_curvature(2.0 * w * (part - part * part), tangent, p_P);
       }
+    } else if (sees_top(radius, rho2, z)) {
+      sums.add_top(w, z - samples.margin[i], x, y, z);
     } else {
       const Vector3 p_P(x, y, z);
       const ConeDistance cone = cone_distance(radius, p_P);
       const double lack = cone.distance - samples.margin[i];
       if (lack >= 0.0) continue;
-      if (cone.normal.z() == 1.0) {
-        sums.add_top(w, lack, x, y, z);
-      } else {
-        sums.add(w, lack, cone.normal, p_P);
-        const Vector6 around = moment_arm(cone.tangent, p_P);
-        sums.curvature += (2.0 * w * lack * cone.tangent_curvature) * around * around.transpose();
-        if (cone.meridian_curvature > 0.0) {
-          const Vector6 along = moment_arm(cone.tangent.cross(cone.normal), p_P);
-          sums.curvature += (2.0 * w * lack * cone.meridian_curvature) * along * along.transpose();
-        }
+      sums.add(w, lack, cone.normal, p_P);
+      sums.add_curvature(2.0 * w * lack * cone.tangent_curvature, cone.tangent, p_P);
+      if (cone.meridian_curvature > 0.0) {
+        sums.add_curvature(2.0 * w * lack * cone.meridian_curvature,
+                           cone.tangent.cross(cone.normal), p_P);
       }
     }
   }
   sums.finish();
 
-  const Matrix63 twist = platform_twist(rotation, tilt, centre);
-  // sum (f x x) = antisymmetric part of sum f x^T.
+  gradient = sums.gradient;
+  gauss_newton = sums.gauss_newton;
+  Matrix3 exact = sums.gauss_newton + sums.curvature;
   const Matrix3& K = sums.force_point;
-  Vector6 wrench;
-  wrench << K(1, 2) - K(2, 1), K(2, 0) - K(0, 2), K(0, 1) - K(1, 0), -sums.force;
-  gradient = twist.transpose() * wrench;
-  const Eigen::Matrix3d first_order = twist.transpose() * sums.gauss_newton * twist;
-  gauss_newton = first_order;
-  Eigen::Matrix3d exact = first_order;
-  if (!sums.only_top) exact += twist.transpose() * sums.curvature * twist;
 
   // Second derivatives of x_P = M^T (y - c), contracted with f.
   const Matrix3 K_world = rotation * K.transpose();  // sum (y - c) f^T

@@ -63,12 +63,19 @@ bool DeviationMinimiser::degenerate(const Expansion& expansion) {
   return !program_.factor(matrix_);
 }
 
-// Moves q by the least |ds| to satisfy all constraints; false if that fails.
+// Constraints at q, by s.
+bool DeviationMinimiser::evaluate_constraints(const Configuration& q) {
+  if (!device_.constraints(q, values_, jacobian_)) return false;
+  for (int j = 0; j < n_; ++j) jacobian_.col(j) /= metric_[j];
+  return true;
+}
+
+// Moves q by the least |ds| to satisfy all constraints; false if that fails. Leaves the constraints
+// of the q returned in values_ and jacobian_.
 bool DeviationMinimiser::restore(Configuration& q) {
   for (int round = 0; round < 8; ++round) {
-    if (!device_.constraints(q, values_, jacobian_)) return false;
+    if (!evaluate_constraints(q)) return false;
     if (values_.maxCoeff() <= 0.0) return true;
-    for (int j = 0; j < n_; ++j) jacobian_.col(j) /= metric_[j];
     raw_values_ = values_.array() + kFeasibilityMargin;
     if (!projection_.solve(zero_, raw_values_, jacobian_)) return false;
     const double length = projection_.step().norm();
@@ -78,8 +85,9 @@ bool DeviationMinimiser::restore(Configuration& q) {
   return false;
 }
 
-// Newton direction at q, from here_, in program_.step(); with `exact` by the second derivatives,
-// else by the Gauss-Newton matrix. False where the matrix is not positive definite.
+// Newton direction at q, from here_ (and the constraints there), in program_.step(); with `exact`
+// by the second derivatives, else by the Gauss-Newton matrix. False where the matrix is not
+// positive definite.
 bool DeviationMinimiser::form_direction(const Configuration& q, bool inside, double damping,
                                         bool exact) {
   gradient_ = here_.gradient;
@@ -103,8 +111,6 @@ bool DeviationMinimiser::form_direction(const Configuration& q, bool inside, dou
     program_.solve(gradient_);
     return true;
   }
-  if (!device_.constraints(q, values_, jacobian_)) return false;
-  for (int j = 0; j < n_; ++j) jacobian_.col(j) /= metric_[j];
   return program_.solve(gradient_, values_, jacobian_);
 }
 
@@ -159,6 +165,7 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
     }
     const double gain = -slope;
     if (!accepted) {
+      if (inside && !evaluate_constraints(q)) return Stage::kStalled;
       if (gain <= 100.0 * rounding + 1e-26 || length < tolerance) return Stage::kConverged;
       if (damping > 1e3 * scale) return Stage::kStalled;
       damping = std::max(10.0 * damping, 1e-3 * scale);

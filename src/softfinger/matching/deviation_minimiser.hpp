@@ -43,6 +43,7 @@ class DeviationMinimiser {
 
   void expand(const Configuration& q, Expansion& expansion) const;
   [[nodiscard]] double attracted(double deviation, const Configuration& q) const;
+  [[nodiscard]] bool evaluate_constraints(const Configuration& q);
   [[nodiscard]] bool restore(Configuration& q);
   [[nodiscard]] bool degenerate(const Expansion& expansion);
   [[nodiscard]] bool form_direction(const Configuration& q, bool inside, double damping,
