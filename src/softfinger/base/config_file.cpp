@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/text_file.hpp"
 #include "softfinger/base/units.hpp"
 
 namespace softfinger {
@@ -31,27 +31,6 @@ std::string shown(std::string_view text) {
       [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
   if (text.size() > kMaxLength) result += "...";
   return result;
-}
-
-std::string read_bounded(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) {
-    throw InputError(fmt::format("{}: is a directory, not a TOML file", file.string()));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    const bool exists = std::filesystem::exists(file, error);
-    throw InputError(
-        fmt::format("{}: {}", file.string(), exists ? "cannot be read" : "no such file"));
-  }
-  std::string text(kMaxFileSize + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (stream.bad()) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  if (text.size() > kMaxFileSize) {
-    throw InputError(fmt::format("{}: is larger than 4 MB", file.string()));
-  }
-  return text;
 }
 
 std::string_view line_of(std::string_view text, std::size_t number) {
@@ -491,7 +470,7 @@ void ConfigTable::fail(std::string_view key, std::string_view message) const {
 }
 
 ConfigFile::ConfigFile(const std::filesystem::path& file) : file_(file) {
-  const std::string text = read_bounded(file);
+  const std::string text = read_text_file(file, kMaxFileSize);
   auto document = std::make_shared<ConfigTable::Node::Document>();
   document->file = file.string();
   document->directory = file.parent_path();

@@ -6,13 +6,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <string_view>
 #include <unordered_map>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/text_file.hpp"
 #include "softfinger/geometry/tetrahedron_faces.hpp"
 
 namespace softfinger {
@@ -348,30 +348,10 @@ class MshReader {
   std::vector<Element> triangles_, tetrahedra_;
 };
 
-std::string read_text(const std::filesystem::path& file) {
-  std::error_code error;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, error)) {
-    const bool exists = std::filesystem::exists(file, error);
-    throw InputError(
-        fmt::format("{}: {}", file.string(), exists ? "cannot be read" : "no such mesh file"));
-  }
-  std::string text;
-  std::array<char, 1 << 16> buffer;
-  while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0) {
-    text.append(buffer.data(), static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > kMaxFileSize) {
-      throw InputError(fmt::format("{}: is larger than 512 MB", file.string()));
-    }
-  }
-  if (stream.bad()) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  return text;
-}
-
 }  // namespace
 
 TetrahedralMesh read_msh(const std::filesystem::path& file, double scale) {
-  const std::string text = read_text(file);
+  const std::string text = read_text_file(file, kMaxFileSize);
   return MshReader(file, text).read(scale);
 }
 
