@@ -1,0 +1,79 @@
+// The help lists what exists and nothing else.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "program.hpp"
+
+namespace softfinger {
+namespace {
+
+using testing::HasSubstr;
+
+/// Names under "Subcommands:" in a help text.
+std::set<std::string> commands_in(const std::string& help) {
+  std::set<std::string> names;
+  std::istringstream in(help);
+  bool listed = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("Subcommands:")) {
+      listed = true;
+    } else if (listed && line.starts_with("  ") && line.size() > 2 && line[2] != ' ') {
+      names.insert(line.substr(2, line.find(' ', 2) - 2));
+    }
+  }
+  return names;
+}
+
+std::string help_of(std::vector<std::string> command) {
+  command.emplace_back("--help");
+  const ProgramRun run = run_program(command);
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_EQ(run.errors, "");
+  return run.output;
+}
+
+TEST(Help, ListsTheCommands) {
+  std::set<std::string> names = commands_in(help_of({}));
+  names.erase("help");
+  EXPECT_EQ(names, (std::set<std::string>{"run", "press", "match", "device", "finger", "scene",
+                                          "replay", "export"}));
+}
+
+TEST(Help, EveryCommandListedExists) {
+  for (const std::string& name : commands_in(help_of({}))) {
+    for (const std::string& inner : commands_in(help_of({name}))) {
+      EXPECT_THAT(help_of({name, inner}), HasSubstr(inner)) << name;
+    }
+  }
+}
+
+TEST(Help, PartsOfCommands) {
+  EXPECT_EQ(commands_in(help_of({"device"})),
+            (std::set<std::string>{"show", "solve", "pose", "workspace"}));
+  EXPECT_EQ(commands_in(help_of({"finger"})), std::set<std::string>{"show"});
+  EXPECT_EQ(commands_in(help_of({"scene"})), std::set<std::string>{"check"});
+}
+
+TEST(Help, AsACommand) {
+  const ProgramRun all = run_program({"help"});
+  EXPECT_EQ(all.status, 0) << all.errors;
+  EXPECT_EQ(all.output, help_of({}));
+  const ProgramRun one = run_program({"help", "press"});
+  EXPECT_EQ(one.status, 0) << one.errors;
+  EXPECT_EQ(one.output, help_of({"press"}));
+  EXPECT_EQ(run_program({"help", "explode"}).status, 2);
+}
+
+TEST(Help, Version) {
+  const ProgramRun run = run_program({"--version"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.output, testing::MatchesRegex("softfinger [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+}  // namespace
+}  // namespace softfinger

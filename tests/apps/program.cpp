@@ -1,0 +1,94 @@
+#include "program.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+namespace softfinger {
+
+namespace {
+
+std::string content(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+RunningProgram::RunningProgram(const std::vector<std::string>& arguments) {
+  static std::atomic<int> count{0};
+  const std::string stem =
+      testing::TempDir() + "softfinger-" + std::to_string(getpid()) + "-" + std::to_string(count++);
+  output_file_ = stem + ".out";
+  errors_file_ = stem + ".err";
+  std::vector<std::string> words{SOFTFINGER_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC;
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, 1, output_file_.c_str(), kNew, 0600);
+  posix_spawn_file_actions_addopen(&actions, 2, errors_file_.c_str(), kNew, 0600);
+  if (posix_spawn(&process_, SOFTFINGER_PROGRAM, &actions, nullptr, argv.data(), environ) != 0) {
+    ADD_FAILURE() << "cannot start " << SOFTFINGER_PROGRAM;
+    reaped_ = true;
+  }
+  posix_spawn_file_actions_destroy(&actions);
+}
+
+RunningProgram::~RunningProgram() {
+  if (!reaped_) (void)stop(SIGKILL);
+  std::error_code ignored;
+  std::filesystem::remove(output_file_, ignored);
+  std::filesystem::remove(errors_file_, ignored);
+}
+
+bool RunningProgram::ended() {
+  if (!reaped_) reaped_ = waitpid(process_, &wait_status_, WNOHANG) == process_;
+  return reaped_;
+}
+
+bool RunningProgram::says(const std::string& text, double seconds) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < deadline) {
+    const bool last_look = ended();
+    if (content(output_file_).find(text) != std::string::npos ||
+        content(errors_file_).find(text) != std::string::npos) {
+      return true;
+    }
+    if (last_look) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
+ProgramRun RunningProgram::stop(int signal) {
+  if (!reaped_) {
+    if (signal != 0) kill(process_, signal);
+    waitpid(process_, &wait_status_, 0);
+    reaped_ = true;
+  }
+  const int status =
+      WIFEXITED(wait_status_) ? WEXITSTATUS(wait_status_) : 128 + WTERMSIG(wait_status_);
+  return {status, content(output_file_), content(errors_file_)};
+}
+
+ProgramRun run_program(const std::vector<std::string>& arguments) {
+  return RunningProgram(arguments).stop(0);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace softfinger {
+
+/// What the program said and how it ended.
+struct ProgramRun {
+  int status = -1;  ///< exit status; 128 + signal where one ended it
+  std::string output, errors;
+};
+
+/// Runs build/softfinger with these arguments and waits for it.
+[[nodiscard]] ProgramRun run_program(const std::vector<std::string>& arguments);
+
+/// The same, started and left running until stop().
+class RunningProgram {
+ public:
+  explicit RunningProgram(const std::vector<std::string>& arguments);
+  ~RunningProgram();
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  /// Waits until it has written `text` to stdout or stderr; false after `seconds` or when it has
+  /// ended without.
+  [[nodiscard]] bool says(const std::string& text, double seconds);
+  /// Sends the signal (0: none) and waits for the end.
+  ProgramRun stop(int signal);
+
+ private:
+  [[nodiscard]] bool ended();
+
+  int process_ = -1;
+  int wait_status_ = 0;
+  bool reaped_ = false;
+  std::string output_file_, errors_file_;
+};
+
+}  // namespace softfinger
