@@ -37,7 +37,8 @@ struct RoundedCylinder {
 using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder>;
 
 /// Signed distance of the point p_O, all in the shape's own frame O. The gradient is continuous
-/// outside the solid and inside it as far as the edge radius (C1 distance, so Newton does not cycle).
+/// outside the solid and inside it as far as the edge radius (C1 distance, so Newton does not
+/// cycle).
 [[nodiscard]] SignedDistance signed_distance(const Shape& shape, const Vector3& p_O);
 
 }  // namespace softfinger

@@ -21,10 +21,10 @@ struct VirtualObject {
 /// A finger of the scene: which model, which device renders it, where its pose comes from.
 struct SceneFinger {
   std::string name;
-  std::filesystem::path model;                   ///< finger file, resolved
-  std::optional<std::filesystem::path> device;   ///< device file, resolved
-  std::string tracker = "script";                ///< as written: script, csv:FILE, ...
-  std::vector<Waypoint> waypoints;               ///< X_WFt; only tracker "script" uses them
+  std::filesystem::path model;                  ///< finger file, resolved
+  std::optional<std::filesystem::path> device;  ///< device file, resolved
+  std::string tracker = "script";               ///< as written: script, csv:FILE, ...
+  std::vector<Waypoint> waypoints;              ///< X_WFt; only tracker "script" uses them
 };
 
 /// What one run explores. Built from a scene file (TOML, keys in docs/files.md).

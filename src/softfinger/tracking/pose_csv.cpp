@@ -3,11 +3,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <string_view>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/text_file.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/tracking/csv_tracker.hpp"
 
@@ -21,7 +21,8 @@ constexpr std::array<std::string_view, 8> kColumns{"time_s", "x_mm", "y_mm", "z_
 constexpr double kMaxTime = 1e6;      // s
 constexpr double kMaxPosition = 1e5;  // mm: 100 m
 constexpr double kNormTolerance = 0.01;
-constexpr std::size_t kMaxShown = 40;  // characters of the file in a message
+constexpr std::size_t kMaxFileSize = std::size_t{1} << 30;  // bytes: hours at 1 kHz
+constexpr std::size_t kMaxShown = 40;                       // characters of the file in a message
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t\r");
@@ -88,26 +89,10 @@ PoseSample read_row(const Line& line) {
   return row;
 }
 
-std::string read_whole(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) {
-    throw InputError(fmt::format("{}: is a directory, not a CSV file", file.string()));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    const bool exists = std::filesystem::exists(file, error);
-    throw InputError(
-        fmt::format("{}: {}", file.string(), exists ? "cannot be read" : "no such file"));
-  }
-  std::string text(std::istreambuf_iterator<char>(stream), {});
-  if (stream.bad()) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  return text;
-}
-
 }  // namespace
 
 std::vector<PoseSample> read_pose_csv(const std::filesystem::path& file) {
-  const std::string text = read_whole(file);
+  const std::string text = read_text_file(file, kMaxFileSize);
   std::string_view rest = text;
   if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);  // byte order mark
   std::vector<PoseSample> rows;
