@@ -8,6 +8,7 @@
 void add_device_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_finger_command(CLI::App& app);
+void add_help_command(CLI::App& app);
 void add_match_command(CLI::App& app);
 void add_press_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
