@@ -1,0 +1,70 @@
+#include "softfinger/matching/skin_clearance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger {
+
+SkinClearance::SkinClearance(const Device& device, int capacity) : device_(device) {
+  for (auto* array : {&x_, &y_, &z_}) array->resize(static_cast<std::size_t>(capacity));
+}
+
+void SkinClearance::take(const ContactSet& contact) {
+  const std::size_t count = std::min(contact.samples.size(), x_.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    x_[i] = contact.samples[i].position_F.x();
+    y_[i] = contact.samples[i].position_F.y();
+    z_[i] = contact.samples[i].position_F.z();
+  }
+  samples_ = {};
+  samples_.x = {x_.data(), count};
+  samples_.y = {y_.data(), count};
+  samples_.z = {z_.data(), count};
+}
+
+double SkinClearance::gap(const Configuration& q) const {
+  return device_.least_distance(q, samples_);
+}
+
+Configuration SkinClearance::with_gap(const Configuration& q, double wanted) const {
+  const int axis = device_.approach_axis();
+  if (axis < 0 || samples_.size() == 0) return q;
+  // Along its approach axis the surface comes nearer by at most as much as it moves, so a step of
+  // the lack is never too long going back, and the bracket below is found in a few doublings.
+  Configuration at = q;
+  const auto excess = [&](double travel) {
+    at[axis] = travel;
+    return gap(at) - wanted;
+  };
+  double near = q[axis];
+  double near_excess = excess(near);
+  if (near_excess == 0.0) return at;
+  double far = near;
+  double far_excess = near_excess;
+  double step = near_excess;
+  for (int i = 0; i < 30 && (far_excess > 0.0) == (near_excess > 0.0); ++i) {
+    near = far;
+    near_excess = far_excess;
+    far = near + step;
+    far_excess = excess(far);
+    step *= 1.5;
+  }
+  // Illinois' rule: regula falsi that halves the weight of a point that stays.
+  for (int i = 0; i < 40 && std::abs(far - near) > 1e-10; ++i) {
+    const double middle = far - far_excess * (far - near) / (far_excess - near_excess);
+    const double value = excess(middle);
+    if ((value > 0.0) == (far_excess > 0.0)) {
+      near_excess *= 0.5;
+    } else {
+      near = far;
+      near_excess = far_excess;
+    }
+    far = middle;
+    far_excess = value;
+    if (value == 0.0) break;
+  }
+  at[axis] = far;
+  return at;
+}
+
+}  // namespace softfinger

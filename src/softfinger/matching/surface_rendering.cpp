@@ -1,0 +1,264 @@
+#include "softfinger/matching/surface_rendering.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/matching/limit_clamp.hpp"
+#include "softfinger/matching/skin_clearance.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr int kTicksOnSkin = 2;  // without contact, before the device leaves the skin
+// What an easing gives back per tick. On the skin it must pass unnoticed: two axes together stay
+// under 2 degrees and 0.15 mm.
+constexpr double kAngleOnSkin = 1.2 * deg;
+constexpr double kAngleInAir = 2.5 * deg;
+constexpr double kLength = 0.12 * mm;
+constexpr double kTurn = 6.0 * deg;  // a nearest normal that turns more in one tick is a jump
+
+double shrunk(double value, double by) {
+  return value > by ? value - by : (value < -by ? value + by : 0.0);
+}
+
+}  // namespace
+
+std::string_view to_string(RenderingState state) {
+  switch (state) {
+    case RenderingState::kHome:
+      return "home";
+    case RenderingState::kApproaching:
+      return "approaching";
+    case RenderingState::kTouching:
+      return "touching";
+    case RenderingState::kHolding:
+      break;
+  }
+  return "holding";
+}
+
+struct SurfaceRendering::Implementation {
+  Implementation(std::shared_ptr<const Device> the_device, int capacity,
+                 const MatchingOptions& the_options)
+      : device(the_device),
+        options(the_options),
+        matching(std::move(the_device), capacity),
+        skin(*device, capacity) {
+    const auto size = static_cast<std::size_t>(capacity);
+    points.resize(size);
+    in_contact.resize(size);
+    areas.resize(size);
+    gaps.resize(size);
+    nothing_touches.assign(size, 0);
+    reset();
+  }
+
+  std::shared_ptr<const Device> device;
+  MatchingOptions options;
+  ContactSurfaceMatching matching;
+  SkinClearance skin;
+  std::vector<Vector3> points;
+  std::vector<std::uint8_t> in_contact, nothing_touches;
+  std::vector<double> areas, gaps;
+  RenderedSurface rendered;
+
+  int ticks_without_contact = 0;
+  Configuration matched;       ///< last match, the next one's start
+  Configuration touch_easing;  ///< rendered minus matched, shrinking
+  // Off the skin the device is led by its orientation and its gap to the skin.
+  Configuration air_target;  ///< orientation asked for at the last tick
+  Configuration air_easing;  ///< orientation rendered minus asked for, shrinking
+  double gap_easing = 0.0;   ///< gap rendered minus asked for, m, shrinking
+
+  void reset();
+  [[nodiscard]] ContactPoints take(const ContactSet& contact, bool touching);
+  [[nodiscard]] double allowance(int axis, double angle) const;
+  void touch(const ContactSet& contact);
+  void stay_off(const ContactSet& contact, RenderingState state);
+  [[nodiscard]] Configuration off_skin(const Configuration& orientation, double gap) const;
+  void render(const Configuration& wanted, const Configuration& safe);
+};
+
+void SurfaceRendering::Implementation::reset() {
+  const Configuration none = Configuration::Zero(device->degrees_of_freedom());
+  rendered = {};
+  rendered.configuration = device->home();
+  static_cast<void>(device->inverse_kinematics(device->home(), rendered.joints));
+  ticks_without_contact = 0;
+  matched = device->home();
+  touch_easing = none;
+  air_target = device->home();
+  air_easing = none;
+  gap_easing = 0.0;
+}
+
+ContactPoints SurfaceRendering::Implementation::take(const ContactSet& contact, bool touching) {
+  const std::size_t count = std::min(contact.samples.size(), points.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const ContactSample& sample = contact.samples[i];
+    points[i] = sample.position_F;
+    in_contact[i] = sample.in_contact ? 1 : 0;
+    areas[i] = sample.rest_area;
+    gaps[i] = sample.gap;
+  }
+  return {{points.data(), count},
+          {touching ? in_contact.data() : nothing_touches.data(), count},
+          {areas.data(), count},
+          {gaps.data(), count}};
+}
+
+double SurfaceRendering::Implementation::allowance(int axis, double angle) const {
+  return device->axes()[static_cast<std::size_t>(axis)].unit == deg ? angle : kLength;
+}
+
+/// Renders `wanted`, or what of it is reachable on the way from `safe`, which is.
+void SurfaceRendering::Implementation::render(const Configuration& wanted,
+                                              const Configuration& safe) {
+  rendered.configuration =
+      device->reachable(wanted) ? wanted : last_reachable(*device, safe, wanted);
+  static_cast<void>(device->inverse_kinematics(rendered.configuration, rendered.joints));
+}
+
+/// The pose with this orientation and gap to the skin.
+Configuration SurfaceRendering::Implementation::off_skin(const Configuration& orientation,
+                                                         double gap) const {
+  Configuration start = orientation;
+  const int axis = device->approach_axis();
+  if (axis >= 0) start[axis] = rendered.configuration[axis];
+  return skin.with_gap(start, gap);
+}
+
+void SurfaceRendering::Implementation::touch(const ContactSet& contact) {
+  const ContactPoints view = take(contact, true);
+  const MatchingResult result = matching.solve(view, options, &matched);
+  matched = result.configuration;
+  rendered.deviation = result.deviation;
+  rendered.iterations = result.iterations;
+  rendered.termination = result.termination;
+  if (rendered.state == RenderingState::kTouching) {
+    for (int k = 0; k < matched.size(); ++k) {
+      touch_easing[k] = shrunk(touch_easing[k], allowance(k, kAngleOnSkin));
+    }
+  } else {
+    // First contact: begin where the way through the air would have led, on the skin.
+    const Configuration facing = device->facing(contact.nearest_normal_F, device->home());
+    Configuration arriving = facing;
+    for (int k = 0; k < arriving.size(); ++k) {
+      if (k == device->approach_axis()) continue;
+      air_easing[k] = shrunk(air_easing[k], allowance(k, kAngleInAir));
+      arriving[k] += air_easing[k];
+    }
+    gap_easing = shrunk(gap_easing, kLength);
+    touch_easing =
+        device->approach_axis() >= 0
+            ? Configuration(off_skin(arriving, std::min(0.0, contact.least_gap) + gap_easing) -
+                            matched)
+            : Configuration(rendered.configuration - matched);
+  }
+  render(matched + touch_easing, matched);
+  rendered.state = RenderingState::kTouching;
+}
+
+void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, RenderingState state) {
+  const Configuration& home = device->home();
+  const int approach = device->approach_axis();
+  const double eps =
+      options.separation_tolerance.value_or(device->settings().matching.separation_tolerance);
+  rendered.deviation = 0.0;
+  rendered.iterations = 0;
+  rendered.termination = Termination::kConverged;
+
+  // What is asked for, without easing.
+  Configuration rest = home;
+  if (skin.gap(home) < eps) {
+    MatchingOptions clearing = options;
+    clearing.separation = Separation::kConstant;
+    const MatchingResult result = matching.solve(take(contact, false), clearing, &home);
+    rest = result.configuration;
+    rendered.iterations = result.iterations;
+  }
+  Configuration target = rest;
+  double gap = skin.gap(rest);
+  if (approach < 0) {  // nothing to lead along: rest
+    render(rest, home);
+    rendered.state = state;
+    return;
+  }
+  if (state != RenderingState::kHome) {
+    target = device->facing(contact.nearest_normal_F, home);
+    gap = state == RenderingState::kHolding ? 0.0 : std::max(0.0, contact.least_gap);
+  }
+
+  // What jumps between the last tick and this one is eased.
+  const RenderingState before = rendered.state;
+  double turn = 0.0;
+  for (int k = 0; k < home.size(); ++k) {
+    if (k != approach) turn += std::pow(target[k] - air_target[k], 2);
+  }
+  const bool jump = before != state || turn > kTurn * kTurn;
+  const bool arrived_here = before == RenderingState::kTouching;
+  for (int k = 0; k < home.size(); ++k) {
+    if (k == approach) continue;
+    if (arrived_here) {
+      air_easing[k] = rendered.configuration[k] - target[k];
+    } else if (jump) {
+      air_easing[k] += air_target[k] - target[k];
+    }
+    air_easing[k] =
+        shrunk(air_easing[k],
+               allowance(k, arrived_here || state == RenderingState::kHolding ? kAngleOnSkin
+                                                                              : kAngleInAir));
+  }
+  if (before != state) gap_easing = skin.gap(rendered.configuration) - gap;
+  gap_easing = shrunk(gap_easing, kLength);
+  air_target = target;
+
+  Configuration orientation = target;
+  bool eased = gap_easing != 0.0;
+  for (int k = 0; k < home.size(); ++k) {
+    if (k == approach) continue;
+    orientation[k] += air_easing[k];
+    eased = eased || air_easing[k] != 0.0;
+  }
+  if (state == RenderingState::kHome && !eased) {
+    render(rest, home);
+  } else {
+    render(off_skin(orientation, gap + gap_easing), home);
+  }
+  rendered.state = state;
+}
+
+SurfaceRendering::SurfaceRendering(std::shared_ptr<const Device> device, int capacity,
+                                   MatchingOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(device), capacity, options)) {}
+SurfaceRendering::~SurfaceRendering() = default;
+SurfaceRendering::SurfaceRendering(SurfaceRendering&&) noexcept = default;
+SurfaceRendering& SurfaceRendering::operator=(SurfaceRendering&&) noexcept = default;
+
+void SurfaceRendering::reset() { implementation_->reset(); }
+
+const RenderedSurface& SurfaceRendering::tick(const ContactSet& contact) {
+  Implementation& self = *implementation_;
+  self.skin.take(contact);
+  const bool was_on_skin = self.rendered.state == RenderingState::kTouching ||
+                           self.rendered.state == RenderingState::kHolding;
+  if (contact.contact_count > 0) {
+    self.ticks_without_contact = 0;
+    self.touch(contact);
+  } else if (was_on_skin && ++self.ticks_without_contact <= kTicksOnSkin) {
+    self.stay_off(contact, RenderingState::kHolding);
+  } else if (contact.least_gap < self.device->settings().matching.approach) {
+    self.stay_off(contact, RenderingState::kApproaching);
+  } else {
+    self.stay_off(contact, RenderingState::kHome);
+  }
+  return self.rendered;
+}
+
+const RenderedSurface& SurfaceRendering::latest() const { return implementation_->rendered; }
+
+const Device& SurfaceRendering::device() const { return *implementation_->device; }
+
+}  // namespace softfinger
