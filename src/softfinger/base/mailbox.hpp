@@ -7,8 +7,8 @@
 namespace softfinger {
 
 /// Passes only the newest value from one writer thread to one reader thread: a triple buffer,
-/// wait-free on both sides, no allocation after construction. The reader may skip values, never sees
-/// a torn or an older one.
+/// wait-free on both sides, no allocation after construction. The reader may skip values, never
+/// sees a torn or an older one.
 template <typename T>
 class Mailbox {
  public:
@@ -19,9 +19,9 @@ class Mailbox {
   T& draft() { return slots_[writing_]; }
   /// Writer: makes draft() the newest value.
   void publish() {
-    writing_ = middle_.exchange(static_cast<std::uint8_t>(writing_ | kFresh),
-                                std::memory_order_acq_rel) &
-               kIndex;
+    writing_ =
+        middle_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) &
+        kIndex;
   }
   /// Reader: takes over the newest value if there is one not yet taken; says whether there was.
   bool refresh() {

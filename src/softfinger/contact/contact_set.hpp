@@ -10,27 +10,29 @@ namespace softfinger {
 /// One skin sample (a vertex of the mesh group `skin`) against the object nearest to it.
 /// Vectors are expressed in F, the simulated distal phalanx.
 struct ContactSample {
-  Vector3 position_F = Vector3::Zero();  ///< deformed position, m
-  Vector3 normal_F = Vector3::UnitZ();   ///< unit, out of the object
+  Vector3 position_F = Vector3::Zero();                  ///< deformed position, m
+  Vector3 normal_F = Vector3::UnitZ();                   ///< unit, out of the object
   double gap = std::numeric_limits<double>::infinity();  ///< signed distance to the object, m
-  double normal_force = 0.0;                   ///< N, object on skin, at least 0
-  Vector3 tangential_force_F = Vector3::Zero();  ///< N, object on skin
-  double rest_area = 0.0;                      ///< a third of its skin triangles at rest, m^2
-  double area = 0.0;                           ///< the same, deformed, m^2
-  bool in_contact = false;                     ///< member of C (else of N)
-  int object = -1;                             ///< index of the nearest object, -1 if there is none
+  double normal_force = 0.0;                             ///< N, object on skin, at least 0
+  Vector3 tangential_force_F = Vector3::Zero();          ///< N, object on skin
+  double rest_area = 0.0;   ///< a third of its skin triangles at rest, m^2
+  double area = 0.0;        ///< the same, deformed, m^2
+  bool in_contact = false;  ///< member of C (else of N)
+  int object = -1;          ///< index of the nearest object, -1 if there is none
 };
 
 /// The paper's sets C and N over all skin samples, with their sums.
-/// A sample is in C when its gap is at most the finger's tolerance and its normal force exceeds 1e-6 N.
+/// A sample is in C when its gap is at most the finger's tolerance and its normal force exceeds
+/// 1e-6 N.
 struct ContactSet {
   std::vector<ContactSample> samples;
   int contact_count = 0;
-  double contact_area = 0.0;       ///< deformed area of C, m^2
-  double normal_force = 0.0;       ///< sum of the normal forces' magnitudes over C, N
-  double tangential_force = 0.0;   ///< magnitude of the sum of tangential forces, N
-  Vector3 centroid_F = Vector3::Zero();     ///< weighted by normal force, m; zero where C is empty
-  Vector3 mean_normal_F = Vector3::Zero();  ///< direction of the summed normal forces; zero where C is empty
+  double contact_area = 0.0;             ///< deformed area of C, m^2
+  double normal_force = 0.0;             ///< sum of the normal forces' magnitudes over C, N
+  double tangential_force = 0.0;         ///< magnitude of the sum of tangential forces, N
+  Vector3 centroid_F = Vector3::Zero();  ///< weighted by normal force, m; zero where C is empty
+  Vector3 mean_normal_F =
+      Vector3::Zero();  ///< direction of the summed normal forces; zero where C is empty
   double least_gap = std::numeric_limits<double>::infinity();  ///< m
   Vector3 nearest_normal_F = Vector3::UnitZ();  ///< object's normal at the sample of least gap
 };

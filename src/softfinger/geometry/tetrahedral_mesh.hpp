@@ -12,8 +12,8 @@ namespace softfinger {
 struct TetrahedralMesh {
   std::vector<Vector3> nodes;
   std::vector<std::array<int, 4>> tetrahedra;
-  std::vector<int> tetrahedron_volume;    ///< per tetrahedron, index into volume_names
-  std::vector<std::string> volume_names;  ///< physical volumes, e.g. "tissue"
+  std::vector<int> tetrahedron_volume;        ///< per tetrahedron, index into volume_names
+  std::vector<std::string> volume_names;      ///< physical volumes, e.g. "tissue"
   std::vector<std::array<int, 3>> triangles;  ///< triangles of the physical surfaces, outward
   std::vector<int> triangle_surface;          ///< per triangle, index into surface_names
   std::vector<std::string> surface_names;     ///< physical surfaces: "skin", "bone", "nail"
