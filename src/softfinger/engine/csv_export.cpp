@@ -56,9 +56,9 @@ class Export {
 
  private:
   std::unique_ptr<CsvWriter> open(const char* name, const std::string& columns) {
-    return std::make_unique<CsvWriter>(
-        directory_ / name, fmt::format("time_s{}{}{}", several_ ? ",finger" : "",
-                                       columns.empty() ? "" : ",", columns));
+    return std::make_unique<CsvWriter>(directory_ / name,
+                                       fmt::format("time_s{}{}{}", several_ ? ",finger" : "",
+                                                   columns.empty() ? "" : ",", columns));
   }
 
   template <typename Record>

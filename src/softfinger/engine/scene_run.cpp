@@ -146,7 +146,7 @@ std::optional<double> SceneRun::duration() const {
 }
 
 void SceneRun::simulate() {
-  StepPacer::sharpen_timer();
+  if (paced_) StepPacer::prefer_this_thread(StepPacer::Role::kSimulation);
   for (const auto& finger : fingers_) {
     finger->loop.start(TrackedInput(finger->tracker->sample(0.0)));
     const StepRecord& record = finger->loop.seal(-1, 0);
@@ -243,6 +243,7 @@ void SceneRun::keep_devices_alive() {
 }
 
 void SceneRun::serve_device(Finger& finger) {
+  StepPacer::prefer_this_thread(StepPacer::Role::kDevice);
   std::uint32_t heard = 0;
   bool first = true;
   while (true) {

@@ -1,5 +1,7 @@
 #include "softfinger/engine/step_pacer.hpp"
 
+#include <pthread.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <time.h>
 
@@ -29,7 +31,12 @@ void StepPacer::wait(std::int64_t step) {
   const double now = monotonic_time();
   if (now > deadline) {
     ++misses_;
-    if (now > deadline + kCatchUp) restart(step + 1);
+    if (now > deadline + kCatchUp) {
+      // A scene too heavy for this machine must leave it some time.
+      const timespec rest{.tv_sec = 0, .tv_nsec = static_cast<long>(0.1 * kCatchUp * 1e9)};
+      nanosleep(&rest, nullptr);
+      restart(step + 1);
+    }
     return;
   }
   timespec until{};
@@ -40,6 +47,12 @@ void StepPacer::wait(std::int64_t step) {
   }
 }
 
-void StepPacer::sharpen_timer() { prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL); }
+void StepPacer::prefer_this_thread(Role role) {
+  prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
+  sched_param parameters{};
+  parameters.sched_priority = role == Role::kSimulation ? 11 : 10;
+  // Without the right to it the run goes on as any other program.
+  (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+}
 
 }  // namespace softfinger
