@@ -1,0 +1,167 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "device_json.hpp"
+#include "softfinger/base/config_file.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
+
+using nlohmann::ordered_json;
+using namespace softfinger;
+
+ordered_json configuration_json(const Device& device, const Configuration& q) {
+  ordered_json result = ordered_json::object();
+  for (std::size_t i = 0; i < device.axes().size(); ++i) {
+    result[device.axes()[i].name] = q[static_cast<int>(i)] / device.axes()[i].unit;
+  }
+  return result;
+}
+
+ordered_json joints_json(const JointAngles& joints) {
+  ordered_json result = ordered_json::array();
+  for (const double angle : joints) result.push_back(angle / deg);
+  return result;
+}
+
+namespace {
+
+struct DeviceFlags {
+  std::string device;
+  std::vector<std::string> configuration;
+  std::vector<double> joints_deg;
+  bool json = false;
+};
+
+void print_lines(const ordered_json& object, const std::string& indent = "") {
+  for (const auto& [key, value] : object.items()) {
+    if (value.is_object()) {
+      fmt::print("{}{}\n", indent, key);
+      print_lines(value, indent + "  ");
+    } else if (value.is_number_float()) {
+      fmt::print("{}{:<28} {:.6g}\n", indent, key, value.get<double>());
+    } else {
+      fmt::print("{}{:<28} {}\n", indent, key, value.dump());
+    }
+  }
+}
+
+void answer(const ordered_json& object, bool as_json) {
+  if (as_json) {
+    fmt::print("{}\n", object.dump());
+  } else {
+    print_lines(object);
+  }
+}
+
+/// q from NAME=VALUE words; axes that are not named are at home.
+Configuration parse_configuration(const Device& device, const std::vector<std::string>& words) {
+  Configuration q = device.home();
+  std::vector<std::string> names;
+  for (const auto& axis : device.axes()) names.push_back(axis.name);
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+      const std::string near = nearest_word(name, names);
+      throw InputError(fmt::format("device solve: --configuration {}: unknown name '{}'{}", word,
+                                   name, near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+    double value = NAN;
+    if (equals != std::string::npos) {
+      const char* begin = word.data() + equals + 1;
+      const char* end = word.data() + word.size();
+      const auto [rest, failure] = std::from_chars(begin, end, value);
+      if (failure != std::errc{} || rest != end) value = NAN;
+    }
+    if (!std::isfinite(value)) {
+      throw InputError(
+          fmt::format("device solve: --configuration {}: must be {}=NUMBER", word, name));
+    }
+    const auto axis = static_cast<std::size_t>(found - names.begin());
+    q[static_cast<int>(axis)] = value * device.axes()[axis].unit;
+  }
+  return q;
+}
+
+void show(const DeviceFlags& flags) {
+  answer(ordered_json::parse(load_device(flags.device)->settings().as_read), flags.json);
+}
+
+void solve(const DeviceFlags& flags) {
+  const auto device = load_device(flags.device);
+  const Configuration q = parse_configuration(*device, flags.configuration);
+  JointAngles joints;
+  ordered_json joints_deg;  // null where the linkage does not close
+  if (device->inverse_kinematics(q, joints)) joints_deg = joints_json(joints);
+  answer({{"configuration", configuration_json(*device, q)},
+          {"joints_deg", joints_deg},
+          {"reachable", device->reachable(q)}},
+         flags.json);
+}
+
+void pose(const DeviceFlags& flags) {
+  const auto device = load_device(flags.device);
+  if (static_cast<int>(flags.joints_deg.size()) != device->joint_count()) {
+    throw InputError(fmt::format("device pose: --joints-deg: {} values, the device has {} joints",
+                                 flags.joints_deg.size(), device->joint_count()));
+  }
+  JointAngles joints(device->joint_count());
+  for (int i = 0; i < joints.size(); ++i) {
+    joints[i] = flags.joints_deg[static_cast<std::size_t>(i)] * deg;
+    if (!std::isfinite(joints[i]))
+      throw InputError("device pose: --joints-deg: not a finite number");
+  }
+  Configuration q;
+  if (!device->forward_kinematics(joints, q)) {
+    throw OperationError(
+        "device pose: no configuration inside the workspace has these joint angles");
+  }
+  answer({{"configuration", configuration_json(*device, q)}}, flags.json);
+}
+
+void workspace(const DeviceFlags& flags) {
+  const WorkspaceSummary w = load_device(flags.device)->workspace_summary();
+  answer({{"travel_mm", {w.min_travel / mm, w.max_travel / mm}},
+          {"mid_travel_mm", w.mid_travel / mm},
+          {"min_tilt_at_mid_travel_deg", w.min_tilt_at_mid_travel / deg},
+          {"max_tilt_deg", w.max_tilt / deg}},
+         flags.json);
+}
+
+CLI::App* add_device_action(CLI::App& command, const std::string& name, const std::string& text,
+                            const std::shared_ptr<DeviceFlags>& flags,
+                            void (*action)(const DeviceFlags&)) {
+  CLI::App* sub = command.add_subcommand(name, text);
+  sub->add_option("DEVICE", flags->device, "Device file (TOML)")->required();
+  sub->add_flag("--json", flags->json, "One JSON object");
+  sub->callback([flags, action] { action(*flags); });
+  return sub;
+}
+
+}  // namespace
+
+void add_device_command(CLI::App& app) {
+  auto flags = std::make_shared<DeviceFlags>();
+  CLI::App* command = app.add_subcommand("device", "What a device file describes");
+  command->require_subcommand(1);
+  add_device_action(*command, "show", "The file's keys, defaults filled in", flags, show);
+  add_device_action(*command, "solve", "Joint angles of a configuration", flags, solve)
+      ->add_option("--configuration", flags->configuration,
+                   "NAME=VALUE,... in the units of the names; home where not given")
+      ->delimiter(',');
+  add_device_action(*command, "pose", "Configuration of joint angles", flags, pose)
+      ->add_option("--joints-deg", flags->joints_deg, "Joint angles a,b,c")
+      ->delimiter(',')
+      ->required();
+  add_device_action(*command, "workspace", "Travel and tilt within all limits", flags, workspace);
+}
