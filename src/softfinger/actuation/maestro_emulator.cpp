@@ -135,7 +135,10 @@ void MaestroEmulator::move_servo(Channel& channel) {
 }
 
 void MaestroEmulator::advance_to(double time) {
-  const auto due = static_cast<std::int64_t>(std::floor(time / kStep + 1e-6));
+  const auto due = static_cast<std::int64_t>(std::floor(std::min(time, 1e12) / kStep + 1e-6));
+  // Servos stand still long before this; a leap in time must not take its length in steps.
+  constexpr std::int64_t kMostSteps = 10'000;
+  steps_ = std::max(steps_, due - kMostSteps);
   for (; steps_ < due; ++steps_) {
     for (Channel& channel : channels_) {
       if (!channel.has_servo) continue;
