@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/engine/csv_export.hpp"
 #include "softfinger/engine/live_session.hpp"
 #include "softfinger/engine/recording_reader.hpp"
 #include "softfinger/engine/replay.hpp"
@@ -230,6 +231,66 @@ TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
   EXPECT_TRUE(held);
   EXPECT_TRUE(retracted);
   EXPECT_TRUE(resumed);
+}
+
+class SceneOfItsOwn : public testing::Test {
+ protected:
+  /// One finger a name, side by side above a plane; no device where the path is empty.
+  fs::path write_scene(const std::vector<std::string>& names, const std::string& device) {
+    const fs::path root(SOFTFINGER_SOURCE_DIR);
+    std::ofstream scene(directory_ / "scene.toml");
+    double y = 0.0;
+    for (const std::string& name : names) {
+      scene << "[[finger]]\nname = \"" << name << "\"\nmodel = \""
+            << (root / "fingers/index.toml").string() << "\"\n";
+      if (!device.empty()) scene << "device = \"" << (root / device).string() << "\"\n";
+      scene << "tracker = \"script\"\n";
+      for (const auto& [time, z] : {std::pair{0.0, 12.0}, std::pair{0.5, 6.0}}) {
+        scene << "[[finger.waypoint]]\ntime_s = " << time << "\nposition_mm = [0.0, " << y << ", "
+              << z << "]\nrotation_vector_deg = [0.0, 0.0, 0.0]\n";
+      }
+      y += 30.0;
+    }
+    scene << "[[object]]\nname = \"ground\"\nshape = \"plane\"\n";
+    return directory_ / "scene.toml";
+  }
+  TemporaryDirectory directory_;
+};
+
+TEST_F(SceneOfItsOwn, SeveralFingersHaveEachTheirDevice) {
+  const fs::path scene = write_scene({"thumb", "index"}, "devices/thimble-3rrs.toml");
+  const RunSummary summary = record(scene, directory_ / "run.db", 0.6);
+  ASSERT_EQ(summary.fingers.size(), 2u);
+  EXPECT_EQ(summary.fingers[1].first, "index");
+  EXPECT_EQ(summary.steps, 600);
+  EXPECT_EQ(summary.all.step_cpu_time.count(), 1200u);
+  EXPECT_NEAR(summary.fingers[0].second.max_normal_force,
+              summary.fingers[1].second.max_normal_force, 1e-6)
+      << "both do the same";
+  const ReplayResult result = replay({.recording = directory_ / "run.db", .scene = {}});
+  EXPECT_TRUE(result.agree) << *result.first_difference << " " << result.difference;
+  RunOptions options;
+  options.scene = scene;
+  options.devices = {"some.toml"};
+  EXPECT_THROW(load_setup(options), InputError) << "NAME= is needed";
+}
+
+TEST_F(SceneOfItsOwn, FingerWithoutDeviceRuns) {
+  const RunSummary summary = record(write_scene({"index"}, ""), directory_ / "run.db", 0.6);
+  EXPECT_EQ(summary.all.commands_sent, 0u);
+  EXPECT_GT(summary.all.max_normal_force, 0.0);
+  EXPECT_TRUE(replay({.recording = directory_ / "run.db", .scene = {}}).agree);
+  export_csv(directory_ / "run.db", directory_ / "csv");
+}
+
+TEST_F(SceneOfItsOwn, RecordingIsNotCreatedBeforeTheRunStarts) {
+  RunOptions options;
+  options.scene = write_scene({"index"}, "");
+  options.recording = directory_ / "run.db";
+  { const LiveSession session(options, false); }
+  EXPECT_FALSE(fs::exists(directory_ / "run.db"));
+  std::ofstream(directory_ / "run.db") << "precious";
+  EXPECT_THROW(LiveSession(options, false), InputError);
 }
 
 TEST(Run, NamesBelongToSeveralFingers) {

@@ -26,12 +26,7 @@ constexpr auto kDrainInterval = std::chrono::milliseconds(5);
 void create_empty(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
   if (descriptor < 0) {
-    if (errno == EEXIST) {
-      throw InputError(
-          fmt::format("{}: exists already; a recording never overwrites a file, "
-                      "name a new one",
-                      file.string()));
-    }
+    if (errno == EEXIST) refuse_existing_recording(file);
     throw InputError(fmt::format("{}: cannot be created: {}", file.string(), std::strerror(errno)));
   }
   ::close(descriptor);
@@ -57,6 +52,11 @@ void bind_numbers(SqliteStatement& statement, int column, const Configuration& n
 }
 
 }  // namespace
+
+void refuse_existing_recording(const std::filesystem::path& file) {
+  throw InputError(fmt::format(
+      "{}: exists already; a recording never overwrites a file, name a new one", file.string()));
+}
 
 struct RecordingWriter::Database {
   explicit Database(const std::filesystem::path& file)

@@ -13,6 +13,9 @@
 
 namespace softfinger {
 
+/// Throws the InputError of a recording that would overwrite `file`.
+[[noreturn]] void refuse_existing_recording(const std::filesystem::path& file);
+
 /// Writes a recording: one SQLite file in write-ahead log mode, readable while it is written.
 ///
 /// Loops hand rows over through bounded rings, one a producing thread; a thread of the writer's own

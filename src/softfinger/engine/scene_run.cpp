@@ -87,13 +87,9 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       generation_(generation),
       snapshot_interval_(
           std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))) {
-  StepRecord largest;
   for (std::size_t i = 0; i < setup_->scene.fingers.size(); ++i) {
     fingers_.push_back(
         std::make_unique<Finger>(static_cast<std::int64_t>(i), *setup_, options, mode));
-    const StepRecord& record = fingers_.back()->loop.record();
-    if (record.nodes_W.size() > largest.nodes_W.size()) largest.nodes_W = record.nodes_W;
-    if (record.samples.size() > largest.samples.size()) largest.samples = record.samples;
   }
   std::optional<double> end = options.duration;
   if (!end) {
@@ -113,14 +109,11 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
   }
   snapshots_.emplace(snapshot);
 
+  // Created by start(), so that nothing is left behind where another part of the program refuses.
   if (options.recording) {
-    RecordingInfo info = recording_info(*setup_);
-    info.live = mode == Mode::kLive;
-    info.with_state = options.record_state;
-    recording_ = std::make_unique<RecordingWriter>(
-        *options.recording, info,
-        mode == Mode::kLive ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
-        largest);
+    if (std::filesystem::exists(*options.recording)) refuse_existing_recording(*options.recording);
+    recording_file_ = *options.recording;
+    record_state_ = options.record_state;
   }
 }
 
@@ -129,7 +122,24 @@ SceneRun::~SceneRun() {
   retract_devices();
 }
 
+void SceneRun::open_recording() {
+  StepRecord largest;
+  for (const auto& finger : fingers_) {
+    const StepRecord& record = finger->loop.record();
+    if (record.nodes_W.size() > largest.nodes_W.size()) largest.nodes_W = record.nodes_W;
+    if (record.samples.size() > largest.samples.size()) largest.samples = record.samples;
+  }
+  RecordingInfo info = recording_info(*setup_);
+  info.live = mode_ == Mode::kLive;
+  info.with_state = record_state_;
+  recording_ = std::make_unique<RecordingWriter>(
+      recording_file_, info,
+      mode_ == Mode::kLive ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
+      largest);
+}
+
 void SceneRun::start() {
+  if (!recording_file_.empty()) open_recording();
   for (const auto& finger : fingers_) {
     if (finger->device && mode_ == Mode::kLive) {
       finger->thread = std::thread([this, &served = *finger] { serve_device(served); });

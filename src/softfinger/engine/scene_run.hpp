@@ -31,8 +31,8 @@ class SceneRun {
     std::function<void()> on_loop_thread;
   };
 
-  /// Opens devices, trackers and the recording. Throws InputError. `setup` as given by load_setup
-  /// for these options; `generation` numbers the snapshots.
+  /// Opens devices and trackers. Throws InputError, also where the recording exists already.
+  /// `setup` as given by load_setup for these options; `generation` numbers the snapshots.
   SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& options, Mode mode,
            std::uint64_t generation = 1, Hooks hooks = {});
   /// Ends as finish() does, without a word about failures.
@@ -40,6 +40,7 @@ class SceneRun {
   SceneRun(const SceneRun&) = delete;
   SceneRun& operator=(const SceneRun&) = delete;
 
+  /// Creates the recording and lets the threads go. Throws InputError, OperationError.
   void start();
   /// Asks the loop to end after its present step. Any thread.
   void stop() noexcept { stopping_.store(true); }
@@ -65,6 +66,7 @@ class SceneRun {
  private:
   struct Finger;
 
+  void open_recording();
   void simulate();
   void simulate_step(std::int64_t step);
   void tick_here(Finger& finger, const TickContext& context);
@@ -82,6 +84,8 @@ class SceneRun {
   Hooks hooks_;
   std::optional<std::int64_t> total_steps_;
   std::vector<std::unique_ptr<Finger>> fingers_;
+  std::filesystem::path recording_file_;  ///< empty: none
+  bool record_state_ = false;
   std::unique_ptr<RecordingWriter> recording_;
   std::optional<Mailbox<Snapshot>> snapshots_;
   std::uint64_t generation_;
