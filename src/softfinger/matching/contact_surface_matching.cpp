@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "softfinger/matching/deviation_minimiser.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
@@ -9,9 +10,12 @@
 namespace softfinger {
 namespace {
 
-constexpr double kAtLimit = 1e-8;    // m of surface motion
-constexpr double kNearTilt = 0.06;   // rad, of starts around the best minimum found
-constexpr double kFarTilt = 0.35;    // rad, of starts around home
+constexpr double kAtLimit = 1e-8;  // m of surface motion
+// Tilts of further starts, rad: around home, and around the best minimum found.
+constexpr double kFarTilt = 0.35;
+constexpr double kWideTilt = 0.15;
+constexpr double kNearTilt = 0.06;
+constexpr double kCloseTilt = 0.024;
 constexpr double kRendered = 1e-16;  // m^2; less deviation than this is none
 
 }  // namespace
@@ -48,7 +52,7 @@ struct ContactSurfaceMatching::Implementation {
   SurfaceSamples pack(const ContactPoints& points, const MatchingOptions& options);
   void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome) const;
   void look_around(const SurfaceSamples& samples, const MatchingOptions& options,
-                   const Configuration& centre, double tilt, MatchingResult& best);
+                   const Configuration& centre, double tilt, bool turned, MatchingResult& best);
   [[nodiscard]] std::uint64_t active_limits(const Configuration& q);
   void finish(MatchingResult& result, MatchingLimits limits);
 };
@@ -107,15 +111,17 @@ void ContactSurfaceMatching::Implementation::consider(
   }
 }
 
-/// Starts at `centre` turned by `tilt` (rad) to four sides.
+/// Starts at `centre` turned by `tilt` (rad) to four sides; `turned`: to the four between these.
 void ContactSurfaceMatching::Implementation::look_around(const SurfaceSamples& samples,
                                                          const MatchingOptions& options,
                                                          const Configuration& centre, double tilt,
-                                                         MatchingResult& best) {
+                                                         bool turned, MatchingResult& best) {
   const Configuration around = centre;
   const Matrix3 facing_F = device->surface_pose(around).rotation;
   for (int side = 0; side < 4; ++side) {
-    const Vector3 sideways = facing_F.col(side / 2) * (side % 2 == 0 ? 1.0 : -1.0);
+    const double azimuth = (0.5 * side + (turned ? 0.25 : 0.0)) * std::numbers::pi;
+    const Vector3 sideways =
+        std::cos(azimuth) * facing_F.col(0) + std::sin(azimuth) * facing_F.col(1);
     const Vector3 normal_F = std::cos(tilt) * facing_F.col(2) + std::sin(tilt) * sideways;
     const Configuration start = device->facing(normal_F, around);
     if (start == around) return;  // this kind does not turn
@@ -173,8 +179,12 @@ MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
   // What the surface renders exactly has no better minimum. Elsewhere E has shallow minima side by
   // side, parted by the rim: look around, and from a cold start further away.
   if (result.deviation > kRendered) {
-    if (warm == nullptr) self.look_around(samples, options, home, kFarTilt, result);
-    self.look_around(samples, options, result.configuration, kNearTilt, result);
+    if (warm == nullptr) {
+      self.look_around(samples, options, home, kFarTilt, false, result);
+      self.look_around(samples, options, result.configuration, kWideTilt, true, result);
+      self.look_around(samples, options, result.configuration, kCloseTilt, true, result);
+    }
+    self.look_around(samples, options, result.configuration, kNearTilt, false, result);
     if (inside && self.active_limits(result.configuration) != 0) {
       const DeviationMinimiser::Outcome unlimited =
           self.minimiser.minimise(samples, result.configuration, false, options.iteration_limit);

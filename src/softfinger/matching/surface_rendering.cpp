@@ -18,6 +18,8 @@ constexpr double kAngleOnSkin = 1.2 * deg;
 constexpr double kAngleInAir = 2.5 * deg;
 constexpr double kLength = 0.12 * mm;
 constexpr double kTurn = 6.0 * deg;  // a nearest normal that turns more in one tick is a jump
+// So few contacts leave the match room to turn; its changes are then held back.
+constexpr int kFewContacts = 8;
 
 double shrunk(double value, double by) {
   return value > by ? value - by : (value < -by ? value + by : 0.0);
@@ -65,8 +67,10 @@ struct SurfaceRendering::Implementation {
   RenderedSurface rendered;
 
   int ticks_without_contact = 0;
-  Configuration matched;       ///< last match, the next one's start
-  Configuration touch_easing;  ///< rendered minus matched, shrinking
+  Configuration matched;     ///< last match, the next one's start
+  Configuration followed;    ///< facing the nearest normal at the least gap, at the last tick
+  bool catching_up = false;  ///< rendered is not yet the match
+  int contact_count = 0;     ///< at the last tick
   // Off the skin the device is led by its orientation and its gap to the skin.
   Configuration air_target;  ///< orientation asked for at the last tick
   Configuration air_easing;  ///< orientation rendered minus asked for, shrinking
@@ -76,6 +80,7 @@ struct SurfaceRendering::Implementation {
   [[nodiscard]] ContactPoints take(const ContactSet& contact, bool touching);
   [[nodiscard]] double allowance(int axis, double angle) const;
   void touch(const ContactSet& contact);
+  [[nodiscard]] Configuration arriving(const ContactSet& contact);
   void stay_off(const ContactSet& contact, RenderingState state);
   [[nodiscard]] Configuration off_skin(const Configuration& orientation, double gap) const;
   void render(const Configuration& wanted, const Configuration& safe);
@@ -88,7 +93,9 @@ void SurfaceRendering::Implementation::reset() {
   static_cast<void>(device->inverse_kinematics(device->home(), rendered.joints));
   ticks_without_contact = 0;
   matched = device->home();
-  touch_easing = none;
+  followed = device->home();
+  catching_up = false;
+  contact_count = 0;
   air_target = device->home();
   air_easing = none;
   gap_easing = 0.0;
@@ -137,28 +144,39 @@ void SurfaceRendering::Implementation::touch(const ContactSet& contact) {
   rendered.deviation = result.deviation;
   rendered.iterations = result.iterations;
   rendered.termination = result.termination;
-  if (rendered.state == RenderingState::kTouching) {
+  const Configuration follow = off_skin(device->facing(contact.nearest_normal_F, device->home()),
+                                        std::min(0.0, contact.least_gap));
+  const bool first = rendered.state != RenderingState::kTouching;
+  // First contact: begin where the way through the air would have led, on the skin.
+  const Configuration from = first ? arriving(contact) : rendered.configuration;
+  Configuration wanted = matched;
+  if (first || catching_up || contact.contact_count <= kFewContacts ||
+      contact_count <= kFewContacts) {
+    // At most the allowance beyond the motion of the object against the bone.
+    catching_up = false;
     for (int k = 0; k < matched.size(); ++k) {
-      touch_easing[k] = shrunk(touch_easing[k], allowance(k, kAngleOnSkin));
+      const double motion = first ? 0.0 : follow[k] - followed[k];
+      const double room = allowance(k, kAngleOnSkin);
+      wanted[k] = std::clamp(matched[k], from[k] + std::min(0.0, motion) - room,
+                             from[k] + std::max(0.0, motion) + room);
+      catching_up = catching_up || wanted[k] != matched[k];
     }
-  } else {
-    // First contact: begin where the way through the air would have led, on the skin.
-    const Configuration facing = device->facing(contact.nearest_normal_F, device->home());
-    Configuration arriving = facing;
-    for (int k = 0; k < arriving.size(); ++k) {
-      if (k == device->approach_axis()) continue;
-      air_easing[k] = shrunk(air_easing[k], allowance(k, kAngleInAir));
-      arriving[k] += air_easing[k];
-    }
-    gap_easing = shrunk(gap_easing, kLength);
-    touch_easing =
-        device->approach_axis() >= 0
-            ? Configuration(off_skin(arriving, std::min(0.0, contact.least_gap) + gap_easing) -
-                            matched)
-            : Configuration(rendered.configuration - matched);
   }
-  render(matched + touch_easing, matched);
+  render(wanted, matched);
+  followed = follow;
+  contact_count = contact.contact_count;
   rendered.state = RenderingState::kTouching;
+}
+
+/// Where this tick's pose would have been, had the skin not been touched.
+Configuration SurfaceRendering::Implementation::arriving(const ContactSet& contact) {
+  const int approach = device->approach_axis();
+  if (approach < 0) return rendered.configuration;
+  Configuration orientation = device->facing(contact.nearest_normal_F, device->home());
+  for (int k = 0; k < orientation.size(); ++k) {
+    if (k != approach) orientation[k] += shrunk(air_easing[k], allowance(k, kAngleInAir));
+  }
+  return off_skin(orientation, std::min(0.0, contact.least_gap) + shrunk(gap_easing, kLength));
 }
 
 void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, RenderingState state) {

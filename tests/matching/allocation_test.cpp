@@ -1,0 +1,66 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "pad.hpp"
+#include "softfinger/matching/surface_rendering.hpp"
+
+// Sanitizers bring their own malloc.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+extern "C" void* __libc_malloc(std::size_t size);  // NOLINT: glibc's own
+/// Counts what this program takes from the heap: operator new and Eigen end here.
+extern "C" void* malloc(std::size_t size) noexcept {
+  ++allocations;
+  return __libc_malloc(size);
+}
+
+namespace softfinger {
+namespace {
+
+TEST(Allocation, SolvesAndTicksDoNotAllocate) {
+  std::mt19937 random(1);
+  std::vector<Pad> pads;
+  std::vector<ContactSet> contacts;
+  for (int i = 0; i < 60; ++i) {
+    pads.push_back(random_press(random, 45.0));
+    ContactSet contact;
+    contact.samples.resize(pads.back().points.size());
+    for (std::size_t k = 0; k < contact.samples.size(); ++k) {
+      contact.samples[k].position_F = pads.back().points[k];
+      contact.samples[k].gap = pads.back().gaps[k];
+      contact.samples[k].in_contact = pads.back().in_contact[k] != 0 && i % 5 != 0;
+      contact.contact_count += contact.samples[k].in_contact ? 1 : 0;
+      contact.least_gap = std::min(contact.least_gap, contact.samples[k].gap + (i % 3) * 2e-3);
+    }
+    contacts.push_back(contact);
+  }
+  ContactSurfaceMatching matching(thimble(), 120);
+  SurfaceRendering rendering(thimble(), 120);
+  const long before = allocations;
+  int touched = 0;
+  for (const Pad& pad : pads) {
+    for (const MatchingLimits limits :
+         {MatchingLimits::kInside, MatchingLimits::kClamp, MatchingLimits::kNone}) {
+      MatchingOptions options;
+      options.limits = limits;
+      touched += matching.solve(pad.view(), options).iterations;
+    }
+  }
+  for (const ContactSet& contact : contacts) rendering.tick(contact);
+  EXPECT_EQ(allocations - before, 0);
+  const std::vector<double> counted(17);
+  EXPECT_GT(allocations - before, 0) << counted.size();
+  EXPECT_GT(touched, 0);
+}
+
+}  // namespace
+}  // namespace softfinger
+
+#endif

@@ -1,0 +1,170 @@
+#include "softfinger/matching/surface_rendering.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pad.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kTick = 1.0 / 30.0;
+
+/// The contact set of a pad against a plane at `height` over its lowest point, unit normal in F.
+ContactSet plane_contact(const Pad& rest, const Vector3& normal, double height) {
+  double lowest = 1.0;
+  for (const Vector3& p : rest.points) lowest = std::min(lowest, normal.dot(p));
+  const Pad pad = press_plane(rest, (lowest - height) * normal, normal);
+  ContactSet contact;
+  contact.samples.resize(pad.points.size());
+  for (std::size_t i = 0; i < pad.points.size(); ++i) {
+    ContactSample& sample = contact.samples[i];
+    sample.position_F = pad.points[i];
+    sample.normal_F = normal;
+    sample.gap = pad.gaps[i];
+    sample.in_contact = pad.in_contact[i] != 0 && height < 0.0;
+    sample.normal_force = sample.in_contact ? 0.1 : 0.0;
+    sample.rest_area = sample.area = pad.areas[i];
+    contact.contact_count += sample.in_contact ? 1 : 0;
+    if (sample.gap < contact.least_gap) {
+      contact.least_gap = sample.gap;
+      contact.nearest_normal_F = normal;
+    }
+  }
+  return contact;
+}
+
+Vector3 tilted_normal(double tilt_deg, double azimuth_deg) {
+  return {std::sin(tilt_deg * deg) * std::cos(azimuth_deg * deg),
+          std::sin(tilt_deg * deg) * std::sin(azimuth_deg * deg), std::cos(tilt_deg * deg)};
+}
+
+double least_gap(const ContactSet& contact, const Configuration& q) {
+  double least = 1.0;
+  for (const ContactSample& sample : contact.samples) {
+    least = std::min(least, thimble()->signed_distance(q, sample.position_F).distance);
+  }
+  return least;
+}
+
+TEST(SurfaceRendering, HomeWhileNothingIsNear) {
+  std::mt19937 random(1);
+  const Pad rest = resting_pad(117, random);
+  SurfaceRendering rendering(thimble(), rest.size());
+  for (int i = 0; i < 5; ++i) {
+    const RenderedSurface& rendered =
+        rendering.tick(plane_contact(rest, Vector3::UnitZ(), 10.0 * mm));
+    EXPECT_EQ(rendered.configuration, thimble()->home());
+    EXPECT_EQ(rendered.state, RenderingState::kHome);
+  }
+  ContactSet nothing = plane_contact(rest, Vector3::UnitZ(), 10.0 * mm);
+  nothing.least_gap = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(rendering.tick(nothing).configuration, thimble()->home());
+}
+
+TEST(SurfaceRendering, KeepsTheLeastGapFacingTheNearestNormal) {
+  std::mt19937 random(2);
+  const Pad rest = resting_pad(117, random);
+  for (const double azimuth : {0.0, 130.0, 250.0}) {
+    const Vector3 normal = tilted_normal(12.0, azimuth);
+    SurfaceRendering rendering(thimble(), rest.size());
+    ContactSet contact;
+    for (int i = 0; i < 60; ++i) {
+      contact = plane_contact(rest, normal, 1.4 * mm);
+      rendering.tick(contact);
+    }
+    const RenderedSurface& rendered = rendering.latest();
+    EXPECT_EQ(rendered.state, RenderingState::kApproaching);
+    EXPECT_LT((thimble()->surface_pose(rendered.configuration).rotation.col(2) - normal).norm(),
+              1e-9);
+    EXPECT_NEAR(least_gap(contact, rendered.configuration), 1.4 * mm, 1e-8);
+  }
+}
+
+// A finger goes down on a plane that is tilted against it, presses, and leaves.
+TEST(SurfaceRendering, TouchAndReleaseDoNotJump) {
+  std::mt19937 random(3);
+  for (const double tilt : {0.0, 5.0, 12.0}) {
+    const Pad rest = resting_pad(117, random);
+    const Vector3 normal = tilted_normal(tilt, 40.0);
+    SurfaceRendering rendering(thimble(), rest.size());
+    Configuration last = thimble()->home();
+    double last_height = 8.0 * mm;
+    RenderingState last_state = RenderingState::kHome;
+    double most_travel = 0.0;
+    double most_tilt = 0.0;
+    for (int tick = 0; tick <= 240; ++tick) {
+      const double time = tick * kTick;
+      const double height = (3.2 + 4.8 * std::cos(2.0 * std::numbers::pi * time / 8.0)) * mm;
+      const ContactSet contact = plane_contact(rest, normal, height);
+      const RenderedSurface& rendered = rendering.tick(contact);
+      EXPECT_TRUE(thimble()->reachable(rendered.configuration));
+      const bool on_skin =
+          rendered.state == RenderingState::kTouching || rendered.state == RenderingState::kHolding;
+      const bool was_on_skin =
+          last_state == RenderingState::kTouching || last_state == RenderingState::kHolding;
+      if (on_skin || was_on_skin) {
+        const double bone = std::abs(height - last_height);
+        most_travel = std::max(most_travel, std::abs(rendered.configuration[2] - last[2]) - bone);
+        most_tilt = std::max(most_tilt, (rendered.configuration - last).head(2).norm());
+      }
+      if (rendered.state == RenderingState::kApproaching) {
+        EXPECT_GT(least_gap(contact, rendered.configuration), -1e-9);
+      }
+      last = rendered.configuration;
+      last_height = height;
+      last_state = rendered.state;
+    }
+    EXPECT_LT(most_travel, 0.15 * mm) << tilt;
+    EXPECT_LT(most_tilt, 2.0 * deg) << tilt;
+    EXPECT_EQ(last_state, RenderingState::kHome);
+    EXPECT_LT((last - thimble()->home()).norm(), 1e-9);
+  }
+}
+
+TEST(SurfaceRendering, LeavesTheSkinOnlyAfterTwoTicksWithoutContact) {
+  std::mt19937 random(4);
+  const Pad rest = resting_pad(117, random);
+  SurfaceRendering rendering(thimble(), rest.size());
+  for (int i = 0; i < 40; ++i) rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm));
+  EXPECT_EQ(rendering.latest().state, RenderingState::kTouching);
+  const ContactSet off = plane_contact(rest, Vector3::UnitZ(), 0.5 * mm);
+  EXPECT_EQ(rendering.tick(off).state, RenderingState::kHolding);
+  EXPECT_EQ(rendering.tick(off).state, RenderingState::kHolding);
+  EXPECT_LT(least_gap(off, rendering.latest().configuration), 1e-9);
+  EXPECT_EQ(rendering.tick(off).state, RenderingState::kApproaching);
+  // Contact between two losses starts the count again.
+  rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm));
+  EXPECT_EQ(rendering.tick(off).state, RenderingState::kHolding);
+}
+
+TEST(SurfaceRendering, ClearsASkinThatHangsLow) {
+  std::mt19937 random(5);
+  Pad rest = resting_pad(117, random);
+  for (Vector3& p : rest.points) p.z() -= 3.5 * mm;
+  SurfaceRendering rendering(thimble(), rest.size());
+  ContactSet contact;
+  for (int i = 0; i < 100; ++i) {
+    contact = plane_contact(rest, Vector3::UnitZ(), 20.0 * mm);
+    rendering.tick(contact);
+  }
+  EXPECT_NEAR(least_gap(contact, rendering.latest().configuration), 0.2 * mm, 1e-8);
+}
+
+TEST(SurfaceRendering, SameInputSameBits) {
+  std::mt19937 random(6);
+  const Pad rest = resting_pad(117, random);
+  SurfaceRendering a(thimble(), rest.size());
+  SurfaceRendering b(thimble(), rest.size());
+  for (int i = 0; i < 100; ++i) {
+    const ContactSet contact =
+        plane_contact(rest, tilted_normal(10.0, 3.0 * i), 3.0 * mm * std::cos(0.1 * i));
+    EXPECT_EQ(a.tick(contact).configuration, b.tick(contact).configuration);
+  }
+  b.reset();
+  a.reset();
+  const ContactSet contact = plane_contact(rest, Vector3::UnitZ(), 1.0 * mm);
+  EXPECT_EQ(a.tick(contact).configuration, b.tick(contact).configuration);
+}
+
+}  // namespace
+}  // namespace softfinger
