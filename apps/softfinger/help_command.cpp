@@ -17,10 +17,11 @@ void add_help_command(CLI::App& app) {
                  app.get_formatter()->make_help(explained, title, CLI::AppFormatMode::Normal));
     };
     if (name->empty()) return help_of(&app, app.get_name());
-    const CLI::App* explained = app.get_subcommand_no_throw(*name);
-    if (explained == nullptr) {
-      throw softfinger::InputError("help: no command " + *name + "; softfinger help lists them");
+    for (const CLI::App* explained : app.get_subcommands([](const CLI::App*) { return true; })) {
+      if (explained->get_name() == *name) {
+        return help_of(explained, app.get_name() + " " + *name);
+      }
     }
-    help_of(explained, app.get_name() + " " + *name);
+    throw softfinger::InputError("help: no command " + *name + "; softfinger help lists them");
   });
 }
