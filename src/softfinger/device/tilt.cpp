@@ -14,10 +14,10 @@ struct Radial {
 // sum_k (-s)^k / (2k + first)!; in double exact to rounding for s <= 0.5.
 template <int first>
 constexpr auto series_coefficients() {
-  std::array<double, 11> coefficients{};
+  std::array<double, 10> coefficients{};
   double factorial = 1.0;
   for (int i = 2; i <= first; ++i) factorial *= i;
-  for (int k = 0; k < 11; ++k) {
+  for (int k = 0; k < 10; ++k) {
     coefficients[static_cast<std::size_t>(k)] = (k % 2 == 0 ? 1.0 : -1.0) / factorial;
     factorial *= (2 * k + first + 1) * (2 * k + first + 2);
   }
@@ -27,8 +27,8 @@ constexpr auto series_coefficients() {
 template <int first>
 Radial series(double s) {
   static constexpr auto kCoefficients = series_coefficients<first>();
-  Radial sum{kCoefficients[10], 0.0, 0.0};
-  for (int k = 9; k >= 0; --k) {  // Horner's scheme with both derivatives
+  Radial sum{kCoefficients[9], 0.0, 0.0};
+  for (int k = 8; k >= 0; --k) {  // Horner's scheme with both derivatives
     sum.dd = sum.dd * s + 2.0 * sum.d;
     sum.d = sum.d * s + sum.v;
     sum.v = sum.v * s + kCoefficients[static_cast<std::size_t>(k)];

@@ -165,26 +165,30 @@ MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
   MatchingResult result;
   const bool inside = options.limits == MatchingLimits::kInside;
   const auto run = [&](const Configuration& start) {
-    self.consider(result, self.minimiser.minimise(
-                              samples, start, inside, options.iteration_limit,
-                              result.configuration.size() == 0 ? nullptr : &result.configuration));
+    const DeviationMinimiser::Outcome outcome =
+        self.minimiser.minimise(samples, start, inside, options.iteration_limit,
+                                result.configuration.size() == 0 ? nullptr : &result.configuration);
+    self.consider(result, outcome);
+    return outcome.known;
   };
   if (warm != nullptr) run(*warm);
-  run(home);
+  const bool agreed = run(home);           // home leads to where warm led
   if (result.configuration.size() == 0) {  // no start was feasible: home always is
     result.configuration = home;
     result.deviation = device.deviation(home, samples);
     result.termination = Termination::kNonsmooth;
   }
-  // What the surface renders exactly has no better minimum. Elsewhere E has shallow minima side by
-  // side, parted by the rim: look around, and from a cold start further away.
+  // What the surface renders exactly has no better minimum. Elsewhere E may have shallow minima
+  // side by side, parted by the rim: look around, and from a cold start further away.
   if (result.deviation > kRendered) {
     if (warm == nullptr) {
       self.look_around(samples, options, home, kFarTilt, false, result);
       self.look_around(samples, options, result.configuration, kWideTilt, true, result);
       self.look_around(samples, options, result.configuration, kCloseTilt, true, result);
     }
-    self.look_around(samples, options, result.configuration, kNearTilt, false, result);
+    if (!agreed) {
+      self.look_around(samples, options, result.configuration, kNearTilt, false, result);
+    }
     if (inside && self.active_limits(result.configuration) != 0) {
       const DeviationMinimiser::Outcome unlimited =
           self.minimiser.minimise(samples, result.configuration, false, options.iteration_limit);

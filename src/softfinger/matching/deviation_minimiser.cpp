@@ -203,7 +203,8 @@ DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& s
   walk(flat ? 0 : kStages.size() - 1);
   // A start with curvature may lead to where there is none.
   if (!flat && stage != Stage::kKnown && degenerate(here_)) walk(0);
-  outcome.valid = stage != Stage::kKnown;
+  outcome.known = stage == Stage::kKnown;
+  outcome.valid = !outcome.known;
   outcome.deviation = here_.value;
   outcome.termination = stage == Stage::kConverged        ? Termination::kConverged
                         : stage == Stage::kIterationLimit ? Termination::kIterationLimit

@@ -19,7 +19,8 @@ class DeviationMinimiser {
     double deviation = 0.0;  ///< E, m^2
     int iterations = 0;
     Termination termination = Termination::kConverged;
-    bool valid = false;  ///< false where no feasible point was found from the start
+    bool valid = false;  ///< false where no feasible point was found from the start, or known
+    bool known = false;  ///< the way led to the minimum known before
   };
 
   explicit DeviationMinimiser(const Device& device);
