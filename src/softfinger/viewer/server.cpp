@@ -40,7 +40,7 @@ constexpr std::uint32_t kMaxHeaderBytes = 8 * 1024;
 constexpr std::size_t kMaxRequestBytes = 1024;
 constexpr int kSendBufferBytes = 64 * 1024;  // small: what waits in it is no longer the newest
 constexpr auto kHttpTimeout = std::chrono::seconds(10);
-constexpr auto kIdleTimeout = std::chrono::seconds(60);
+constexpr auto kIdleTimeout = std::chrono::minutes(5);
 constexpr auto kRequestInterval = std::chrono::milliseconds(20);
 
 constexpr std::string_view kContentSecurityPolicy =

@@ -84,7 +84,7 @@ export class FingerView {
 class SampleCloud {
   private readonly meshes: InstancedMesh[] = [];
   private readonly matrices: InstancedBufferAttribute;
-  private readonly ball = new SphereGeometry(1, 14, 10);
+  private readonly ball = new SphereGeometry(1, 12, 8);
   private readonly material: MeshStandardMaterial;
   private readonly matrix = new Matrix4();
   private filled = 0;
@@ -132,10 +132,10 @@ export function place(group: Group, pose: PoseArray): void {
 }
 
 /** Translucent skin that flushes where it is pressed. */
-function skinMaterial(side: Side, opacity: number): MeshPhysicalMaterial {
-  const material = new MeshPhysicalMaterial({
-    color: palette.skin, roughness: 0.6, sheen: 0.6, sheenRoughness: 0.5,
-    sheenColor: new Color("#ff9a78"), emissive: "#8a3a26", emissiveIntensity: 0.3, transparent: true, opacity, depthWrite: false, side,
+function skinMaterial(side: Side, opacity: number): MeshStandardMaterial {
+  const material = new MeshStandardMaterial({
+    color: palette.skin, roughness: 0.55, emissive: "#9a4630", emissiveIntensity: 0.32,
+    transparent: true, opacity, depthWrite: false, side,
   });
   material.onBeforeCompile = (shader) => {
     shader.vertexShader = shader.vertexShader

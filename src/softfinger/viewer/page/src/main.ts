@@ -90,9 +90,16 @@ const connection = new Connection({
   onState: (state) => panel.showConnection(state),
 });
 
-function frame(): void {
+// Without graphics hardware drawing takes the processor from the simulation: then seldomer.
+const kLeastInterval = stage.isPlain ? 90 : 0; // ms
+let lastFrame = 0;
+
+function frame(now: number): void {
   requestAnimationFrame(frame);
+  if (now - lastFrame < kLeastInterval) return;
+  lastFrame = now;
   if (newest && newest !== drawn) {
+    if (!drawn?.paused || !newest.paused) stage.touch();
     drawn = newest;
     show(newest);
     panel.showSnapshot(newest);

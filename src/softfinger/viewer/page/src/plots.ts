@@ -94,7 +94,7 @@ class LivePlot {
 
   constructor(parent: HTMLElement, private readonly description: PlotDescription) {
     this.data = [[], ...description.curves.map(() => [])];
-    this.element.className = "plot";
+    this.element.className = description.curves.length > 2 ? "plot many" : "plot";
     this.element.id = `plot-${description.id}`;
     this.element.append(this.makeHeader(), this.box);
     this.box.className = "plot-box";
@@ -147,8 +147,9 @@ class LivePlot {
       const value = document.createElement("b");
       value.textContent = "–";
       this.values.push(value);
-      item.append(key, ...(curve.label ? [`${curve.label} `] : []), value,
-        curve.unit === "°" ? curve.unit : ` ${curve.unit}`);
+      item.title = `${curve.label || this.description.title} (${curve.unit})`;
+      item.append(key, span("label", curve.label && `${curve.label} `), value,
+        span("unit", curve.unit === "°" ? curve.unit : ` ${curve.unit}`));
       header.append(item);
     }
     return header;
@@ -199,4 +200,11 @@ class LivePlot {
       this.plot.setSize({ width: clientWidth, height: clientHeight });
     }
   }
+}
+
+function span(name: string, text: string): HTMLElement {
+  const element = document.createElement("span");
+  element.className = name;
+  element.textContent = text;
+  return element;
 }

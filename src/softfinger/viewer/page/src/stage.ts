@@ -32,7 +32,7 @@ export class View {
     this.controls.enablePan = false;
     this.controls.minDistance = 25;
     this.controls.maxDistance = 260;
-    this.scene.add(new HemisphereLight("#e9f1ff", "#5b4a44", 0.9));
+    this.scene.add(new HemisphereLight("#e9f1ff", "#6b5a54", 1.1));
     const key = new DirectionalLight("#fff4e6", 1.9);
     key.position.set(60, -90, 110);
     const fill = new DirectionalLight("#9cc2ff", 1.1);
@@ -50,7 +50,9 @@ export class View {
   }
   /** Keeps a moving thing in the middle without turning the view. */
   follow(point: Vector3, share: number): void {
-    const shift = point.clone().sub(this.controls.target).multiplyScalar(share);
+    const shift = point.clone().sub(this.controls.target);
+    if (shift.lengthSq() < 1e-4) return;
+    shift.multiplyScalar(share);
     this.controls.target.add(shift);
     this.camera.position.add(shift);
   }
@@ -69,23 +71,22 @@ export class View {
 
 /** One WebGL canvas behind both panes; turning one view turns the other. */
 export class Stage {
+  /** Drawn without graphics hardware, by the processor that also simulates: plainer and seldomer. */
+  readonly isPlain = isPlain();
   private readonly renderer: WebGLRenderer;
+  private changed = true;
 
   constructor(private readonly canvas: HTMLCanvasElement, readonly views: View[]) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isPlain, alpha: true });
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.05;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.isPlain ? 1 : Math.min(window.devicePixelRatio, 2));
     this.renderer.setScissorTest(true);
-    const generator = new PMREMGenerator(this.renderer);
-    const room = generator.fromScene(new RoomEnvironment(), 0.04).texture;
+    if (!this.isPlain) this.addReflections();
     for (const view of views) {
-      view.scene.environment = room;
-      view.scene.environmentIntensity = 0.35;
       view.controls.addEventListener("change", () => this.link(view));
       view.pane.addEventListener("dblclick", () => this.reset());
     }
-    generator.dispose();
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
   }
@@ -94,10 +95,18 @@ export class Stage {
     for (const view of this.views) view.reset();
   }
 
+  /** Says that a scene is to be drawn again; turned views and a new size are noticed here. */
+  touch(): void {
+    this.changed = true;
+  }
+
+  /** Draws where anything has changed. */
   render(): void {
+    for (const view of this.views) view.controls.update();
+    if (!this.changed) return;
+    this.changed = false;
     const whole = this.canvas.getBoundingClientRect();
     for (const view of this.views) {
-      view.controls.update();
       const box = view.pane.getBoundingClientRect();
       if (box.width < 1 || box.height < 1) continue;
       const left = box.left - whole.left;
@@ -112,7 +121,18 @@ export class Stage {
     }
   }
 
+  private addReflections(): void {
+    const generator = new PMREMGenerator(this.renderer);
+    const room = generator.fromScene(new RoomEnvironment(), 0.04).texture;
+    for (const { scene } of this.views) {
+      scene.environment = room;
+      scene.environmentIntensity = 0.35;
+    }
+    generator.dispose();
+  }
+
   private link(turned: View): void {
+    this.changed = true;
     const angles = turned.angles();
     for (const view of this.views) if (view !== turned) view.turnTo(angles);
   }
@@ -120,8 +140,20 @@ export class Stage {
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
     this.renderer.setSize(Math.max(clientWidth, 1), Math.max(clientHeight, 1), false);
+    this.changed = true;
   }
 }
 
 const toYUp = (v: Vector3) => v.set(v.x, v.z, -v.y);
 const toZUp = (v: Vector3) => v.set(v.x, -v.z, v.y);
+
+/** Whether WebGL has no hardware here; ?quality=high and ?quality=plain overrule. */
+function isPlain(): boolean {
+  const wanted = new URLSearchParams(location.search).get("quality");
+  if (wanted) return wanted === "plain";
+  const gl = document.createElement("canvas").getContext("webgl");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
