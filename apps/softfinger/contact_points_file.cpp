@@ -34,6 +34,8 @@ class Reader {
       const auto end = text.begin() + static_cast<long>(std::min(error.byte, text.size()));
       throw InputError(
           fmt::format("{}:{}: not valid JSON", file_, 1 + std::count(text.begin(), end, '\n')));
+    } catch (const json::out_of_range&) {
+      throw InputError(file_ + ": has a number too large to be represented");
     }
     if (!root_.is_object()) throw InputError(file_ + ": must be a JSON object");
     const std::vector<std::string> known{"points_mm", "in_contact", "area_mm2", "distance_mm",
