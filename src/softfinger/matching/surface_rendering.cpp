@@ -67,8 +67,9 @@ struct SurfaceRendering::Implementation {
   RenderedSurface rendered;
 
   int ticks_without_contact = 0;
-  Configuration matched;     ///< last match, the next one's start
-  Configuration followed;    ///< facing the nearest normal at the least gap, at the last tick
+  Configuration matched;           ///< last match, the next one's start
+  Configuration followed, motion;  ///< see follow()
+  bool following = false;
   bool catching_up = false;  ///< rendered is not yet the match
   int contact_count = 0;     ///< at the last tick
   // Off the skin the device is led by its orientation and its gap to the skin.
@@ -80,7 +81,8 @@ struct SurfaceRendering::Implementation {
   [[nodiscard]] ContactPoints take(const ContactSet& contact, bool touching);
   [[nodiscard]] double allowance(int axis, double angle) const;
   void touch(const ContactSet& contact);
-  [[nodiscard]] Configuration arriving(const ContactSet& contact);
+  void follow(const ContactSet& contact);
+  [[nodiscard]] double turn(const Configuration& a, const Configuration& b) const;
   void stay_off(const ContactSet& contact, RenderingState state);
   [[nodiscard]] Configuration off_skin(const Configuration& orientation, double gap) const;
   void render(const Configuration& wanted, const Configuration& safe);
@@ -94,6 +96,8 @@ void SurfaceRendering::Implementation::reset() {
   ticks_without_contact = 0;
   matched = device->home();
   followed = device->home();
+  motion = none;
+  following = false;
   catching_up = false;
   contact_count = 0;
   air_target = device->home();
@@ -144,39 +148,46 @@ void SurfaceRendering::Implementation::touch(const ContactSet& contact) {
   rendered.deviation = result.deviation;
   rendered.iterations = result.iterations;
   rendered.termination = result.termination;
-  const Configuration follow = off_skin(device->facing(contact.nearest_normal_F, device->home()),
-                                        std::min(0.0, contact.least_gap));
   const bool first = rendered.state != RenderingState::kTouching;
-  // First contact: begin where the way through the air would have led, on the skin.
-  const Configuration from = first ? arriving(contact) : rendered.configuration;
   Configuration wanted = matched;
   if (first || catching_up || contact.contact_count <= kFewContacts ||
       contact_count <= kFewContacts) {
     // At most the allowance beyond the motion of the object against the bone.
     catching_up = false;
     for (int k = 0; k < matched.size(); ++k) {
-      const double motion = first ? 0.0 : follow[k] - followed[k];
+      const double from = rendered.configuration[k];
       const double room = allowance(k, kAngleOnSkin);
-      wanted[k] = std::clamp(matched[k], from[k] + std::min(0.0, motion) - room,
-                             from[k] + std::max(0.0, motion) + room);
+      wanted[k] = std::clamp(matched[k], from + std::min(0.0, motion[k]) - room,
+                             from + std::max(0.0, motion[k]) + room);
       catching_up = catching_up || wanted[k] != matched[k];
     }
   }
   render(wanted, matched);
-  followed = follow;
   contact_count = contact.contact_count;
   rendered.state = RenderingState::kTouching;
 }
 
-/// Where this tick's pose would have been, had the skin not been touched.
-Configuration SurfaceRendering::Implementation::arriving(const ContactSet& contact) {
-  const int approach = device->approach_axis();
-  if (approach < 0) return rendered.configuration;
-  Configuration orientation = device->facing(contact.nearest_normal_F, device->home());
-  for (int k = 0; k < orientation.size(); ++k) {
-    if (k != approach) orientation[k] += shrunk(air_easing[k], allowance(k, kAngleInAir));
+/// How the object moved against the bone since the last tick, as a device that faces its nearest
+/// normal at its least gap would see it; zero where there was none or the normal jumped.
+void SurfaceRendering::Implementation::follow(const ContactSet& contact) {
+  const bool had = following;
+  const Configuration before = followed;
+  motion.setZero();
+  following = device->approach_axis() >= 0 && std::isfinite(contact.least_gap) &&
+              contact.least_gap < 2.0 * device->settings().matching.approach;
+  if (!following) return;
+  followed = off_skin(device->facing(contact.nearest_normal_F, device->home()), contact.least_gap);
+  if (had && turn(before, followed) <= kTurn) motion = followed - before;
+}
+
+/// How far two configurations are turned against each other, rad.
+double SurfaceRendering::Implementation::turn(const Configuration& a,
+                                              const Configuration& b) const {
+  double square = 0.0;
+  for (int k = 0; k < a.size(); ++k) {
+    if (k != device->approach_axis()) square += (a[k] - b[k]) * (a[k] - b[k]);
   }
-  return off_skin(orientation, std::min(0.0, contact.least_gap) + shrunk(gap_easing, kLength));
+  return std::sqrt(square);
 }
 
 void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, RenderingState state) {
@@ -211,11 +222,7 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
 
   // What jumps between the last tick and this one is eased.
   const RenderingState before = rendered.state;
-  double turn = 0.0;
-  for (int k = 0; k < home.size(); ++k) {
-    if (k != approach) turn += std::pow(target[k] - air_target[k], 2);
-  }
-  const bool jump = before != state || turn > kTurn * kTurn;
+  const bool jump = before != state || turn(target, air_target) > kTurn;
   const bool arrived_here = before == RenderingState::kTouching;
   for (int k = 0; k < home.size(); ++k) {
     if (k == approach) continue;
@@ -260,6 +267,7 @@ void SurfaceRendering::reset() { implementation_->reset(); }
 const RenderedSurface& SurfaceRendering::tick(const ContactSet& contact) {
   Implementation& self = *implementation_;
   self.skin.take(contact);
+  self.follow(contact);
   const bool was_on_skin = self.rendered.state == RenderingState::kTouching ||
                            self.rendered.state == RenderingState::kHolding;
   if (contact.contact_count > 0) {
