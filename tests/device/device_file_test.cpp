@@ -1,0 +1,126 @@
+#include "softfinger/device/device_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "softfinger/base/error.hpp"
+#include "thimble.hpp"
+
+namespace softfinger {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// The shipped file with `from` replaced by `to`, loaded; what it says when it is refused.
+std::string refusal(const std::string& from, const std::string& to) {
+  std::ifstream shipped(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+  std::stringstream text;
+  text << shipped.rdbuf();
+  std::string content = text.str();
+  const std::size_t at = content.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  content.replace(at, from.size(), to);
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "device_under_test.toml";
+  std::ofstream(file) << content;
+  try {
+    static_cast<void>(load_device(file));
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_THAT(message, HasSubstr("device_under_test.toml"));
+    return message;
+  }
+  return {};
+}
+
+TEST(DeviceFile, ReadsEveryKey) {
+  const DeviceSettings& settings = thimble().settings();
+  EXPECT_EQ(settings.kind, "platform_3rrs");
+  ASSERT_EQ(settings.axes.size(), 3U);
+  EXPECT_EQ(settings.axes[0].name, "pitch_deg");
+  EXPECT_EQ(settings.axes[1].name, "roll_deg");
+  EXPECT_EQ(settings.axes[2].name, "travel_mm");
+  EXPECT_DOUBLE_EQ(settings.joint_limits.max_rate, 400.0 * deg);
+  EXPECT_DOUBLE_EQ(settings.matching.approach, 3.0 * mm);
+  EXPECT_DOUBLE_EQ(settings.max_force, 4.7);
+  ASSERT_TRUE(settings.transport.has_value());
+  EXPECT_EQ(settings.transport->servos.size(), 3U);
+  EXPECT_NEAR(settings.transport->servos[0].per_radian, 10.0 * us / deg, 1e-15);
+  EXPECT_NEAR(settings.transport->servos[2].zero, 1275.0 * us, 1e-15);
+  EXPECT_THAT(settings.as_read, HasSubstr("\"disk_edge_radius_mm\""));
+}
+
+TEST(DeviceFile, AcceptsWhatIsUnchanged) {
+  EXPECT_EQ(refusal("kind = \"platform_3rrs\"", "kind = \"platform_3rrs\""), "");
+}
+
+TEST(DeviceFile, RefusesWithFileLineAndKey) {
+  EXPECT_THAT(refusal("crank_mm = 12.0", "crank_mm = -12.0"), HasSubstr("crank_mm"));
+  EXPECT_THAT(refusal("crank_mm = 12.0", "crank_mm = nan"), HasSubstr("crank_mm"));
+  EXPECT_THAT(refusal("crank_mm = 12.0", "crank_m = 12.0"), HasSubstr("crank_m"));
+  EXPECT_THAT(refusal("crank_mm = 12.0", "crank_mm = \"long\""), HasSubstr("crank_mm"));
+  EXPECT_THAT(refusal("kind = \"platform_3rrs\"", "kind = \"platform_3rps\""), HasSubstr("kind"));
+  EXPECT_THAT(refusal("joint_deg = [-30.0, 75.0]", "joint_deg = [75.0, -30.0]"),
+              HasSubstr("joint_deg"));
+  EXPECT_THAT(refusal("on = \"distal\"", "on = \"middle\""), HasSubstr("distal"));
+  EXPECT_THAT(refusal("objective = \"surface\"", "objective = \"fun\""), HasSubstr("objective"));
+}
+
+TEST(DeviceFile, RefusesAHomeOutOfTheWorkspace) {
+  EXPECT_THAT(refusal("joint_deg = [-30.0, 75.0]", "joint_deg = [40.0, 75.0]"),
+              AllOf(HasSubstr("home"), HasSubstr("joint 1")));
+  EXPECT_THAT(refusal("neutral_height_mm = 28.0", "neutral_height_mm = 60.0"),
+              AllOf(HasSubstr("home"), HasSubstr("do not reach")));
+  EXPECT_THAT(refusal("pitch_deg = 0.0", "pitch_deg = 31.0"),
+              AllOf(HasSubstr("home"), HasSubstr("max_tilt_deg")));
+}
+
+TEST(DeviceFile, RefusesARetractedPoseOutOfTheWorkspace) {
+  EXPECT_THAT(refusal("travel_mm = -4.0", "travel_mm = -14.0"), HasSubstr("retract"));
+}
+
+TEST(DeviceFile, RefusesServosThatDoNotFit) {
+  EXPECT_THAT(refusal("max_us = 2050.0", "max_us = 1900.0"),
+              AllOf(HasSubstr("us_per_deg"), HasSubstr("joint 1"), HasSubstr("75")));
+  EXPECT_THAT(refusal("us_per_deg = 10.0", "us_per_deg = 0.0"), HasSubstr("us_per_deg"));
+  EXPECT_THAT(refusal("channel = 1", "channel = 0"), HasSubstr("channel"));
+  EXPECT_THAT(refusal("[[transport.servo]]\nchannel = 2", "[[transport.motor]]\nchannel = 2"),
+              HasSubstr("servo"));
+}
+
+// Levers that pass a singularity below their tilt limit are allowed; the workspace ends there.
+TEST(DeviceFile, WorkspaceEndsAtASingularity) {
+  DeviceSettings settings;
+  settings.kind = "platform_3rrs";
+  settings.home = Configuration::Zero(3);
+  settings.retracted = settings.home;
+  settings.joint_limits = {JointAngles::Constant(3, -170.0 * deg),
+                           JointAngles::Constant(3, 170.0 * deg), 1.0};
+  const Platform3rrs device(settings, {16.0 * mm, 12.0 * mm, 14.0 * mm, 18.0 * mm, 22.0 * mm,
+                                       8.0 * mm, 0.5 * mm, 40.0 * deg});
+  bool ended = false;
+  for (int direction = 0; direction < 360; direction += 10) {
+    bool inside = true;
+    for (double tilt = 0.0; tilt < 40.0; tilt += 0.25) {
+      const Configuration q =
+          configuration(tilt * std::cos(direction * deg), tilt * std::sin(direction * deg), 0.0);
+      if (inside && !device.reachable(q)) {
+        inside = false;
+        ended = true;
+      }
+      if (device.reachable(q)) {
+        EXPECT_GT(device.singularity_ratio(q), 0.0);
+      }
+    }
+  }
+  EXPECT_TRUE(ended);
+}
+
+}  // namespace
+}  // namespace softfinger
