@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "softfinger/base/error.hpp"
+#include "softfinger/base/thread_priority.hpp"
 #include "softfinger/engine/device_clock.hpp"
 #include "softfinger/engine/device_loop.hpp"
 #include "softfinger/engine/finger_loop.hpp"
@@ -156,7 +156,7 @@ std::optional<double> SceneRun::duration() const {
 }
 
 void SceneRun::simulate() {
-  if (paced_) StepPacer::prefer_this_thread(StepPacer::Role::kSimulation);
+  if (paced_) prefer_this_thread(LoopThread::kSimulation);
   for (const auto& finger : fingers_) {
     finger->loop.start(TrackedInput(finger->tracker->sample(0.0)));
     const StepRecord& record = finger->loop.seal(-1, 0);
@@ -253,7 +253,7 @@ void SceneRun::keep_devices_alive() {
 }
 
 void SceneRun::serve_device(Finger& finger) {
-  StepPacer::prefer_this_thread(StepPacer::Role::kDevice);
+  prefer_this_thread(LoopThread::kDevice);
   std::uint32_t heard = 0;
   bool first = true;
   while (true) {

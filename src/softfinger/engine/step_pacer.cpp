@@ -1,8 +1,5 @@
 #include "softfinger/engine/step_pacer.hpp"
 
-#include <pthread.h>
-#include <sched.h>
-#include <sys/prctl.h>
 #include <time.h>
 
 #include <cerrno>
@@ -45,14 +42,6 @@ void StepPacer::wait(std::int64_t step) {
   until.tv_sec = static_cast<time_t>(seconds);
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
-}
-
-void StepPacer::prefer_this_thread(Role role) {
-  prctl(PR_SET_TIMERSLACK, 1000UL, 0UL, 0UL, 0UL);
-  sched_param parameters{};
-  parameters.sched_priority = role == Role::kSimulation ? 11 : 10;
-  // Without the right to it the run goes on as any other program.
-  (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
 }
 
 }  // namespace softfinger

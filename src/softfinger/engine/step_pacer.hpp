@@ -18,11 +18,6 @@ class StepPacer {
   /// Steps that were not finished when their time was over.
   [[nodiscard]] std::uint64_t misses() const { return misses_; }
 
-  /// Makes the calling thread run when its time has come: exact sleeps, and a real-time priority
-  /// where the system grants one. Lower for a device's thread than for the simulation's.
-  enum class Role { kSimulation, kDevice };
-  static void prefer_this_thread(Role role);
-
  private:
   double period_;
   std::int64_t first_ = 1;
