@@ -1,6 +1,7 @@
 import {
-  BackSide, BufferAttribute, BufferGeometry, DoubleSide, FrontSide, Group,
-  InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry, type Side,
+  BackSide, BufferGeometry, DoubleSide, FrontSide, Group,
+  InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry,
+  type Side, Vector3,
 } from "three";
 import { palette } from "./palette";
 import { SmoothSurface } from "./smooth_surface";
@@ -28,10 +29,11 @@ export class FingerView {
     const positions = new Float32Array(description.rigid_positions_mm);
     const bone = new MeshStandardMaterial({ color: palette.bone, roughness: 0.75, side: DoubleSide });
     const nail = new MeshStandardMaterial({ color: palette.nail, roughness: 0.25, side: DoubleSide });
-    this.rigid = [
-      new Mesh(rigidGeometry(positions, description.bone_triangles), bone),
-      new Mesh(rigidGeometry(positions, description.nail_triangles), nail),
-    ];
+    const cut = new MeshStandardMaterial({ color: palette.cut, roughness: 0.9, side: DoubleSide });
+    this.rigid = [new Mesh(rounded(positions, description.nail_triangles), nail)];
+    for (const part of connectedParts(description.bone_triangles)) {
+      this.rigid.push(new Mesh(rounded(positions, part), isFlat(positions, part) ? cut : bone));
+    }
     this.fill(description.skin_positions_mm, new Uint8Array(this.count), null);
   }
 
@@ -155,10 +157,35 @@ function skinMaterial(side: Side, opacity: number): MeshStandardMaterial {
   return material;
 }
 
-function rigidGeometry(positions: Float32Array, triangles: number[]): BufferGeometry {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(positions, 3));
-  geometry.setIndex(triangles);
-  geometry.computeVertexNormals();
-  return geometry;
+function rounded(positions: Float32Array, triangles: number[]): BufferGeometry {
+  const surface = new SmoothSurface(new Uint32Array(triangles), positions.length / 3);
+  surface.update(positions, new Float32Array(positions.length / 3));
+  return surface.geometry;
+}
+
+/** Splits triangles into parts that share no vertex: the bone itself, and the finger's proximal cut. */
+function connectedParts(triangles: number[]): number[][] {
+  const leader = new Map<number, number>();
+  const find = (i: number): number => {
+    const next = leader.get(i) ?? i;
+    return next === i ? i : find(next);
+  };
+  for (let t = 0; t < triangles.length; t += 3) {
+    leader.set(find(triangles[t + 1]!), find(triangles[t]!));
+    leader.set(find(triangles[t + 2]!), find(triangles[t]!));
+  }
+  const parts = new Map<number, number[]>();
+  for (let t = 0; t < triangles.length; t += 3) {
+    const root = find(triangles[t]!);
+    if (!parts.has(root)) parts.set(root, []);
+    parts.get(root)!.push(...triangles.slice(t, t + 3));
+  }
+  return [...parts.values()];
+}
+
+function isFlat(positions: Float32Array, triangles: number[]): boolean {
+  const corner = (i: number) => new Vector3().fromArray(positions, 3 * triangles[i]!);
+  const origin = corner(0);
+  const normal = corner(1).sub(origin).cross(corner(2).sub(origin)).normalize();
+  return triangles.every((_, i) => Math.abs(corner(i).sub(origin).dot(normal)) < 0.3);
 }

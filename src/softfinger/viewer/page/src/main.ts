@@ -55,11 +55,11 @@ function show(snapshot: Snapshot): void {
   if (snapshot.fingers[0]) device?.update(snapshot.fingers[0]);
 }
 
-/** Keeps the virtual finger in sight and the glass sorted against the skin. */
-function followFinger(): void {
+/** After `elapsed` ms: keeps the virtual finger in sight and the glass sorted against the skin. */
+function followFinger(elapsed: number): void {
   const finger = fingersInWorld[0];
   if (!finger || !drawn) return;
-  virtual.follow(finger.position.clone().add(new Vector3(0, 0, -2.5)), arrived ? 0.08 : 1);
+  virtual.follow(finger.position.clone().add(new Vector3(0, 0, -2.5)), arrived ? 1 - Math.exp(-elapsed / 180) : 1);
   arrived = true;
   const below = virtual.camera.position.z < finger.position.z - 5;
   for (const object of objects) {
@@ -97,6 +97,7 @@ let lastFrame = 0;
 function frame(now: number): void {
   requestAnimationFrame(frame);
   if (now - lastFrame < kLeastInterval) return;
+  const elapsed = now - lastFrame;
   lastFrame = now;
   if (newest && newest !== drawn) {
     if (!drawn?.paused || !newest.paused) stage.touch();
@@ -105,7 +106,7 @@ function frame(now: number): void {
     panel.showSnapshot(newest);
     plots.draw();
   }
-  followFinger();
+  followFinger(elapsed);
   stage.render();
 }
 requestAnimationFrame(frame);

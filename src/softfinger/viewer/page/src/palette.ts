@@ -4,6 +4,7 @@ export const palette = {
   free: "#3f86ff",
   skin: "#f2b79d",
   nail: "#f7d9cc",
+  cut: "#a8604f",
   bone: "#efe6d2",
   object: "#9fb4d6",
   device: "#35d0bf",

@@ -70,7 +70,7 @@ export class Panel {
   count(snapshot: Snapshot): void {
     document.body.dataset.frames = String(++this.received);
     this.history.push({ at: performance.now(), step: snapshot.step });
-    if (this.history.length > 90) this.history.shift();
+    if (this.history.length > 120) this.history.shift();
   }
 
   showSnapshot(snapshot: Snapshot): void {

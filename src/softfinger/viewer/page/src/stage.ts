@@ -6,7 +6,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 
 // From the finger's right, a little from the tip and from below, so that the pad is seen.
-const kHome = new Vector3(0.5, -1.0, -0.34).normalize();
+const kHome = new Vector3(0.5, -1.0, -0.56).normalize();
 
 export interface ViewOptions {
   pane: HTMLElement;
