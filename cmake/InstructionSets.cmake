@@ -3,6 +3,8 @@
 # baseline remains.
 function(softfinger_instruction_sets target stem)
   set(common "-Wno-psabi;-ffp-contract=fast;-fno-math-errno")
+  set_source_files_properties(${stem}_baseline.cpp ${stem}_avx2.cpp ${stem}_avx512.cpp
+    PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   set_source_files_properties(${stem}_baseline.cpp PROPERTIES COMPILE_OPTIONS "${common}")
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     set_source_files_properties(${stem}_avx2.cpp PROPERTIES COMPILE_OPTIONS "${common};-mavx2;-mfma")
