@@ -27,6 +27,7 @@ export class DeviceView {
   }
 
   update(snapshot: FingerSnapshot): void {
+    if (!snapshot.linkage_mm.every(Number.isFinite)) return;
     const points = linkagePoints(snapshot.linkage_mm);
     if (points.length < 3 * this.legs.length || this.legs.length === 0) {
       this.group.visible = false;

@@ -62,6 +62,7 @@ export class FingerView {
 
   update(snapshot: FingerSnapshot): void {
     if (snapshot.in_contact.length !== this.count) return;
+    if (!snapshot.positions_mm.every(Number.isFinite)) return; // nothing to draw: keep the last shape
     this.fill(snapshot.positions_mm, snapshot.in_contact, snapshot.pressures_kPa);
   }
 
