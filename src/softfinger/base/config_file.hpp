@@ -29,10 +29,10 @@ struct Range {
 };
 
 /// One table of a TOML file, read strictly. Every getter converts from the unit in the key's suffix
-/// to SI (see unit_scale), refuses NaN, infinity, a wrong type and a number out of range, and throws
-/// InputError with file, line and key. finish() refuses keys that nobody asked for and names the
-/// nearest known one. Missing required keys are refused. What was read, defaults filled in and paths
-/// as written, is kept as JSON for `show`.
+/// to SI (see unit_scale), refuses NaN, infinity, a wrong type and a number out of range, and
+/// throws InputError with file, line and key. finish() refuses keys that nobody asked for and names
+/// the nearest known one. Missing required keys are refused. What was read, defaults filled in and
+/// paths as written, is kept as JSON for `show`.
 ///
 /// A cheap handle; it keeps its file alive.
 class ConfigTable {
@@ -76,7 +76,8 @@ class ConfigTable {
   /// Array of tables `[[key]]`; empty when absent.
   std::vector<ConfigTable> tables(std::string_view key) const;
 
-  /// Throws InputError for the first key nobody asked for, in this table and the tables taken from it.
+  /// Throws InputError for the first key nobody asked for, in this table and the tables taken from
+  /// it.
   void finish() const;
   /// Throws InputError "file:line: key: message". An empty key speaks of the table itself.
   [[noreturn]] void fail(std::string_view key, std::string_view message) const;

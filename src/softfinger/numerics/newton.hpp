@@ -37,8 +37,8 @@ struct NewtonSummary {
 template <typename Problem>
 NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
   constexpr double kArmijo = 1e-4;
-  // Near the minimum energy differences drown in rounding; there the residual decides. Where they do
-  // not, a smaller residual at a higher energy is the way to a saddle.
+  // Near the minimum energy differences drown in rounding; there the residual decides. Where they
+  // do not, a smaller residual at a higher energy is the way to a saddle.
   constexpr double kEnergySlack = 1e-13;
   constexpr double kEnergyRounding = 1e-12;
   constexpr int kMaxHalvings = 24;
@@ -72,8 +72,7 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
       const double r = problem.trial_residual();
       if (!std::isfinite(e) || !std::isfinite(r)) continue;
       const bool lower = e <= energy + kArmijo * t * slope + kEnergySlack * std::abs(energy);
-      const bool closer =
-          r <= 0.5 * residual && e <= energy + kEnergyRounding * std::abs(energy);
+      const bool closer = r <= 0.5 * residual && e <= energy + kEnergyRounding * std::abs(energy);
       if (lower || closer) {
         accepted = true;
         break;
