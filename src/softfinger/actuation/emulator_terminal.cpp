@@ -10,7 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
+#include <system_error>
 
 #include "softfinger/base/error.hpp"
 
@@ -35,8 +35,8 @@ EmulatorTerminal::EmulatorTerminal(std::span<const EmulatedServo> servos) : emul
     const int error = errno;
     if (near_ >= 0) ::close(near_);
     if (far_ >= 0) ::close(far_);
-    throw OperationError(
-        fmt::format("no pseudo-terminal for the emulator: {}", std::strerror(error)));
+    throw OperationError(fmt::format("no pseudo-terminal for the emulator: {}",
+                                     std::system_category().message(error)));
   }
   ::cfmakeraw(&attributes);
   ::tcsetattr(far_, TCSANOW, &attributes);

@@ -288,6 +288,7 @@ struct ConfigTable::Node {
     std::stable_sort(found.begin(), found.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<std::string> names;
+    names.reserve(found.size());
     for (auto& [position, name] : found) names.push_back(std::move(name));
     return names;
   }
@@ -332,11 +333,10 @@ const toml::node& ConfigTable::Node::require(std::string_view key, std::string_v
     }
   }
   const std::string nearest = nearest_word(key, candidates);
-  std::string message = fmt::format("missing; expected {}", expected);
   if (!nearest.empty()) {
-    message += fmt::format(" (line {} has '{}')", line_of(nearest), shown(nearest));
+    fail(nearest, fmt::format("unknown key '{}'; did you mean '{}'?", shown(nearest), key));
   }
-  fail(key, message);
+  fail(key, fmt::format("missing; expected {}", expected));
 }
 
 double ConfigTable::number(std::string_view key, Range range) const {
@@ -393,7 +393,7 @@ std::optional<std::string> ConfigTable::optional_text(std::string_view key) cons
 
 std::string ConfigTable::choice(std::string_view key,
                                 const std::vector<std::string>& choices) const {
-  const std::string word = node_->take_text(
+  std::string word = node_->take_text(
       key, node_->require(key, fmt::format("one of {}", fmt::join(choices, ", "))));
   if (std::find(choices.begin(), choices.end(), word) == choices.end()) {
     const std::string nearest = nearest_word(word, choices);

@@ -11,8 +11,8 @@ constexpr double kRatio = 1.02;
 int bucket_of(double seconds) {
   if (!(seconds >= Histogram::kMin)) return 0;
   if (seconds >= Histogram::kMax) return Histogram::kBuckets - 1;
-  static const double inverse_log_ratio = 1.0 / std::log(kRatio);
-  const int bucket = 1 + static_cast<int>(std::log(seconds / Histogram::kMin) * inverse_log_ratio);
+  static const double kInverseLogRatio = 1.0 / std::log(kRatio);
+  const int bucket = 1 + static_cast<int>(std::log(seconds / Histogram::kMin) * kInverseLogRatio);
   return std::min(bucket, Histogram::kBuckets - 2);
 }
 

@@ -11,9 +11,6 @@
 namespace softfinger {
 namespace {
 
-// Limits count as inside to this much (rad, or fractions of a length): rounding of degrees in files
-// and flags must not put a pose on its limit out of the workspace.
-constexpr double kTolerance = 1e-9;
 // Constraints keep this far from where a leg is stretched or folded, where d(joint)/dq is infinite.
 constexpr double kReachMargin = 1e-9;       // m
 constexpr double kLeastDeterminant = 1e-3;  // of home's

@@ -8,7 +8,9 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTolerance = 1e-9;  // rad: limits count as inside
+// Limits count as inside to this much (rad): rounding of degrees in files and flags must not put a
+// pose on its limit out of the workspace.
+constexpr double kTolerance = 1e-9;
 
 Configuration between(const Configuration& from, const Configuration& to, double fraction) {
   return from + fraction * (to - from);

@@ -4,7 +4,7 @@
 
 namespace softfinger {
 
-DeviceLoop::DeviceLoop(std::int64_t finger, std::shared_ptr<const Device> device,
+DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
                        std::size_t samples, const ActuatorOptions& options)
     : rendering_(device, static_cast<int>(samples)), actuator_(device, options) {
   record_.finger = finger;

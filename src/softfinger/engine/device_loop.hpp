@@ -25,7 +25,7 @@ struct TickInput {
 class DeviceLoop {
  public:
   /// `samples`: number of skin samples. Throws InputError where the port cannot be opened.
-  DeviceLoop(std::int64_t finger, std::shared_ptr<const Device> device, std::size_t samples,
+  DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device, std::size_t samples,
              const ActuatorOptions& options);
 
   /// One device tick. Allocates nothing, takes no lock, throws nothing.

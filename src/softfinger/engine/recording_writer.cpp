@@ -6,7 +6,7 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstring>
+#include <system_error>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/recording_layout.hpp"
@@ -27,7 +27,8 @@ void create_empty(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     if (errno == EEXIST) refuse_existing_recording(file);
-    throw InputError(fmt::format("{}: cannot be created: {}", file.string(), std::strerror(errno)));
+    throw InputError(fmt::format("{}: cannot be created: {}", file.string(),
+                                 std::system_category().message(errno)));
   }
   ::close(descriptor);
 }

@@ -6,8 +6,6 @@
 namespace softfinger {
 namespace {
 
-constexpr auto kLaneCount = static_cast<std::size_t>(kLanes);
-
 Matrix3 edges(std::span<const Vector3> x, const std::array<int, 4>& t) {
   const auto at = [&](int a) -> const Vector3& {
     return x[static_cast<std::size_t>(t[static_cast<std::size_t>(a)])];

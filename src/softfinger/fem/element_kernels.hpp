@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstddef>
+
 #include "softfinger/base/instruction_set.hpp"
 
 namespace softfinger {
 
 /// Elements are worked on in groups of this many, one to a vector lane.
 inline constexpr int kLanes = 4;
+inline constexpr auto kLaneCount = static_cast<std::size_t>(kLanes);
 
 /// Rest state of one group of linear tetrahedra. Lanes beyond the last element have volume 0.
 struct ElementGroup {

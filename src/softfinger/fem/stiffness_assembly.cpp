@@ -5,7 +5,6 @@
 namespace softfinger {
 namespace {
 
-constexpr auto kLaneCount = static_cast<std::size_t>(kLanes);
 /// Node pairs (a, b) in the order of ElementHessians.
 constexpr std::array<std::array<std::size_t, 2>, 10> kPairs{
     {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 1}, {1, 2}, {1, 3}, {2, 2}, {2, 3}, {3, 3}}};

@@ -116,6 +116,8 @@ void ContactSurfaceMatching::Implementation::look_around(const SurfaceSamples& s
                                                          const MatchingOptions& options,
                                                          const Configuration& centre, double tilt,
                                                          bool turned, MatchingResult& best) {
+  // A copy, since `centre` may be the best result's own configuration.
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
   const Configuration around = centre;
   const Matrix3 facing_F = device->surface_pose(around).rotation;
   for (int side = 0; side < 4; ++side) {
