@@ -25,6 +25,13 @@ int main(int argc, char** argv) {
     return end.get_exit_code();
   } catch (const CLI::Success& end) {
     return app.exit(end);
+  } catch (const CLI::RequiredError& error) {
+    if (argc > 1 && app.get_subcommands().empty()) {
+      fmt::print(stderr, "softfinger: no command '{}'; softfinger help lists them\n", argv[1]);
+      return 2;
+    }
+    fmt::print(stderr, "softfinger: {} (see softfinger help)\n", error.what());
+    return 2;
   } catch (const CLI::ParseError& error) {
     fmt::print(stderr, "softfinger: {} (see softfinger --help)\n", error.what());
     return 2;

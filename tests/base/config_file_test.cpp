@@ -143,7 +143,7 @@ TEST_F(ConfigFileTest, MissingKeys) {
   EXPECT_EQ(error("[a]\nb = 1\n", [](const ConfigTable& root) { root.table("a").number("x_mm"); }),
             ":1: a.x_mm: missing; expected a number");
   EXPECT_EQ(error("crank_mm = 1\n", [](const ConfigTable& root) { root.number("crnak_mm"); }),
-            ": crnak_mm: missing; expected a number (line 1 has 'crank_mm')");
+            ":1: crank_mm: unknown key 'crank_mm'; did you mean 'crnak_mm'?");
   EXPECT_EQ(error("", [](const ConfigTable& root) { root.table("mesh"); }),
             ": mesh: missing; expected a table, [mesh]");
 }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -25,15 +26,15 @@ std::string refusal(const std::string& from, const std::string& to) {
   const std::size_t at = content.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   content.replace(at, from.size(), to);
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / "device_under_test.toml";
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
+                                     ("device_under_test_" + std::to_string(getpid()) + ".toml");
   std::ofstream(file) << content;
   try {
     static_cast<void>(load_device(file));
   } catch (const InputError& error) {
     const std::string message = error.what();
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    EXPECT_THAT(message, HasSubstr("device_under_test.toml"));
+    EXPECT_THAT(message, HasSubstr("device_under_test_"));
     return message;
   }
   return {};

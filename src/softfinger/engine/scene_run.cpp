@@ -52,6 +52,7 @@ struct SceneRun::Finger {
     if (!setup.devices[i]) return;
     clock = DeviceClock(setup.scene.simulation_rate, device_rate(*setup.devices[i]));
     ActuatorOptions actuator;
+    if (scene_finger.device) actuator.device_file = *scene_finger.device;
     actuator.wait_for_device = options.wait_for_device;
     actuator.simulated_time = mode == Mode::kHeadless && options.as_fast_as_possible;
     device = std::make_unique<DeviceLoop>(index, setup.devices[i], samples, actuator);

@@ -153,7 +153,7 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
   const auto size = root.optional_table("size");
 
   FingerGroups groups = group_nodes(model->mesh);
-  if (!groups.defect.empty()) mesh.fail("file", groups.defect);
+  if (!groups.defect.empty()) mesh.fail("file", mesh.text("file") + ": " + groups.defect);
   model->sample_nodes = std::move(groups.sample_nodes);
   model->skin_triangles = std::move(groups.skin_triangles);
   model->node_is_rigid = std::move(groups.node_is_rigid);
