@@ -56,5 +56,9 @@ function(softfinger_test name)
   softfinger_precompile_headers(${name}_test test)
   target_compile_definitions(${name}_test PRIVATE
     SOFTFINGER_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SOFTFINGER_PROGRAM="${PROJECT_BINARY_DIR}/softfinger")
-  gtest_discover_tests(${name}_test TEST_PREFIX "${name}." PROPERTIES LABELS ${name} DISCOVERY_TIMEOUT 60)
+  # Two builds that are tested at once must not write over each other's files.
+  set(temporary ${CMAKE_CURRENT_BINARY_DIR}/temporary)
+  file(MAKE_DIRECTORY ${temporary})
+  gtest_discover_tests(${name}_test TEST_PREFIX "${name}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS ${name} TIMEOUT 300 ENVIRONMENT "TEST_TMPDIR=${temporary};TMPDIR=${temporary}")
 endfunction()
