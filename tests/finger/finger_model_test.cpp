@@ -202,7 +202,8 @@ TEST_F(FingerModelTest, RefusesMeshesThatAreNoFinger) {
   MeshText mesh;
   mesh.names = "2\n2 1 \"Skin\"\n2 2 \"bone\"\n";
   EXPECT_EQ(error("", mesh),
-            "tip.toml:2: mesh.file: the mesh has no physical surface 'skin'; it has: Skin, bone");
+            "tip.toml:2: mesh.file: tip.msh: the mesh has no physical surface 'skin'; it has: "
+            "Skin, bone");
   mesh.names = "2\n2 1 \"skin\"\n2 2 \"bones\"\n";
   EXPECT_THAT(error("", mesh),
               HasSubstr("no physical surface or volume 'bone'; it has: skin, bones"));
