@@ -60,5 +60,5 @@ function(softfinger_test name)
   set(temporary ${CMAKE_CURRENT_BINARY_DIR}/temporary)
   file(MAKE_DIRECTORY ${temporary})
   gtest_discover_tests(${name}_test TEST_PREFIX "${name}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${name} TIMEOUT 300 ENVIRONMENT "TEST_TMPDIR=${temporary};TMPDIR=${temporary}")
+    PROPERTIES LABELS ${name} TIMEOUT 300 ENVIRONMENT TEST_TMPDIR=${temporary})
 endfunction()
