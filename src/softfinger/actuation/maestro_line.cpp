@@ -12,6 +12,7 @@
 
 #include "softfinger/actuation/maestro_protocol.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/thread_priority.hpp"
 
 namespace softfinger {
 namespace {
@@ -172,6 +173,7 @@ void MaestroLine::try_to_connect(Clock::time_point now) {
 }
 
 void MaestroLine::serve() {
+  if (!options_.unpaced) prefer_this_thread(LoopThread::kTransport);
   // Before a fresh command is late, and between repeats.
   const Clock::duration patience = period_ + period_ / 2;
   // A command that comes early is sent early, but commands never crowd.

@@ -88,12 +88,17 @@ Snapshot initial_snapshot(const RunSetup& setup) {
   snapshot.X_WO.resize(setup.scene.objects.size());
   for (std::size_t i = 0; i < setup.models.size(); ++i) {
     Snapshot::Finger finger;
-    const std::size_t samples = setup.models[i]->sample_nodes.size();
-    finger.sample_positions_F.resize(samples);
+    const FingerModel& model = *setup.models[i];
+    const std::size_t samples = model.sample_nodes.size();
+    for (const int node : model.sample_nodes) {
+      const Vector3& rest = model.mesh.nodes[static_cast<std::size_t>(node)];
+      finger.sample_positions_F.push_back(rest.cast<float>());
+    }
     finger.sample_pressures.resize(samples);
     finger.in_contact.resize(samples);
     if (const Device* device = setup.devices[i].get()) {
-      finger.linkage_F.resize(static_cast<std::size_t>(3 * device->leg_count()));
+      finger.linkage_F.assign(static_cast<std::size_t>(3 * device->leg_count()),
+                              Eigen::Vector3f::Zero());
     }
     snapshot.fingers.push_back(std::move(finger));
   }

@@ -23,33 +23,48 @@ ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticM
     : masses_(mesh.nodes.size(), 0.0),
       limits_{limit.min, limit.max, limit.stiffness, limit.width},
       kernels_(&element_kernels(set)) {
+  const auto is_tied = [&](int node) { return tied[static_cast<std::size_t>(node)]; };
+  std::vector<std::size_t> beside_body;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     if (element_material[e] < 0) continue;
     const auto& tetrahedron = mesh.tetrahedra[e];
     const ElasticMaterial& material = materials[static_cast<std::size_t>(element_material[e])];
-    const Matrix3 rest = edges(mesh.nodes, tetrahedron);
-    const double volume = rest.determinant() / 6.0;
-    bool all_tied = true;
+    const double volume = edges(mesh.nodes, tetrahedron).determinant() / 6.0;
     for (int node : tetrahedron) {
       masses_[static_cast<std::size_t>(node)] += 0.25 * material.density * volume;
-      all_tied = all_tied && tied[static_cast<std::size_t>(node)];
     }
-    if (all_tied) continue;
-    const std::size_t lane = elements_ % kLaneCount;
-    if (lane == 0) groups_.push_back(ElementGroup{});
-    ElementGroup& group = groups_.back();
-    const Matrix3 shape = rest.inverse();  // row a: grad N_{a+1}
-    for (std::size_t a = 0; a < 4; ++a) group.nodes[a][lane] = tetrahedron[a];
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        group.shape[a][k][lane] = shape(static_cast<int>(a), static_cast<int>(k));
-      }
-    }
-    group.volume[lane] = volume;
-    group.mu[lane] = material.mu();
-    group.lambda[lane] = material.lambda();
-    ++elements_;
+    const auto tied_nodes = std::count_if(tetrahedron.begin(), tetrahedron.end(), is_tied);
+    if (tied_nodes == 0) add_element(mesh, e, material, tied);
+    if (tied_nodes > 0 && tied_nodes < 4) beside_body.push_back(e);
   }
+  // Last, so that few groups have anything to do with the body.
+  first_body_group_ = elements_ / kLaneCount;
+  for (const std::size_t e : beside_body) {
+    add_element(mesh, e, materials[static_cast<std::size_t>(element_material[e])], tied);
+  }
+}
+
+void ElasticModel::add_element(const TetrahedralMesh& mesh, std::size_t e,
+                               const ElasticMaterial& material, const std::vector<bool>& tied) {
+  const auto& tetrahedron = mesh.tetrahedra[e];
+  const std::size_t lane = elements_ % kLaneCount;
+  if (lane == 0) groups_.push_back(ElementGroup{});
+  ElementGroup& group = groups_.back();
+  const Matrix3 rest = edges(mesh.nodes, tetrahedron);
+  const Matrix3 shape = rest.inverse();  // row a: grad N_{a+1}
+  for (std::size_t a = 0; a < 4; ++a) {
+    group.nodes[a][lane] = tetrahedron[a];
+    group.tied[a][lane] = tied[static_cast<std::size_t>(tetrahedron[a])] ? 1.0 : 0.0;
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      group.shape[a][k][lane] = shape(static_cast<int>(a), static_cast<int>(k));
+    }
+  }
+  group.volume[lane] = rest.determinant() / 6.0;
+  group.mu[lane] = material.mu();
+  group.lambda[lane] = material.lambda();
+  ++elements_;
 }
 
 ElasticModel::Work ElasticModel::make_work() const {
@@ -92,6 +107,12 @@ double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& w
 void ElasticModel::hessian(std::size_t group, const Work& work, bool projected,
                            ElementHessians& hessians) const {
   kernels_->hessian(groups_[group], limits_, work.decompositions[group], projected, &hessians);
+}
+
+void ElasticModel::body_hessian(std::size_t group, std::span<const Vector3> lever_arms,
+                                const ElementHessians& hessians, ElementBodyHessians& rows,
+                                BodyHessianSums& sums) const {
+  kernels_->body_hessian(groups_[group], lever_arms.data()->data(), hessians, &rows, &sums);
 }
 
 double ElasticModel::volume_ratio(std::span<const Vector3> positions) const {

@@ -48,6 +48,12 @@ class ElasticModel {
   /// Element Hessians of group `group` at the positions last evaluated with `work`.
   void hessian(std::size_t group, const Work& work, bool projected,
                ElementHessians& hessians) const;
+  /// True where the group has a node that moves with the rigid body.
+  [[nodiscard]] bool touches_body(std::size_t group) const { return group >= first_body_group_; }
+  /// What concerns the body in a group's Hessian; see ElementKernels::body_hessian.
+  void body_hessian(std::size_t group, std::span<const Vector3> lever_arms,
+                    const ElementHessians& hessians, ElementBodyHessians& rows,
+                    BodyHessianSums& sums) const;
 
   /// Deformed over rest volume of all soft elements together.
   [[nodiscard]] double volume_ratio(std::span<const Vector3> positions) const;
@@ -63,8 +69,12 @@ class ElasticModel {
   [[nodiscard]] std::span<const double> masses() const { return masses_; }
 
  private:
+  void add_element(const TetrahedralMesh& mesh, std::size_t e, const ElasticMaterial& material,
+                   const std::vector<bool>& tied);
+
   std::vector<ElementGroup> groups_;
   std::size_t elements_ = 0;
+  std::size_t first_body_group_ = 0;
   std::vector<double> masses_;
   ElementLimits limits_{};
   const ElementKernels* kernels_ = nullptr;

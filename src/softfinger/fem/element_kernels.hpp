@@ -18,6 +18,7 @@ struct ElementGroup {
   alignas(32) double volume[kLanes];   ///< m^3
   alignas(32) double mu[kLanes];       ///< Pa
   alignas(32) double lambda[kLanes];   ///< Pa
+  alignas(32) double tied[4][kLanes];  ///< 1 where the node moves with the rigid body, else 0
 };
 
 /// What the gradient pass leaves for the Hessian pass and, as a warm start, for the next one:
@@ -39,6 +40,20 @@ struct ElementHessians {
   alignas(32) double block[10][9][kLanes];
 };
 
+/// Second derivatives of one group by the motion of the rigid body that its tied nodes follow,
+/// dx = dc + dtheta x r: rows of node a, columns of dc and of dtheta, each column-major.
+struct ElementBodyHessians {
+  alignas(32) double by_translation[4][9][kLanes];
+  alignas(32) double by_rotation[4][9][kLanes];
+};
+
+/// Sums over groups, lane by lane, of the second derivatives by the body's motion alone.
+struct BodyHessianSums {
+  alignas(32) double translation[9][kLanes];           ///< dc, dc
+  alignas(32) double translation_rotation[9][kLanes];  ///< dc, dtheta
+  alignas(32) double rotation[9][kLanes];              ///< dtheta, dtheta
+};
+
 /// Strain-limit constants as the kernels take them (see StrainLimit); stiffness 0: none.
 struct ElementLimits {
   double min, max, stiffness, width;
@@ -58,6 +73,11 @@ struct ElementKernels {
   void (*hessian)(const ElementGroup& group, const ElementLimits& limits,
                   const ElementDecomposition& decomposition, bool projected,
                   ElementHessians* hessians);
+  /// From a group's Hessian, what concerns the body; lever_arms: r of each node in turn, x y z, m.
+  /// Adds to `sums`.
+  void (*body_hessian)(const ElementGroup& group, const double* lever_arms,
+                       const ElementHessians& hessians, ElementBodyHessians* rows,
+                       BodyHessianSums* sums);
 };
 
 [[nodiscard]] const ElementKernels& element_kernels(InstructionSet set);

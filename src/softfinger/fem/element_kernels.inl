@@ -182,18 +182,23 @@ inline Limit limit_at(const ElementLimits& limits, Lane s) {
           k * (upper.second + lower.second)};
 }
 
+/// A vector of each of the elements' nodes a, stored x y z node by node.
+inline Vec3 gather(const ElementGroup& group, int a, const double* vectors) {
+  Vec3 v;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const double* p = vectors + 3 * group.nodes[a][lane];
+    v.x[lane] = p[0];
+    v.y[lane] = p[1];
+    v.z[lane] = p[2];
+  }
+  return v;
+}
+
 double energy_gradient(const ElementGroup& group, const ElementLimits& limits,
                        const double* positions, ElementDecomposition* decomposition,
                        ElementForces* forces) {
   Vec3 x[4];
-  for (int a = 0; a < 4; ++a) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const double* p = positions + 3 * group.nodes[a][lane];
-      x[a].x[lane] = p[0];
-      x[a].y[lane] = p[1];
-      x[a].z[lane] = p[2];
-    }
-  }
+  for (int a = 0; a < 4; ++a) x[a] = gather(group, a, positions);
   // F = sum_a (x_a - x_0) (grad N_a)^T
   Vec3 shape[3];
   Mat3 f{};
@@ -344,9 +349,55 @@ void hessian(const ElementGroup& group, const ElementLimits& limits,
   }
 }
 
+inline Mat3 transpose(const Mat3& m) {
+  return {{{m.c[0].x, m.c[1].x, m.c[2].x},
+           {m.c[0].y, m.c[1].y, m.c[2].y},
+           {m.c[0].z, m.c[1].z, m.c[2].z}}};
+}
+inline Mat3 operator+(const Mat3& a, const Mat3& b) {
+  return {{a.c[0] + b.c[0], a.c[1] + b.c[1], a.c[2] + b.c[2]}};
+}
+inline Mat3 operator*(const Mat3& m, Lane f) { return {{m.c[0] * f, m.c[1] * f, m.c[2] * f}}; }
+inline void add_matrix(double p[9][kLanes], const Mat3& m) { store_matrix(p, load_matrix(p) + m); }
+
+void body_hessian(const ElementGroup& group, const double* lever_arms,
+                  const ElementHessians& hessians, ElementBodyHessians* rows,
+                  BodyHessianSums* sums) {
+  constexpr int kPlace[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
+  Vec3 arm[4];
+  Lane tied[4];
+  for (int a = 0; a < 4; ++a) {
+    arm[a] = gather(group, a, lever_arms);
+    tied[a] = load(group.tied[a]);
+  }
+  Mat3 by_c{}, by_c_theta{}, by_theta{};
+  for (int a = 0; a < 4; ++a) {
+    Mat3 translation{}, rotation{};
+    for (int b = 0; b < 4; ++b) {
+      const Mat3 stored = load_matrix(hessians.block[kPlace[a][b]]);
+      const Mat3 k = (a <= b ? stored : transpose(stored)) * tied[b];
+      translation = translation + k;
+      // K [-r]x, column by column
+      rotation.c[0] = rotation.c[0] + k.c[2] * arm[b].y - k.c[1] * arm[b].z;
+      rotation.c[1] = rotation.c[1] + k.c[0] * arm[b].z - k.c[2] * arm[b].x;
+      rotation.c[2] = rotation.c[2] + k.c[1] * arm[b].x - k.c[0] * arm[b].y;
+    }
+    store_matrix(rows->by_translation[a], translation);
+    store_matrix(rows->by_rotation[a], rotation);
+    translation = translation * tied[a];
+    rotation = rotation * tied[a];
+    by_c = by_c + translation;
+    by_c_theta = by_c_theta + rotation;
+    for (int c = 0; c < 3; ++c) by_theta.c[c] = by_theta.c[c] + cross(arm[a], rotation.c[c]);
+  }
+  add_matrix(sums->translation, by_c);
+  add_matrix(sums->translation_rotation, by_c_theta);
+  add_matrix(sums->rotation, by_theta);
+}
+
 }  // namespace
 
 extern const ElementKernels kElementKernels;
-const ElementKernels kElementKernels{&energy_gradient, &hessian};
+const ElementKernels kElementKernels{&energy_gradient, &hessian, &body_hessian};
 
 }  // namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE

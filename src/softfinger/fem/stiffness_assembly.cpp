@@ -78,72 +78,66 @@ void StiffnessAssembly::clear(std::span<const Vector3> lever_arms) {
   for (Matrix3& block : body_) block.setZero();
 }
 
-void StiffnessAssembly::add_pair(int a, int b, const BlockCholesky::Slot& slot,
-                                 const Matrix3& block) {
-  const int i = map_.block_of_node[static_cast<std::size_t>(a)];
-  const int j = map_.block_of_node[static_cast<std::size_t>(b)];
-  if (i >= 0 && j >= 0) {
-    cholesky_.add(slot, block.data());
-    return;
-  }
-  if (!map_.body_moves) return;
-  if (i >= 0 || j >= 0) {
-    // d(force on the free node) / d(body) = K [I, -[r]x]
-    const Matrix3 from_free = i >= 0 ? block : Matrix3(block.transpose());
-    const Vector3& r = lever_arms_[static_cast<std::size_t>(i >= 0 ? b : a)];
-    const auto& slots = body_slots_[static_cast<std::size_t>(std::max(i, j))];
-    const Matrix3 by_rotation = -from_free * skew(r);
-    cholesky_.add(slots[0], from_free.data());
-    cholesky_.add(slots[1], by_rotation.data());
-    return;
-  }
-  if (a == b) {
-    const Matrix3 arm = skew(lever_arms_[static_cast<std::size_t>(a)]);
-    body_[0] += block;
-    body_[1] -= block * arm;
-    body_[2] -= arm * block * arm;
-    return;
-  }
-  const Matrix3 arm_a = skew(lever_arms_[static_cast<std::size_t>(a)]);
-  const Matrix3 arm_b = skew(lever_arms_[static_cast<std::size_t>(b)]);
-  const Matrix3 rotation = -arm_a * block * arm_b;
-  body_[0] += block + block.transpose();
-  body_[1] -= block * arm_b + block.transpose() * arm_a;
-  body_[2] += rotation + rotation.transpose();
-}
-
 void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticModel::Work& work,
                                     bool projected) {
   ElementHessians hessians;
-  Matrix3 block;
+  ElementBodyHessians body_rows;
+  BodyHessianSums body_sums{};
   for (std::size_t g = 0; g < model.groups().size(); ++g) {
-    const ElementGroup& group = model.groups()[g];
     model.hessian(g, work, projected, hessians);
+    const bool with_body = map_.body_moves && model.touches_body(g);
+    if (with_body) model.body_hessian(g, lever_arms_, hessians, body_rows, body_sums);
     const std::size_t lanes = std::min(kLaneCount, model.elements() - g * kLaneCount);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const auto& slots = pair_slots_[g * kLaneCount + lane];
       for (std::size_t k = 0; k < kPairs.size(); ++k) {
-        if (slots[k].row != 0) {  // both nodes free
-          double* v = cholesky_.values() + slots[k].offset;
-          for (int c = 0; c < 3; ++c) {
-            for (int r = 0; r < 3; ++r) {
-              v[r * slots[k].row + c * slots[k].column] += hessians.block[k][3 * c + r][lane];
-            }
-          }
-          continue;
-        }
-        if (!map_.body_moves) continue;
-        for (std::size_t e = 0; e < 9; ++e) block.data()[e] = hessians.block[k][e][lane];
-        add_pair(group.nodes[kPairs[k][0]][lane], group.nodes[kPairs[k][1]][lane], slots[k], block);
+        if (slots[k].row != 0) add_lane(slots[k], hessians.block[k], lane);
       }
+      if (with_body) add_body_rows(model.groups()[g], body_rows, lane);
     }
+  }
+  if (!map_.body_moves) return;
+  for (int e = 0; e < 9; ++e) {
+    const auto sum = [e](const double(&terms)[9][kLanes]) {
+      return (terms[e][0] + terms[e][1]) + (terms[e][2] + terms[e][3]);
+    };
+    body_[0].data()[e] += sum(body_sums.translation);
+    body_[1].data()[e] += sum(body_sums.translation_rotation);
+    body_[2].data()[e] += sum(body_sums.rotation);
+  }
+}
+
+void StiffnessAssembly::add_lane(const BlockCholesky::Slot& slot, const double (&block)[9][kLanes],
+                                 std::size_t lane) {
+  double* v = cholesky_.values() + slot.offset;
+  for (int c = 0; c < 3; ++c) {
+    for (int r = 0; r < 3; ++r) v[r * slot.row + c * slot.column] += block[3 * c + r][lane];
+  }
+}
+
+void StiffnessAssembly::add_body_rows(const ElementGroup& group, const ElementBodyHessians& rows,
+                                      std::size_t lane) {
+  for (std::size_t a = 0; a < 4; ++a) {
+    const int i = map_.block_of_node[static_cast<std::size_t>(group.nodes[a][lane])];
+    if (i < 0) continue;
+    const auto& slots = body_slots_[static_cast<std::size_t>(i)];
+    if (slots[0].row == 0) continue;  // no neighbour of the node moves with the body
+    add_lane(slots[0], rows.by_translation[a], lane);
+    add_lane(slots[1], rows.by_rotation[a], lane);
   }
 }
 
 void StiffnessAssembly::add_node(int node, const Matrix3& block) {
   const int i = map_.block_of_node[static_cast<std::size_t>(node)];
-  add_pair(node, node,
-           i >= 0 ? diagonal_slots_[static_cast<std::size_t>(i)] : BlockCholesky::Slot{}, block);
+  if (i >= 0) {
+    cholesky_.add(diagonal_slots_[static_cast<std::size_t>(i)], block.data());
+    return;
+  }
+  if (!map_.body_moves) return;
+  const Matrix3 arm = skew(lever_arms_[static_cast<std::size_t>(node)]);
+  body_[0] += block;
+  body_[1] -= block * arm;
+  body_[2] -= arm * block * arm;
 }
 
 void StiffnessAssembly::add_body(const Matrix3& translation, const Matrix3& translation_rotation,
