@@ -78,7 +78,10 @@ void ElasticModel::reset(Work& work) const {
   for (ElementDecomposition& d : work.decompositions) {
     d = ElementDecomposition{};
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      for (std::size_t i = 0; i < 3; ++i) d.u[4 * i][lane] = d.v[4 * i][lane] = d.s[i][lane] = 1.0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        d.v[4 * i][lane] = d.s[i][lane] = 1.0;
+        d.u[4 * i][lane] = 1.0F;
+      }
     }
   }
 }
@@ -106,7 +109,7 @@ double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& w
 
 void ElasticModel::hessian(std::size_t group, const Work& work, bool projected,
                            ElementHessians& hessians) const {
-  kernels_->hessian(groups_[group], limits_, work.decompositions[group], projected, &hessians);
+  kernels_->hessian(groups_[group], work.decompositions[group], projected, &hessians);
 }
 
 void ElasticModel::body_hessian(std::size_t group, std::span<const Vector3> lever_arms,

@@ -1,57 +1,60 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 
 #include "softfinger/base/instruction_set.hpp"
 
 namespace softfinger {
 
 /// Elements are worked on in groups of this many, one to a vector lane.
-inline constexpr int kLanes = 4;
+inline constexpr int kLanes = 8;
 inline constexpr auto kLaneCount = static_cast<std::size_t>(kLanes);
 
 /// Rest state of one group of linear tetrahedra. Lanes beyond the last element have volume 0.
 struct ElementGroup {
-  alignas(32) int nodes[4][kLanes];
+  alignas(64) int nodes[4][kLanes];
   alignas(
       32) double shape[3][3][kLanes];  ///< shape[a][k]: component k of grad N_{a+1} at rest, 1/m
-  alignas(32) double volume[kLanes];   ///< m^3
-  alignas(32) double mu[kLanes];       ///< Pa
-  alignas(32) double lambda[kLanes];   ///< Pa
-  alignas(32) double tied[4][kLanes];  ///< 1 where the node moves with the rigid body, else 0
+  alignas(64) double volume[kLanes];   ///< m^3
+  alignas(64) double mu[kLanes];       ///< Pa
+  alignas(64) double lambda[kLanes];   ///< Pa
+  alignas(64) double tied[4][kLanes];  ///< 1 where the node moves with the rigid body, else 0
 };
 
 /// What the gradient pass leaves for the Hessian pass and, as a warm start, for the next one:
 /// F = U diag(s) V^T with det U = det V = 1.
 struct ElementDecomposition {
-  alignas(32) double u[9][kLanes];  ///< column-major
-  alignas(32) double v[9][kLanes];  ///< column-major
-  alignas(32) double s[3][kLanes];  ///< principal stretches, descending; the last may be negative
+  alignas(64) double v[9][kLanes];  ///< column-major
+  alignas(64) double s[3][kLanes];  ///< principal stretches, descending; the last may be negative
+  alignas(64) double limit_stress[3][kLanes];     ///< b'(s), Pa
+  alignas(64) double limit_stiffness[3][kLanes];  ///< b''(s), Pa
+  alignas(64) float u[9][kLanes];                 ///< column-major
 };
 
 /// Contribution of one group to the gradient: force[a][k] of node a, component k.
 struct ElementForces {
-  alignas(32) double force[4][3][kLanes];
+  alignas(64) double force[4][3][kLanes];
 };
 
 /// Contribution of one group to the Hessian: the ten blocks (a, b), a <= b, in the order
-/// 00 01 02 03 11 12 13 22 23 33, each column-major.
+/// 00 01 02 03 11 12 13 22 23 33, each column-major. Single precision, as the factor it goes into.
 struct ElementHessians {
-  alignas(32) double block[10][9][kLanes];
+  alignas(64) float block[10][9][kLanes];
 };
 
 /// Second derivatives of one group by the motion of the rigid body that its tied nodes follow,
 /// dx = dc + dtheta x r: rows of node a, columns of dc and of dtheta, each column-major.
 struct ElementBodyHessians {
-  alignas(32) double by_translation[4][9][kLanes];
-  alignas(32) double by_rotation[4][9][kLanes];
+  alignas(64) float by_translation[4][9][kLanes];
+  alignas(64) float by_rotation[4][9][kLanes];
 };
 
 /// Sums over groups, lane by lane, of the second derivatives by the body's motion alone.
 struct BodyHessianSums {
-  alignas(32) double translation[9][kLanes];           ///< dc, dc
-  alignas(32) double translation_rotation[9][kLanes];  ///< dc, dtheta
-  alignas(32) double rotation[9][kLanes];              ///< dtheta, dtheta
+  alignas(64) float translation[9][kLanes];           ///< dc, dc
+  alignas(64) float translation_rotation[9][kLanes];  ///< dc, dtheta
+  alignas(64) float rotation[9][kLanes];              ///< dtheta, dtheta
 };
 
 /// Strain-limit constants as the kernels take them (see StrainLimit); stiffness 0: none.
@@ -70,9 +73,8 @@ struct ElementKernels {
                             ElementForces* forces);
   /// Second derivative at the decomposition last computed, N/m. `projected` cuts negative
   /// eigenvalues (twist modes under compression) to zero.
-  void (*hessian)(const ElementGroup& group, const ElementLimits& limits,
-                  const ElementDecomposition& decomposition, bool projected,
-                  ElementHessians* hessians);
+  void (*hessian)(const ElementGroup& group, const ElementDecomposition& decomposition,
+                  bool projected, ElementHessians* hessians);
   /// From a group's Hessian, what concerns the body; lever_arms: r of each node in turn, x y z, m.
   /// Adds to `sums`.
   void (*body_hessian)(const ElementGroup& group, const double* lever_arms,

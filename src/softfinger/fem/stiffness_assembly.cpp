@@ -98,8 +98,10 @@ void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticMode
   }
   if (!map_.body_moves) return;
   for (int e = 0; e < 9; ++e) {
-    const auto sum = [e](const double(&terms)[9][kLanes]) {
-      return (terms[e][0] + terms[e][1]) + (terms[e][2] + terms[e][3]);
+    const auto sum = [e](const float(&terms)[9][kLanes]) {
+      double total = 0.0;
+      for (const float term : terms[e]) total += static_cast<double>(term);
+      return total;
     };
     body_[0].data()[e] += sum(body_sums.translation);
     body_[1].data()[e] += sum(body_sums.translation_rotation);
@@ -107,9 +109,9 @@ void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticMode
   }
 }
 
-void StiffnessAssembly::add_lane(const BlockCholesky::Slot& slot, const double (&block)[9][kLanes],
+void StiffnessAssembly::add_lane(const BlockCholesky::Slot& slot, const float (&block)[9][kLanes],
                                  std::size_t lane) {
-  double* v = cholesky_.values() + slot.offset;
+  float* v = cholesky_.values() + slot.offset;
   for (int c = 0; c < 3; ++c) {
     for (int r = 0; r < 3; ++r) v[r * slot.row + c * slot.column] += block[3 * c + r][lane];
   }

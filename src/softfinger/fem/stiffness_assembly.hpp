@@ -44,8 +44,7 @@ class StiffnessAssembly {
   [[nodiscard]] const BlockCholesky& cholesky() const { return cholesky_; }
 
  private:
-  void add_lane(const BlockCholesky::Slot& slot, const double (&block)[9][kLanes],
-                std::size_t lane);
+  void add_lane(const BlockCholesky::Slot& slot, const float (&block)[9][kLanes], std::size_t lane);
   void add_body_rows(const ElementGroup& group, const ElementBodyHessians& rows, std::size_t lane);
 
   UnknownMap map_;

@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "softfinger/numerics/dense_panel.hpp"
 
@@ -101,10 +102,10 @@ void BlockCholesky::order_and_analyse(int blocks, Pairs pairs) {
     supernodes_.push_back(node);
     first = last + 1;
   }
-  values_.assign(value_count + 2 * kPanelAlignment, 0.0);
+  values_.assign(value_count + 2 * kPanelAlignment, 0.0F);
   const auto side = static_cast<std::size_t>(padded(3 * max_rows));
-  update_.assign(side * side + 2 * kPanelAlignment, 0.0);
-  work_.assign(static_cast<std::size_t>(3 * blocks) + side + 2 * kPanelAlignment, 0.0);
+  update_.assign(side * side + 2 * kPanelAlignment, 0.0F);
+  work_.assign(static_cast<std::size_t>(3 * blocks) + side + 2 * kPanelAlignment, 0.0F);
   relative_.assign(static_cast<std::size_t>(blocks), 0);
   head_.assign(supernodes_.size(), -1);
   next_.assign(supernodes_.size(), -1);
@@ -130,7 +131,7 @@ BlockCholesky::Slot BlockCholesky::slot(int i, int j) const {
   return slot;
 }
 
-void BlockCholesky::clear() { std::fill(values_.begin(), values_.end(), 0.0); }
+void BlockCholesky::clear() { std::fill(values_.begin(), values_.end(), 0.0F); }
 
 void BlockCholesky::subtract_update(const Supernode& source, int from, Supernode& target) {
   const int* rows = rows_.data() + source.row_begin;
@@ -142,13 +143,13 @@ void BlockCholesky::subtract_update(const Supernode& source, int from, Supernode
   dense_panel_kernels(set_).outer_product(values_.data() + source.offset + 3 * from, source.stride,
                                           3 * count, 3 * columns, 3 * source.width, update_.data(),
                                           out_stride);
-  double* panel = values_.data() + target.offset;
+  float* panel = values_.data() + target.offset;
   for (int j = 0; j < columns; ++j) {
     const int target_column = 3 * (rows[from + j] - target.first);
     for (int i = j; i < count; ++i) {
       const int target_row = 3 * relative_[static_cast<std::size_t>(rows[from + i])];
-      const double* u = update_.data() + 3 * j * out_stride + 3 * i;
-      double* t = panel + target_column * target.stride + target_row;
+      const float* u = update_.data() + 3 * j * out_stride + 3 * i;
+      float* t = panel + target_column * target.stride + target_row;
       for (int c = 0; c < 3; ++c) {
         for (int r = 0; r < 3; ++r) t[c * target.stride + r] -= u[c * out_stride + r];
       }
@@ -199,38 +200,42 @@ bool BlockCholesky::factor() {
 void BlockCholesky::solve(std::span<double> x) const {
   const DensePanelKernels& kernels = dense_panel_kernels(set_);
   const std::size_t blocks = position_.size();
-  double* y = work_.data();
-  double* t = work_.data() + 3 * blocks;
+  // Brought to the size of one: the smallest right-hand sides would lose digits otherwise.
+  double greatest = 0.0;
+  for (const double v : x) greatest = std::max(greatest, std::abs(v));
+  if (!(greatest > 0.0) || !std::isfinite(greatest)) return;
+  const double scale = 1.0 / greatest;
+  float* y = work_.data();
+  float* t = work_.data() + 3 * blocks;
   for (std::size_t b = 0; b < blocks; ++b) {
     const auto p = static_cast<std::size_t>(position_[b]);
-    for (std::size_t c = 0; c < 3; ++c) y[3 * p + c] = x[3 * b + c];
+    for (std::size_t c = 0; c < 3; ++c) y[3 * p + c] = static_cast<float>(scale * x[3 * b + c]);
   }
-  const auto each_row = [&](const Supernode& node, auto&& visit) {
-    for (int k = 0; k < node.row_count; ++k) {
-      const int row = rows_[static_cast<std::size_t>(node.row_begin + k)];
-      for (int c = 0; c < 3; ++c) visit(k >= node.width, t[3 * k + c], y[3 * row + c]);
-    }
-  };
   for (const Supernode& node : supernodes_) {
-    each_row(node,
-             [](bool is_below, double& local, double& global) { local = is_below ? 0.0 : global; });
-    kernels.solve_forward(values_.data() + node.offset, 3 * node.row_count, 3 * node.width,
-                          node.stride, t);
-    each_row(node, [](bool is_below, double& local, double& global) {
-      global = is_below ? global + local : local;
-    });
+    const int* rows = rows_.data() + node.row_begin;
+    const int own = 3 * node.width;
+    std::copy_n(y + 3 * node.first, own, t);
+    std::fill_n(t + own, 3 * node.row_count - own, 0.0F);
+    kernels.solve_forward(values_.data() + node.offset, 3 * node.row_count, own, node.stride, t);
+    std::copy_n(t, own, y + 3 * node.first);
+    for (int k = node.width; k < node.row_count; ++k) {
+      for (int c = 0; c < 3; ++c) y[3 * rows[k] + c] += t[3 * k + c];
+    }
   }
   for (auto node = supernodes_.rbegin(); node != supernodes_.rend(); ++node) {
-    each_row(*node, [](bool, double& local, double& global) { local = global; });
-    kernels.solve_backward(values_.data() + node->offset, 3 * node->row_count, 3 * node->width,
-                           node->stride, t);
-    each_row(*node, [](bool is_below, double& local, double& global) {
-      if (!is_below) global = local;
-    });
+    const int* rows = rows_.data() + node->row_begin;
+    const int own = 3 * node->width;
+    std::copy_n(y + 3 * node->first, own, t);
+    for (int k = node->width; k < node->row_count; ++k) {
+      for (int c = 0; c < 3; ++c) t[3 * k + c] = y[3 * rows[k] + c];
+    }
+    kernels.solve_backward(values_.data() + node->offset, 3 * node->row_count, own, node->stride,
+                           t);
+    std::copy_n(t, own, y + 3 * node->first);
   }
   for (std::size_t b = 0; b < blocks; ++b) {
     const auto p = static_cast<std::size_t>(position_[b]);
-    for (std::size_t c = 0; c < 3; ++c) x[3 * b + c] = y[3 * p + c];
+    for (std::size_t c = 0; c < 3; ++c) x[3 * b + c] = greatest * static_cast<double>(y[3 * p + c]);
   }
 }
 

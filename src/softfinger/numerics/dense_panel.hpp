@@ -4,24 +4,25 @@
 
 namespace softfinger {
 
-/// Dense kernels on column-major panels of doubles, one set per instruction set. Panels have a
+/// Dense kernels on column-major panels of floats, one set per instruction set. Panels have a
 /// leading dimension that is a multiple of kPanelAlignment and start on that alignment, so that
 /// kernels may read and write whole vectors past the last row.
-inline constexpr int kPanelAlignment = 4;
+inline constexpr int kPanelAlignment = 8;
 
 struct DensePanelKernels {
   /// Factors the panel's leading columns x columns block as L L^T and solves the rows below by it.
-  /// Returns false at the first pivot that is not positive.
-  bool (*factor)(double* panel, int rows, int columns, int stride);
+  /// The diagonal of L is kept as its inverse. Returns false at the first pivot that is not
+  /// positive.
+  bool (*factor)(float* panel, int rows, int columns, int stride);
   /// out (rows x columns, stride out_stride) = lower part of A B^T, where A is rows x depth at `a`
   /// and B its first `columns` rows; both have stride a_stride.
-  void (*outer_product)(const double* a, int a_stride, int rows, int columns, int depth,
-                        double* out, int out_stride);
+  void (*outer_product)(const float* a, int a_stride, int rows, int columns, int depth, float* out,
+                        int out_stride);
   /// t = panel^-1 t for the leading block, then subtracts the rows below times it from the rest of
   /// t.
-  void (*solve_forward)(const double* panel, int rows, int columns, int stride, double* t);
+  void (*solve_forward)(const float* panel, int rows, int columns, int stride, float* t);
   /// The transpose of solve_forward: needs the rest of t solved already.
-  void (*solve_backward)(const double* panel, int rows, int columns, int stride, double* t);
+  void (*solve_backward)(const float* panel, int rows, int columns, int stride, float* t);
 };
 
 [[nodiscard]] const DensePanelKernels& dense_panel_kernels(InstructionSet set);

@@ -8,55 +8,58 @@
 namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE {
 namespace {
 
-// Unaligned-load vector: panels are 32-byte aligned, rows within them need not be.
-typedef double Vec __attribute__((vector_size(32), aligned(8), may_alias));
+// Unaligned-load vector: panels are aligned, rows within them need not be.
+typedef float Vec __attribute__((vector_size(32), aligned(4), may_alias));
+constexpr int kWide = 8;
+static_assert(kPanelAlignment % kWide == 0);
+constexpr int down(int row) { return row & ~(kWide - 1); }
 
-inline Vec& at(double* p) { return *reinterpret_cast<Vec*>(p); }
-inline const Vec& at(const double* p) { return *reinterpret_cast<const Vec*>(p); }
+inline Vec& at(float* p) { return *reinterpret_cast<Vec*>(p); }
+inline const Vec& at(const float* p) { return *reinterpret_cast<const Vec*>(p); }
 
-bool factor(double* panel, int rows, int columns, int stride) {
+bool factor(float* panel, int rows, int columns, int stride) {
   for (int j = 0; j < columns; ++j) {
-    double* cj = panel + j * stride;
-    const double pivot = cj[j];
+    float* cj = panel + j * stride;
+    const float pivot = cj[j];
     if (!(pivot > 0.0)) return false;
-    const double inverse = 1.0 / __builtin_sqrt(pivot);
-    const int first = j & ~3;
-    for (int i = first; i < rows; i += 4) at(cj + i) = at(cj + i) * inverse;
+    const float inverse = 1.0F / __builtin_sqrtf(pivot);
+    for (int i = down(j); i < rows; i += kWide) at(cj + i) = at(cj + i) * inverse;
+    cj[j] = inverse;
     int k = j + 1;
     for (; k + 1 < columns; k += 2) {
-      double* c0 = panel + k * stride;
-      double* c1 = c0 + stride;
-      const double f0 = cj[k];
-      const double f1 = cj[k + 1];
-      for (int i = k & ~3; i < rows; i += 4) {
+      float* c0 = panel + k * stride;
+      float* c1 = c0 + stride;
+      const float f0 = cj[k];
+      const float f1 = cj[k + 1];
+      for (int i = down(k); i < rows; i += kWide) {
         const Vec v = at(cj + i);
         at(c0 + i) = at(c0 + i) - v * f0;
         at(c1 + i) = at(c1 + i) - v * f1;
       }
     }
     for (; k < columns; ++k) {
-      double* ck = panel + k * stride;
-      const double f = cj[k];
-      for (int i = k & ~3; i < rows; i += 4) at(ck + i) = at(ck + i) - at(cj + i) * f;
+      float* ck = panel + k * stride;
+      const float f = cj[k];
+      for (int i = down(k); i < rows; i += kWide) at(ck + i) = at(ck + i) - at(cj + i) * f;
     }
   }
   return true;
 }
 
-void outer_product(const double* a, int a_stride, int rows, int columns, int depth, double* out,
+void outer_product(const float* a, int a_stride, int rows, int columns, int depth, float* out,
                    int out_stride) {
   // Columns come in threes: every block of the matrix is 3 wide.
   for (int j = 0; j < columns; j += 3) {
-    int i = j & ~3;
-    for (; i + 4 < rows; i += 8) {
+    int i = down(j);
+    for (; i + kWide < rows; i += 2 * kWide) {
       Vec s00{}, s01{}, s02{}, s10{}, s11{}, s12{};
       for (int k = 0; k < depth; ++k) {
-        const double* ak = a + k * a_stride;
+        const float* ak = a + k * a_stride;
         const Vec v0 = at(ak + i);
-        const Vec v1 = at(ak + i + 4);
-        const double b0 = ak[j];
-        const double b1 = ak[j + 1];
-        const double b2 = ak[j + 2];
+        const Vec v1 = at(ak + i + kWide);
+        const float b0 = ak[j];
+        const float b1 = ak[j + 1];
+        const float b2 = ak[j + 2];
         s00 += v0 * b0;
         s01 += v0 * b1;
         s02 += v0 * b2;
@@ -64,24 +67,24 @@ void outer_product(const double* a, int a_stride, int rows, int columns, int dep
         s11 += v1 * b1;
         s12 += v1 * b2;
       }
-      double* o = out + j * out_stride + i;
+      float* o = out + j * out_stride + i;
       at(o) = s00;
-      at(o + 4) = s10;
+      at(o + kWide) = s10;
       at(o + out_stride) = s01;
-      at(o + out_stride + 4) = s11;
+      at(o + out_stride + kWide) = s11;
       at(o + 2 * out_stride) = s02;
-      at(o + 2 * out_stride + 4) = s12;
+      at(o + 2 * out_stride + kWide) = s12;
     }
-    for (; i < rows; i += 4) {
+    for (; i < rows; i += kWide) {
       Vec s0{}, s1{}, s2{};
       for (int k = 0; k < depth; ++k) {
-        const double* ak = a + k * a_stride;
+        const float* ak = a + k * a_stride;
         const Vec v = at(ak + i);
         s0 += v * ak[j];
         s1 += v * ak[j + 1];
         s2 += v * ak[j + 2];
       }
-      double* o = out + j * out_stride + i;
+      float* o = out + j * out_stride + i;
       at(o) = s0;
       at(o + out_stride) = s1;
       at(o + 2 * out_stride) = s2;
@@ -90,28 +93,30 @@ void outer_product(const double* a, int a_stride, int rows, int columns, int dep
 }
 
 // The scratch vector t is padded like a panel column.
-void solve_forward(const double* panel, int rows, int columns, int stride, double* t) {
+void solve_forward(const float* panel, int rows, int columns, int stride, float* t) {
   for (int k = 0; k < columns; ++k) {
-    const double* ck = panel + k * stride;
-    const double x = t[k] / ck[k];
+    const float* ck = panel + k * stride;
+    const float x = t[k] * ck[k];
     t[k] = x;
+    // Entries of L above its diagonal are not zero: the vector they share goes one by one.
     int i = k + 1;
-    for (; i < rows && (i & 3) != 0; ++i) t[i] -= ck[i] * x;
-    for (; i < rows; i += 4) at(t + i) = at(t + i) - at(ck + i) * x;
+    for (; i < rows && i != down(i); ++i) t[i] -= ck[i] * x;
+    for (; i < rows; i += kWide) at(t + i) = at(t + i) - at(ck + i) * x;
   }
 }
 
-void solve_backward(const double* panel, int rows, int columns, int stride, double* t) {
+void solve_backward(const float* panel, int rows, int columns, int stride, float* t) {
   for (int k = columns - 1; k >= 0; --k) {
-    const double* ck = panel + k * stride;
-    double sum = 0.0;
+    const float* ck = panel + k * stride;
+    float sum = 0.0F;
     int i = k + 1;
-    for (; i < rows && (i & 3) != 0; ++i) sum += ck[i] * t[i];
+    for (; i < rows && i != down(i); ++i) sum += ck[i] * t[i];
     Vec lanes{};
-    for (; i + 4 <= rows; i += 4) lanes += at(ck + i) * at(t + i);
+    for (; i + kWide <= rows; i += kWide) lanes += at(ck + i) * at(t + i);
     for (; i < rows; ++i) sum += ck[i] * t[i];
-    sum += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
-    t[k] = (t[k] - sum) / ck[k];
+    sum += ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) +
+           ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
+    t[k] = (t[k] - sum) * ck[k];
   }
 }
 
