@@ -26,7 +26,7 @@ struct ElementGroup {
 /// F = U diag(s) V^T with det U = det V = 1.
 struct ElementDecomposition {
   alignas(64) double v[9][kLanes];  ///< column-major
-  alignas(64) double s[3][kLanes];  ///< principal stretches, descending; the last may be negative
+  alignas(64) double s[3][kLanes];  ///< principal stretches; one is negative where inverted
   alignas(64) double limit_stress[3][kLanes];     ///< b'(s), Pa
   alignas(64) double limit_stiffness[3][kLanes];  ///< b''(s), Pa
   alignas(64) float u[9][kLanes];                 ///< column-major

@@ -1,17 +1,17 @@
 // Compiled once per instruction set, in a namespace of its own. Includes nothing whose inline
 // functions another translation unit could share: the linker may keep either copy.
 
-#if !defined(SOFTFINGER_KERNEL_NAMESPACE) || !defined(SOFTFINGER_KERNEL_DOUBLES)
-#error "define SOFTFINGER_KERNEL_NAMESPACE and SOFTFINGER_KERNEL_DOUBLES, the doubles in a vector"
+#ifndef SOFTFINGER_KERNEL_NAMESPACE
+#error "define SOFTFINGER_KERNEL_NAMESPACE"
 #endif
 
 namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE {
 namespace {
 
-// Gradients in double precision, kWide elements at a time; second derivatives, which only steer the
+// Gradients in double precision, half a group at a time; second derivatives, which only steer the
 // iteration, in single precision for the whole group. Comparisons give all-ones or all-zeros lanes.
-constexpr int kWide = SOFTFINGER_KERNEL_DOUBLES;
-static_assert(kLanes == 8 && kLanes % kWide == 0);
+constexpr int kWide = 4;
+static_assert(kLanes == 2 * kWide);
 typedef double Doubles __attribute__((vector_size(8 * kWide)));
 typedef long long Mask __attribute__((vector_size(8 * kWide)));
 typedef double GroupDoubles __attribute__((vector_size(8 * kLanes)));
@@ -25,6 +25,9 @@ inline Floats load(const float* p) { return *reinterpret_cast<const InMemory<Flo
 inline void store(float* p, Floats v) { *reinterpret_cast<InMemory<Floats>*>(p) = v; }
 inline Floats load_as_floats(const double* p) {
   return __builtin_convertvector(*reinterpret_cast<const InMemory<GroupDoubles>*>(p), Floats);
+}
+inline void store_as_floats(float* p, Doubles v) {
+  for (int i = 0; i < kWide; ++i) p[i] = static_cast<float>(v[i]);
 }
 inline Doubles splat(double v) { return Doubles{} + v; }
 inline Doubles select(Mask m, Doubles a, Doubles b) { return m ? a : b; }
@@ -136,32 +139,60 @@ inline Vec<Lanes> gather(const ElementGroup& group, int a, int first, const doub
   return v;
 }
 
-/// One Jacobi rotation that zeroes h, the inner product of columns p and q of B = F V; applied to
-/// both B and V. One-sided (Hestenes 1958), so small stretches keep their accuracy.
-inline void rotate(Vec3& bp, Vec3& bq, Vec3& vp, Vec3& vq, Doubles h) {
-  const Doubles d = dot(bq, bq) - dot(bp, bp);
+/// Inner products of the columns of F V.
+struct Gram {
+  Doubles d0, d1, d2, h01, h02, h12;
+  explicit Gram(const Mat3& b)
+      : d0(dot(b.c[0], b.c[0])),
+        d1(dot(b.c[1], b.c[1])),
+        d2(dot(b.c[2], b.c[2])),
+        h01(dot(b.c[0], b.c[1])),
+        h02(dot(b.c[0], b.c[2])),
+        h12(dot(b.c[1], b.c[2])) {}
+  [[nodiscard]] Mask unfinished() const {
+    return abs(h01) + abs(h02) + abs(h12) > 1e-13 * (d0 + d1 + d2);
+  }
+};
+
+inline void turn(Doubles& p, Doubles& q, Doubles c, Doubles s) {
+  const Doubles turned = p * c - q * s;
+  q = p * s + q * c;
+  p = turned;
+}
+
+/// Jacobi rotation that zeroes h, the inner product of columns p and q; r is the third column.
+inline void rotate(Doubles& dp, Doubles& dq, Doubles& h, Doubles& hpr, Doubles& hqr, Vec3& vp,
+                   Vec3& vq) {
+  const Doubles d = dq - dp;
   const Doubles h2 = h + h;
   const Doubles denominator = abs(d) + sqrt(d * d + h2 * h2) + 1e-300;
   const Doubles t = select(d < 0.0, -h2, h2) / denominator;
   const Doubles c = 1.0 / sqrt(1.0 + t * t);
   const Doubles s = t * c;
-  const Vec3 b = bp * c - bq * s;
-  bq = bp * s + bq * c;
-  bp = b;
-  const Vec3 v = vp * c - vq * s;
-  vq = vp * s + vq * c;
-  vp = v;
+  dp = dp - t * h;
+  dq = dq + t * h;
+  h = Doubles{};
+  turn(hpr, hqr, c, s);
+  turn(vp.x, vq.x, c, s);
+  turn(vp.y, vq.y, c, s);
+  turn(vp.z, vq.z, c, s);
+}
+
+inline void swap_where(Mask m, Doubles& p, Doubles& q) {
+  const Doubles kept = select(m, q, p);
+  // Negating one of the two keeps det V = 1.
+  q = select(m, -p, q);
+  p = kept;
 }
 
 inline void sort_pair(Vec3& bp, Vec3& bq, Vec3& vp, Vec3& vq) {
   const Mask swap = dot(bp, bp) < dot(bq, bq);
-  // Negating one of the two keeps det V = 1.
-  const Vec3 b = select(swap, bq, bp);
-  bq = select(swap, bp * splat(-1.0), bq);
-  bp = b;
-  const Vec3 v = select(swap, vq, vp);
-  vq = select(swap, vp * splat(-1.0), vq);
-  vp = v;
+  swap_where(swap, bp.x, bq.x);
+  swap_where(swap, bp.y, bq.y);
+  swap_where(swap, bp.z, bq.z);
+  swap_where(swap, vp.x, vq.x);
+  swap_where(swap, vp.y, vq.y);
+  swap_where(swap, vp.z, vq.z);
 }
 
 inline Vec3 any_perpendicular(Vec3 a) {
@@ -172,52 +203,54 @@ inline Vec3 any_perpendicular(Vec3 a) {
   return p * (1.0 / sqrt(dot(p, p)));
 }
 
-struct Svd {
-  Mat3 u, v;
-  Doubles s[3];
-};
-
-/// Rotation-variant singular value decomposition; `v` is a start, any rotation will do.
-inline Svd decompose(const Mat3& f, Mat3 v) {
-  // A warm start drifts from a rotation by rounding: one Newton-Schulz step renews it.
-  Mat3 renewed;
-  for (int c = 0; c < 3; ++c) {
-    const Vec3 w = transpose_times(v, v.c[c]);
-    renewed.c[c] = v.c[c] * splat(1.5) - (v * w) * splat(0.5);
-  }
-  v = renewed;
-  Mat3 b = f * v;
+/// Turns v0 and v1 so that the columns of F0 v0 and F1 v1 are perpendicular (Jacobi's method on
+/// their inner products). Two at once: one's square roots and quotients hide behind the other's.
+inline void diagonalise(const Mat3& f0, Mat3& v0, Mat3& b0, const Mat3& f1, Mat3& v1, Mat3& b1) {
   constexpr int kMaxSweeps = 12;
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    const Doubles h01 = dot(b.c[0], b.c[1]);
-    const Doubles h02 = dot(b.c[0], b.c[2]);
-    const Doubles h12 = dot(b.c[1], b.c[2]);
-    const Doubles off = abs(h01) + abs(h02) + abs(h12);
-    const Doubles scale = dot(b.c[0], b.c[0]) + dot(b.c[1], b.c[1]) + dot(b.c[2], b.c[2]);
-    if (!any(off > 1e-13 * scale)) break;
-    rotate(b.c[0], b.c[1], v.c[0], v.c[1], h01);
-    rotate(b.c[0], b.c[2], v.c[0], v.c[2], dot(b.c[0], b.c[2]));
-    rotate(b.c[1], b.c[2], v.c[1], v.c[2], dot(b.c[1], b.c[2]));
+  b0 = f0 * v0;
+  b1 = f1 * v1;
+  Gram g0(b0);
+  Gram g1(b1);
+  for (int sweep = 0; sweep < kMaxSweeps && any(g0.unfinished() | g1.unfinished()); ++sweep) {
+    rotate(g0.d0, g0.d1, g0.h01, g0.h02, g0.h12, v0.c[0], v0.c[1]);
+    rotate(g1.d0, g1.d1, g1.h01, g1.h02, g1.h12, v1.c[0], v1.c[1]);
+    rotate(g0.d0, g0.d2, g0.h02, g0.h01, g0.h12, v0.c[0], v0.c[2]);
+    rotate(g1.d0, g1.d2, g1.h02, g1.h01, g1.h12, v1.c[0], v1.c[2]);
+    rotate(g0.d1, g0.d2, g0.h12, g0.h01, g0.h02, v0.c[1], v0.c[2]);
+    rotate(g1.d1, g1.d2, g1.h12, g1.h01, g1.h02, v1.c[1], v1.c[2]);
   }
+  b0 = f0 * v0;
+  b1 = f1 * v1;
+}
+
+inline void sort(Mat3& b, Mat3& v) {
   sort_pair(b.c[0], b.c[1], v.c[0], v.c[1]);
   sort_pair(b.c[0], b.c[2], v.c[0], v.c[2]);
   sort_pair(b.c[1], b.c[2], v.c[1], v.c[2]);
-  Svd result;
-  result.v = v;
+}
+
+/// U of b = F v = U diag(s), det U = 1: a negative determinant becomes a negative last s.
+inline void left_vectors(const Mat3& b, Vec3& u0, Vec3& u1, Vec3& u2) {
   const Doubles n0 = sqrt(dot(b.c[0], b.c[0]));
   const Mask collapsed = n0 < 1e-12;
   const Doubles zero{};
   const Vec3 x_axis{splat(1.0), zero, zero};
-  const Vec3 u0 = select(collapsed, x_axis, b.c[0] * (1.0 / max(n0, splat(1e-12))));
+  u0 = select(collapsed, x_axis, b.c[0] * (1.0 / max(n0, splat(1e-12))));
   const Vec3 p1 = b.c[1] - u0 * dot(u0, b.c[1]);
   const Doubles n1 = sqrt(dot(p1, p1));
-  const Vec3 u1 = select(n1 < 1e-12, any_perpendicular(u0), p1 * (1.0 / max(n1, splat(1e-12))));
-  const Vec3 u2 = cross(u0, u1);
-  result.u = {{u0, u1, u2}};
-  result.s[0] = dot(u0, b.c[0]);
-  result.s[1] = dot(u1, b.c[1]);
-  result.s[2] = dot(u2, b.c[2]);
-  return result;
+  u1 = p1 * (1.0 / max(n1, splat(1e-12)));
+  if (any(n1 < 1e-12)) u1 = select(n1 < 1e-12, any_perpendicular(u0), u1);
+  u2 = cross(u0, u1);
+}
+
+/// A warm start drifts from a rotation by rounding: one Newton-Schulz step renews it.
+inline Mat3 renewed(const Mat3& v) {
+  Mat3 r;
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 w = transpose_times(v, v.c[c]);
+    r.c[c] = v.c[c] * splat(1.5) - (v * w) * splat(0.5);
+  }
+  return r;
 }
 
 struct Limit {
@@ -239,76 +272,122 @@ inline Limit onset(Doubles t) {
 }
 
 inline Limit limit_at(const ElementLimits& limits, Doubles s) {
+  // The onsets do not overlap: width is at most min(1 - min, max - 1).
   const double w = limits.width;
-  const Limit upper = onset((s - (limits.max - w)) * (1.0 / w));
-  const Limit lower = onset(((limits.min + w) - s) * (1.0 / w));
+  const Doubles sign = select(s > 1.0, splat(1.0), splat(-1.0));
+  const Doubles reached = select(s > 1.0, s - (limits.max - w), (limits.min + w) - s);
+  const Limit b = onset(reached * (1.0 / w));
   const double k = limits.stiffness;
-  return {(k * w * w) * (upper.energy + lower.energy), (k * w) * (upper.first - lower.first),
-          k * (upper.second + lower.second)};
+  return {(k * w * w) * b.energy, (k * w) * b.first * sign, k * b.second};
 }
 
-double energy_gradient(const ElementGroup& group, const ElementLimits& limits,
-                       const double* positions, ElementDecomposition* decomposition,
-                       ElementForces* forces) {
-  double group_energy = 0.0;
-  for (int first = 0; first < kLanes; first += kWide) {
-    Vec3 x[4];
-    for (int a = 0; a < 4; ++a) x[a] = gather<Doubles>(group, a, first, positions);
-    // F = sum_a (x_a - x_0) (grad N_a)^T
-    Vec3 shape[3];
-    Mat3 f{};
-    for (int a = 0; a < 3; ++a) {
-      shape[a] = {load(group.shape[a][0] + first), load(group.shape[a][1] + first),
-                  load(group.shape[a][2] + first)};
-      const Vec3 edge = x[a + 1] - x[0];
-      f.c[0] = f.c[0] + edge * shape[a].x;
-      f.c[1] = f.c[1] + edge * shape[a].y;
-      f.c[2] = f.c[2] + edge * shape[a].z;
-    }
-    const Svd svd = decompose(f, load_matrix<Doubles>(decomposition->v, first));
-    store_matrix(decomposition->v, first, svd.v);
-    for (int c = 0; c < 3; ++c) {
-      for (int i = 0; i < kWide; ++i) {
-        decomposition->u[3 * c][first + i] = static_cast<float>(svd.u.c[c].x[i]);
-        decomposition->u[3 * c + 1][first + i] = static_cast<float>(svd.u.c[c].y[i]);
-        decomposition->u[3 * c + 2][first + i] = static_cast<float>(svd.u.c[c].z[i]);
-      }
-    }
-    const Doubles mu = load(group.mu + first);
-    const Doubles lambda = load(group.lambda + first);
-    const Doubles volume = load(group.volume + first);
-    const Doubles trace = (svd.s[0] - 1.0) + (svd.s[1] - 1.0) + (svd.s[2] - 1.0);
-    Doubles energy = 0.5 * lambda * trace * trace;
-    Mat3 stressed = svd.u;  // U diag(p) volume
-    for (int i = 0; i < 3; ++i) {
-      store(decomposition->s[i] + first, svd.s[i]);
-      const Doubles stretch = svd.s[i] - 1.0;
-      Doubles p = 2.0 * mu * stretch + lambda * trace;
-      energy += mu * stretch * stretch;
-      if (limits.stiffness > 0.0) {
-        const Limit b = limit_at(limits, svd.s[i]);
-        energy += b.energy;
-        p += b.first;
-        store(decomposition->limit_stress[i] + first, b.first);
-        store(decomposition->limit_stiffness[i] + first, b.second);
-      }
-      stressed.c[i] = stressed.c[i] * (p * volume);
-    }
-    Vec3 total{};
-    for (int a = 0; a < 3; ++a) {
-      const Vec3 g = stressed * transpose_times(svd.v, shape[a]);
-      store(forces->force[a + 1][0] + first, g.x);
-      store(forces->force[a + 1][1] + first, g.y);
-      store(forces->force[a + 1][2] + first, g.z);
-      total = total + g;
-    }
-    store(forces->force[0][0] + first, -total.x);
-    store(forces->force[0][1] + first, -total.y);
-    store(forces->force[0][2] + first, -total.z);
-    energy *= volume;
-    for (int i = 0; i < kWide; ++i) group_energy += energy[i];
+inline Vec3 load_shape(const ElementGroup& group, int a, int first) {
+  return {load(group.shape[a][0] + first), load(group.shape[a][1] + first),
+          load(group.shape[a][2] + first)};
+}
+
+/// F = sum_a (x_a - x_0) (grad N_a)^T
+inline Mat3 deformation_gradient(const ElementGroup& group, int first, const double* positions) {
+  const Vec3 x0 = gather<Doubles>(group, 0, first, positions);
+  Mat3 f{};
+  for (int a = 0; a < 3; ++a) {
+    const Vec3 shape = load_shape(group, a, first);
+    const Vec3 edge = gather<Doubles>(group, a + 1, first, positions) - x0;
+    f.c[0] = f.c[0] + edge * shape.x;
+    f.c[1] = f.c[1] + edge * shape.y;
+    f.c[2] = f.c[2] + edge * shape.z;
   }
-  return group_energy;
+  return f;
+}
+
+inline void store_as_floats(float p[][kLanes], int first, Vec3 v) {
+  store_as_floats(p[0] + first, v.x);
+  store_as_floats(p[1] + first, v.y);
+  store_as_floats(p[2] + first, v.z);
+}
+
+/// Principal Kirchhoff stress p(s) times s's own axis u and the volume; adds to the energy density.
+inline Vec3 principal_force(const ElementLimits& limits, Doubles s, Doubles trace, Doubles mu,
+                            Doubles lambda, Doubles volume, Vec3 u, int axis, int first,
+                            ElementDecomposition* decomposition, Doubles& energy) {
+  store(decomposition->s[axis] + first, s);
+  const Doubles stretch = s - 1.0;
+  Doubles p = 2.0 * mu * stretch + lambda * trace;
+  energy += mu * stretch * stretch;
+  if (limits.stiffness > 0.0) {
+    const Limit b = limit_at(limits, s);
+    energy += b.energy;
+    p += b.first;
+    store(decomposition->limit_stress[axis] + first, b.first);
+    store(decomposition->limit_stiffness[axis] + first, b.second);
+  }
+  return u * (p * volume);
+}
+
+inline void store_force(ElementForces* forces, int a, int first, Vec3 g) {
+  store(forces->force[a][0] + first, g.x);
+  store(forces->force[a][1] + first, g.y);
+  store(forces->force[a][2] + first, g.z);
+}
+
+/// Energy of half a group from lane `first` on, its forces, and what the later passes need, where
+/// the columns of b = F v are perpendicular.
+inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, int first,
+                       const Mat3& b, const Mat3& v, ElementDecomposition* decomposition,
+                       ElementForces* forces) {
+  Vec3 u0, u1, u2;
+  left_vectors(b, u0, u1, u2);
+  store_matrix(decomposition->v, first, v);
+  store_as_floats(decomposition->u, first, u0);
+  store_as_floats(decomposition->u + 3, first, u1);
+  store_as_floats(decomposition->u + 6, first, u2);
+  const Doubles s0 = dot(u0, b.c[0]);
+  const Doubles s1 = dot(u1, b.c[1]);
+  const Doubles s2 = dot(u2, b.c[2]);
+  const Doubles mu = load(group.mu + first);
+  const Doubles lambda = load(group.lambda + first);
+  const Doubles volume = load(group.volume + first);
+  const Doubles trace = (s0 - 1.0) + (s1 - 1.0) + (s2 - 1.0);
+  Doubles energy = 0.5 * lambda * trace * trace;
+  const auto force_along = [&](Doubles s, Vec3 u, int axis) {
+    return principal_force(limits, s, trace, mu, lambda, volume, u, axis, first, decomposition,
+                           energy);
+  };
+  const Mat3 stressed{{force_along(s0, u0, 0), force_along(s1, u1, 1), force_along(s2, u2, 2)}};
+  const auto node_force = [&](int a) {
+    return stressed * transpose_times(v, load_shape(group, a, first));
+  };
+  const Vec3 g1 = node_force(0);
+  const Vec3 g2 = node_force(1);
+  const Vec3 g3 = node_force(2);
+  store_force(forces, 0, first, (g1 + g2 + g3) * splat(-1.0));
+  store_force(forces, 1, first, g1);
+  store_force(forces, 2, first, g2);
+  store_force(forces, 3, first, g3);
+  return energy * volume;
+}
+
+[[gnu::flatten]] double energy_gradient(const ElementGroup& group, const ElementLimits& limits,
+                                        const double* positions,
+                                        ElementDecomposition* decomposition,
+                                        ElementForces* forces) {
+  Mat3 v0 = renewed(load_matrix<Doubles>(decomposition->v, 0));
+  Mat3 v1 = renewed(load_matrix<Doubles>(decomposition->v, kWide));
+  Mat3 b0, b1;
+  diagonalise(deformation_gradient(group, 0, positions), v0, b0,
+              deformation_gradient(group, kWide, positions), v1, b1);
+  // The order matters where a stretch is or might be negative: it must be the least.
+  const Doubles det0 = dot(b0.c[0], cross(b0.c[1], b0.c[2]));
+  const Doubles det1 = dot(b1.c[0], cross(b1.c[1], b1.c[2]));
+  if (any(det0 < 0.01) || any(det1 < 0.01)) {
+    sort(b0, v0);
+    sort(b1, v1);
+  }
+  const Doubles energy0 = respond(group, limits, 0, b0, v0, decomposition, forces);
+  const Doubles energy1 = respond(group, limits, kWide, b1, v1, decomposition, forces);
+  double energy = 0.0;
+  for (int i = 0; i < kWide; ++i) energy += energy0[i] + energy1[i];
+  return energy;
 }
 
 /// Closed-form eigen-modes of an isotropic energy in the frame of the decomposition (Smith, de
@@ -340,8 +419,8 @@ inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d, 
     for (int k = 0; k < 3; ++k) {  // the pair of axes without k
       const int i = k == 0 ? 1 : 0;
       const int j = k == 2 ? 1 : 2;
-      const Doubles difference = s[i] - s[j];  // not negative: the stretches are sorted
-      const Mask close = difference < 1e-4;
+      const Doubles difference = s[i] - s[j];
+      const Mask close = abs(difference) < 1e-4;
       const Doubles slope = select(close, 0.5 * (b2[i] + b2[j]),
                                    (b1[i] - b1[j]) / select(close, splat(1.0), difference));
       const Doubles flip = 2.0 * mu + slope;
