@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace softfinger {
 
@@ -40,27 +41,33 @@ double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
   return anchor.limit * (pair.slip - 0.5 * anchor.limit / stiffness);
 }
 
+double ContactPotential::evaluate(std::size_t i, std::size_t o, const Vector3& position,
+                                  Pair& pair) const {
+  const Obstacle& obstacle = obstacles_[o];
+  const SignedDistance d = signed_distance(*obstacle.shape, obstacle.X_WO.inverse() * position);
+  pair.gap = d.distance;
+  pair.normal = obstacle.X_WO.rotation * d.gradient;
+  pair.normal_force = 0.0;
+  pair.friction_force.setZero();
+  double energy = 0.0;
+  if (d.distance < 0.0) {
+    pair.curvature = obstacle.X_WO.rotation * d.hessian * obstacle.X_WO.rotation.transpose();
+    pair.normal_force = -normal_stiffness(i) * d.distance;
+    energy += 0.5 * pair.normal_force * -d.distance;
+  }
+  const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
+  if (anchor.limit > 0.0) energy += friction(i, obstacle, anchor, position, pair);
+  return energy;
+}
+
 double ContactPotential::energy_gradient(std::span<const Vector3> positions,
                                          std::span<Vector3> gradient) {
   double energy = 0.0;
   double force_squared = 0.0;
   for (std::size_t i = 0; i < rest_areas_.size(); ++i) {
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
-      const Obstacle& obstacle = obstacles_[o];
-      const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
       Pair& pair = pairs_[i * obstacle_count_ + o];
-      const SignedDistance d =
-          signed_distance(*obstacle.shape, obstacle.X_WO.inverse() * positions[i]);
-      pair.gap = d.distance;
-      pair.normal = obstacle.X_WO.rotation * d.gradient;
-      pair.normal_force = 0.0;
-      pair.friction_force.setZero();
-      if (d.distance < 0.0) {
-        pair.curvature = obstacle.X_WO.rotation * d.hessian * obstacle.X_WO.rotation.transpose();
-        pair.normal_force = -normal_stiffness(i) * d.distance;
-        energy += 0.5 * pair.normal_force * -d.distance;
-      }
-      if (anchor.limit > 0.0) energy += friction(i, obstacle, anchor, positions[i], pair);
+      energy += evaluate(i, o, positions[i], pair);
       const Vector3 force = pair.normal_force * pair.normal + pair.friction_force;
       gradient[i] -= force;
       force_squared += force.squaredNorm();
@@ -70,30 +77,55 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
   return energy;
 }
 
+bool ContactPotential::add_hessian(std::size_t i, std::size_t o, const Pair& pair,
+                                   bool with_curvature, Matrix3& block) const {
+  bool any = false;
+  if (pair.gap < 0.0) {
+    any = true;
+    block += normal_stiffness(i) * pair.normal * pair.normal.transpose();
+    if (with_curvature) block -= pair.normal_force * pair.curvature;
+  }
+  const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
+  if (anchor.limit > 0.0) {
+    any = true;
+    const Matrix3 tangent =
+        Matrix3::Identity() - pair.friction_normal * pair.friction_normal.transpose();
+    if (pair.slides) {
+      block += anchor.limit / pair.slip *
+               (tangent - pair.slip_direction * pair.slip_direction.transpose());
+    } else {
+      block += tangential_stiffness(i) * tangent;
+    }
+  }
+  return any;
+}
+
 bool ContactPotential::hessian(std::size_t i, bool with_curvature, Matrix3& block) const {
   block.setZero();
   bool any = false;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
-    const Pair& pair = pairs_[i * obstacle_count_ + o];
-    if (pair.gap < 0.0) {
-      any = true;
-      block += normal_stiffness(i) * pair.normal * pair.normal.transpose();
-      if (with_curvature) block -= pair.normal_force * pair.curvature;
-    }
-    const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
-    if (anchor.limit > 0.0) {
-      any = true;
-      const Matrix3 tangent =
-          Matrix3::Identity() - pair.friction_normal * pair.friction_normal.transpose();
-      if (pair.slides) {
-        block += anchor.limit / pair.slip *
-                 (tangent - pair.slip_direction * pair.slip_direction.transpose());
-      } else {
-        block += tangential_stiffness(i) * tangent;
-      }
-    }
+    any = add_hessian(i, o, pairs_[i * obstacle_count_ + o], with_curvature, block) || any;
   }
   return any;
+}
+
+ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector3& position) const {
+  Response response;
+  Pair pair;
+  for (std::size_t o = 0; o < obstacle_count_; ++o) {
+    evaluate(i, o, position, pair);
+    response.gradient -= pair.normal_force * pair.normal + pair.friction_force;
+    add_hessian(i, o, pair, true, response.hessian);
+  }
+  return response;
+}
+
+double ContactPotential::gap(std::size_t i) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t o = 0; o < obstacle_count_; ++o) {
+    least = std::min(least, pairs_[i * obstacle_count_ + o].gap);
+  }
+  return least;
 }
 
 double ContactPotential::update_anchors(std::span<const Vector3> positions,

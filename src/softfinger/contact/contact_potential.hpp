@@ -34,7 +34,7 @@ class ContactPotential {
  public:
   struct Options {
     double stiffness_per_area = 1e10;  ///< N/m^3
-    double tangential_ratio = 0.2;     ///< kt / k
+    double tangential_ratio = 0.02;    ///< kt / k
   };
   /// rest_areas: one per sample, m^2.
   ContactPotential(std::vector<double> rest_areas, std::size_t obstacle_count, Options options);
@@ -53,6 +53,14 @@ class ContactPotential {
   double energy_gradient(std::span<const Vector3> positions, std::span<Vector3> gradient);
   /// Second derivative by sample i at the positions last evaluated, N/m. Returns false if zero.
   bool hessian(std::size_t i, bool with_curvature, Matrix3& block) const;
+  /// Gradient (N) and second derivative (N/m) of the energy of sample i alone at `position` (W, m).
+  struct Response {
+    Vector3 gradient = Vector3::Zero();
+    Matrix3 hessian = Matrix3::Zero();
+  };
+  [[nodiscard]] Response respond(std::size_t i, const Vector3& position) const;
+  /// Least gap of sample i at the positions last evaluated, m.
+  [[nodiscard]] double gap(std::size_t i) const;
   /// Norm of all contact forces last evaluated, N.
   [[nodiscard]] double force_norm() const { return force_norm_; }
 
@@ -87,8 +95,12 @@ class ContactPotential {
   [[nodiscard]] double tangential_stiffness(std::size_t i) const {
     return options_.tangential_ratio * normal_stiffness(i);
   }
+  double evaluate(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
   double friction(std::size_t i, const Obstacle& obstacle, const FrictionAnchor& anchor,
                   const Vector3& position, Pair& pair) const;
+  /// Adds the second derivative of one pair; returns false if zero.
+  bool add_hessian(std::size_t i, std::size_t o, const Pair& pair, bool with_curvature,
+                   Matrix3& block) const;
 
   std::vector<double> rest_areas_;
   std::size_t obstacle_count_ = 0;

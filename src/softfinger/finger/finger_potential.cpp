@@ -19,6 +19,12 @@ std::vector<ElasticMaterial> elastic_materials(const FingerModel& model) {
   return materials;
 }
 
+std::vector<int> blocks_of(std::span<const int> nodes, const UnknownMap& map) {
+  std::vector<int> blocks;
+  for (const int node : nodes) blocks.push_back(map.block_of_node[static_cast<std::size_t>(node)]);
+  return blocks;
+}
+
 StrainLimit strain_limit(const FingerModel& model, bool wanted) {
   if (!wanted || !model.strain_limits.enabled) return {};
   const auto& limits = model.strain_limits;
@@ -38,6 +44,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       assembly_(elastic_, map_, options.instruction_set),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),
       contact_(model.sample_rest_areas, obstacle_count, options.contact),
+      correction_(blocks_of(model.sample_nodes, map_), static_cast<std::size_t>(3 * map_.blocks())),
       work_(elastic_.make_work()) {
   const std::size_t nodes = model.mesh.nodes.size();
   const auto unknowns = static_cast<std::size_t>(3 * map_.blocks());
@@ -51,6 +58,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
   lever_arms_.assign(nodes, Vector3::Zero());
   sample_positions_.assign(model.sample_nodes.size(), Vector3::Zero());
   sample_gradient_ = sample_positions_;
+  sample_blocks_.assign(model.sample_nodes.size(), Matrix3::Zero());
 }
 
 void FingerPotential::forget() {
@@ -181,10 +189,9 @@ bool FingerPotential::factorise(HessianKind kind) {
   assembly_.clear(lever_arms_);
   const bool projected = kind == HessianKind::kProjected;
   assembly_.add_elastic(elastic_, work_, projected);
-  Matrix3 block;
   for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
-    if (contact_.hessian(i, kind == HessianKind::kFull, block)) {
-      assembly_.add_node(model_.sample_nodes[i], block);
+    if (contact_.hessian(i, kind == HessianKind::kFull, sample_blocks_[i])) {
+      assembly_.add_node(model_.sample_nodes[i], sample_blocks_[i]);
     }
   }
   if (step_.time_step > 0.0) {
@@ -200,12 +207,23 @@ bool FingerPotential::factorise(HessianKind kind) {
     assembly_.add_body(h.translation, h.translation_rotation, h.rotation);
   }
   has_factor_ = assembly_.factor();
+  correction_.restart(sample_blocks_);
   return has_factor_;
 }
 
-double FingerPotential::solve_direction() {
-  for (std::size_t i = 0; i < direction_.size(); ++i) direction_[i] = -current_.gradient[i];
+double FingerPotential::solve_direction(bool refined) {
+  double squared_norm = 0.0;
+  for (std::size_t i = 0; i < direction_.size(); ++i) {
+    direction_[i] = -current_.gradient[i];
+    squared_norm += direction_[i] * direction_[i];
+  }
   assembly_.solve(direction_);
+  if (refined) {
+    for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
+      sample_positions_[i] = current_.positions[static_cast<std::size_t>(model_.sample_nodes[i])];
+    }
+    correction_.apply(contact_, assembly_, sample_positions_, std::sqrt(squared_norm), direction_);
+  }
   double slope = 0.0;
   for (std::size_t i = 0; i < direction_.size(); ++i) slope += direction_[i] * current_.gradient[i];
   return slope;

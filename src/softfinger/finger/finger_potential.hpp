@@ -7,6 +7,7 @@
 #include "softfinger/fem/elastic_model.hpp"
 #include "softfinger/fem/stiffness_assembly.hpp"
 #include "softfinger/finger/bone.hpp"
+#include "softfinger/finger/contact_correction.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/numerics/newton.hpp"
 
@@ -56,9 +57,10 @@ class FingerPotential {
   // What minimise() asks for.
   [[nodiscard]] double energy() const { return current_.energy; }
   [[nodiscard]] double residual() const { return current_.residual; }
-  [[nodiscard]] bool has_factor() const { return has_factor_; }
+  [[nodiscard]] bool has_factor() const { return has_factor_ && !correction_.is_full(); }
   [[nodiscard]] bool factorise(HessianKind kind);
-  double solve_direction();
+  /// `refined`: with contact as it will be at the end of the direction.
+  double solve_direction(bool refined);
   void evaluate_trial(double t);
   [[nodiscard]] double trial_energy() const { return trial_.energy; }
   [[nodiscard]] double trial_residual() const { return trial_.residual; }
@@ -100,6 +102,7 @@ class FingerPotential {
   StiffnessAssembly assembly_;
   BonePotential bone_;
   ContactPotential contact_;
+  ContactCorrection correction_;
   Step step_;
 
   Point current_, trial_;
@@ -110,6 +113,7 @@ class FingerPotential {
   std::vector<Vector3> predicted_;
   std::vector<Vector3> node_gradient_;
   std::vector<Vector3> sample_positions_, sample_gradient_;
+  std::vector<Matrix3> sample_blocks_;
   std::vector<Vector3> lever_arms_;
 };
 

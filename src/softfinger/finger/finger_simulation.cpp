@@ -26,6 +26,8 @@ struct FingerSimulation::Implementation {
         anchors(potential.contact().no_anchors()),
         positions(model->mesh.nodes),
         velocities(model->mesh.nodes.size(), Vector3::Zero()),
+        old_velocities(velocities),
+        extrapolated(velocities),
         contact(make_contact_set(*model)) {
     for (std::size_t o = 0; o < things.size(); ++o) {
       obstacles[o].shape = &things[o].shape;
@@ -53,7 +55,27 @@ struct FingerSimulation::Implementation {
     potential.begin(step);
   }
 
+  /// Where the motion of the last two steps leads if it goes on evenly; else where it leads without
+  /// forces; else where the finger is.
+  void start() {
+    for (std::size_t n = 0; n < positions.size(); ++n) {
+      extrapolated[n] = positions[n] + time_step * (2.0 * velocities[n] - old_velocities[n]);
+    }
+    Pose X_WF;
+    X_WF.translation =
+        bone.X_WF.translation + time_step * (2.0 * bone.velocity - old_bone.velocity);
+    X_WF.rotation = orthonormalised(
+        bone.X_WF.rotation + time_step * (2.0 * bone.rotation_rate - old_bone.rotation_rate));
+    potential.start_from(extrapolated, X_WF);
+    if (potential.residual() < kGoodPrediction) return;
+    potential.start_from_prediction();
+    if (potential.residual() < kGoodPrediction) return;
+    potential.start_from(positions, bone.X_WF);
+  }
+
   void finish(const Pose& X_WFt) {
+    std::swap(velocities, old_velocities);
+    old_bone = bone;
     const double rate = 1.0 / time_step;
     const std::span<const Vector3> now = potential.positions();
     for (std::size_t n = 0; n < positions.size(); ++n) {
@@ -79,6 +101,9 @@ struct FingerSimulation::Implementation {
   std::vector<FrictionAnchor> anchors;
   std::vector<Vector3> positions, velocities;
   BoneState bone;
+  // Only for the start of the next step.
+  std::vector<Vector3> old_velocities, extrapolated;
+  BoneState old_bone;
   Pose tracked;
   ContactSet contact;
   std::uint64_t steps = 0;
@@ -97,11 +122,13 @@ void FingerSimulation::reset(const Pose& X_WFt, double time) {
   Implementation& self = *implementation_;
   self.bone = BoneState{};
   self.bone.X_WF = X_WFt;
+  self.old_bone = self.bone;
   self.tracked = X_WFt;
   self.steps = 0;
   for (std::size_t n = 0; n < self.positions.size(); ++n) {
     self.positions[n] = X_WFt * self.model->mesh.nodes[n];
     self.velocities[n].setZero();
+    self.old_velocities[n].setZero();
   }
   for (FrictionAnchor& anchor : self.anchors) anchor = FrictionAnchor{};
   self.place_obstacles(time);
@@ -117,10 +144,7 @@ StepSummary FingerSimulation::step(const Pose& X_WFt, double time) {
   ++self.steps;
   self.place_obstacles(time);
   self.begin(X_WFt);
-  self.potential.start_from_prediction();
-  if (!(self.potential.residual() < kGoodPrediction)) {
-    self.potential.start_from(self.positions, self.bone.X_WF);
-  }
+  self.start();
   const NewtonSummary summary = minimise(self.potential, NewtonOptions{});
   self.finish(X_WFt);
   return {summary.iterations, summary.converged, summary.residual};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace softfinger {
@@ -30,7 +31,7 @@ struct NewtonSummary {
 ///   double energy(), residual()      of the current point, which has been evaluated;
 ///   bool has_factor()                whether solve_direction() can be used as it is;
 ///   bool factorise(HessianKind)      at the current point; false if not positive definite;
-///   double solve_direction()         sets d = -A^-1 g, returns g . d;
+///   double solve_direction(bool refined)  sets d = -A^-1 g, better if `refined`; returns g . d;
 ///   void evaluate_trial(double t)    at current + t d;
 ///   double trial_energy(), trial_residual();
 ///   void accept_trial().
@@ -45,6 +46,7 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
 
   NewtonSummary summary;
   bool reuse = problem.has_factor();
+  bool refined = true;
   HessianKind least = HessianKind::kFull;
   while (true) {
     summary.residual = problem.residual();
@@ -61,12 +63,13 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
       ++summary.factorisations;
     }
     ++summary.iterations;
-    const double slope = problem.solve_direction();
+    const double slope = problem.solve_direction(refined);
     const double energy = problem.energy();
     const double residual = summary.residual;
     bool accepted = false;
     double t = 1.0;
-    for (int halving = 0; halving <= (reuse ? 0 : kMaxHalvings); ++halving, t *= 0.5) {
+    const int halvings = reuse || refined ? 0 : kMaxHalvings;
+    for (int halving = 0; slope < 0.0 && halving <= halvings; ++halving, t *= 0.5) {
       problem.evaluate_trial(t);
       const double e = problem.trial_energy();
       const double r = problem.trial_residual();
@@ -81,6 +84,11 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
     if (accepted) {
       problem.accept_trial();
       reuse = residual > options.chord_reduction * problem.residual();
+      continue;
+    }
+    if (refined) {
+      refined = false;  // what was to be better misled
+      reuse = reuse && problem.has_factor();
       continue;
     }
     if (reuse) {

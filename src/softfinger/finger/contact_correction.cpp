@@ -1,0 +1,172 @@
+#include "softfinger/finger/contact_correction.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger {
+namespace {
+
+/// A sample is looked at where its gap is less than it moves and this, m.
+constexpr double kReach = 1e-4;
+/// Deviations below this part of the gradient can wait for the next iteration.
+constexpr double kWorthwhile = 0.02;
+constexpr int kRounds = 4;
+constexpr int kColumnsARound = 4;
+/// Part of the gradient that the small system may leave.
+constexpr double kBalanceAccuracy = 1e-5;
+constexpr int kBalanceIterations = 20;
+constexpr int kBalanceHalvings = 4;
+
+}  // namespace
+
+ContactCorrection::ContactCorrection(std::vector<int> sample_blocks, std::size_t unknowns)
+    : sample_blocks_(std::move(sample_blocks)),
+      held_(sample_blocks_.size(), Matrix3::Zero()),
+      start_(sample_blocks_.size(), Vector3::Zero()),
+      columns_(kMaxColumns),
+      amplitudes_(kMaxColumns, 0.0),
+      uncorrected_(unknowns, 0.0) {
+  for (Column& column : columns_) column.response.assign(unknowns, 0.0);
+}
+
+void ContactCorrection::restart(std::span<const Matrix3> blocks) {
+  std::copy(blocks.begin(), blocks.end(), held_.begin());
+  count_ = 0;
+}
+
+Vector3 ContactCorrection::moved(std::size_t sample, std::span<const double> direction) const {
+  const auto at = static_cast<std::size_t>(3 * sample_blocks_[sample]);
+  return {direction[at], direction[at + 1], direction[at + 2]};
+}
+
+ContactCorrection::Deviation ContactCorrection::deviation(const ContactPotential& contact,
+                                                          std::size_t i, const Vector3& position,
+                                                          const Vector3& d) const {
+  const ContactPotential::Response after = contact.respond(i, position + d);
+  return {after.gradient - start_[i] - held_[i] * d, after.hessian - held_[i]};
+}
+
+bool ContactCorrection::add_columns(const ContactPotential& contact,
+                                    const StiffnessAssembly& assembly,
+                                    std::span<const Vector3> positions, double threshold,
+                                    std::span<const double> direction) {
+  struct Candidate {
+    double force = 0.0;
+    std::size_t sample = 0;
+    Vector3 line = Vector3::Zero();
+  };
+  std::array<Candidate, kColumnsARound> greatest{};
+  for (std::size_t i = 0; i < sample_blocks_.size(); ++i) {
+    if (sample_blocks_[i] < 0) continue;
+    const Vector3 d = moved(i, direction);
+    if (contact.gap(i) > d.norm() + kReach && held_[i].isZero(0.0)) continue;
+    Vector3 force = deviation(contact, i, positions[i], d).force;
+    for (int c = 0; c < count_; ++c) {
+      const Column& column = columns_[static_cast<std::size_t>(c)];
+      if (column.sample == i) force -= column.line * column.line.dot(force);
+    }
+    Candidate candidate{force.norm(), i, force};
+    if (candidate.force <= threshold) continue;
+    for (Candidate& g : greatest) {
+      if (candidate.force > g.force) std::swap(candidate, g);
+    }
+  }
+  bool added = false;
+  for (const Candidate& g : greatest) {
+    if (!(g.force > 0.0) || count_ == kMaxColumns) break;
+    Column& column = columns_[static_cast<std::size_t>(count_)];
+    column.sample = g.sample;
+    column.line = g.line / g.force;
+    std::fill(column.response.begin(), column.response.end(), 0.0);
+    const auto at = static_cast<std::size_t>(3 * sample_blocks_[g.sample]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      column.response[at + k] = column.line[static_cast<int>(k)];
+    }
+    assembly.solve(column.response);
+    amplitudes_[static_cast<std::size_t>(count_)] = 0.0;
+    ++count_;
+    added = true;
+  }
+  return added;
+}
+
+void ContactCorrection::balance(const ContactPotential& contact, std::span<const Vector3> positions,
+                                double tolerance, std::span<const double> uncorrected) {
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxColumns, kMaxColumns>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxColumns, 1>;
+  using Moves = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxColumns>;
+  std::array<Moves, kMaxColumns> moves;  // of column c's sample, by each amplitude
+  std::array<Vector3, kMaxColumns> start;
+  for (int c = 0; c < count_; ++c) {
+    const auto cu = static_cast<std::size_t>(c);
+    start[cu] = moved(columns_[cu].sample, uncorrected);
+    moves[cu].resize(3, count_);
+    for (int k = 0; k < count_; ++k) {
+      moves[cu].col(k) = moved(columns_[cu].sample, columns_[static_cast<std::size_t>(k)].response);
+    }
+  }
+  Matrix jacobian(count_, count_);
+  Vector amplitudes = Vector::Zero(count_);
+  Vector excess(count_);
+  const auto evaluate = [&] {
+    for (int c = 0; c < count_; ++c) {
+      const auto cu = static_cast<std::size_t>(c);
+      const Column& column = columns_[cu];
+      const Deviation beyond = deviation(contact, column.sample, positions[column.sample],
+                                         start[cu] - moves[cu] * amplitudes);
+      excess[c] = amplitudes[c] - column.line.dot(beyond.force);
+      jacobian.row(c) = (beyond.stiffness.transpose() * column.line).transpose() * moves[cu];
+      jacobian(c, c) += 1.0;
+    }
+    return excess.norm();
+  };
+  double norm = evaluate();
+  for (int iteration = 0; iteration < kBalanceIterations && norm > tolerance; ++iteration) {
+    const Vector step = jacobian.partialPivLu().solve(excess);
+    if (!step.allFinite()) break;
+    const Vector from = amplitudes;
+    const double before = norm;
+    double t = 1.0;
+    // The shortest step is taken in any case: kinks are passed rather than stopped at.
+    for (int halving = 0; halving <= kBalanceHalvings; ++halving, t *= 0.5) {
+      amplitudes = from - t * step;
+      norm = evaluate();
+      if (norm < before) break;
+    }
+  }
+  for (int c = 0; c < count_; ++c) amplitudes_[static_cast<std::size_t>(c)] = amplitudes[c];
+}
+
+void ContactCorrection::correct(std::span<const double> uncorrected,
+                                std::span<double> direction) const {
+  std::copy(uncorrected.begin(), uncorrected.end(), direction.begin());
+  for (int c = 0; c < count_; ++c) {
+    const double amplitude = amplitudes_[static_cast<std::size_t>(c)];
+    if (amplitude == 0.0) continue;
+    const std::vector<double>& z = columns_[static_cast<std::size_t>(c)].response;
+    for (std::size_t k = 0; k < direction.size(); ++k) direction[k] -= amplitude * z[k];
+  }
+}
+
+void ContactCorrection::apply(const ContactPotential& contact, const StiffnessAssembly& assembly,
+                              std::span<const Vector3> positions, double gradient_norm,
+                              std::span<double> direction) {
+  std::copy(direction.begin(), direction.end(), uncorrected_.begin());
+  std::fill(amplitudes_.begin(), amplitudes_.end(), 0.0);
+  const double threshold = kWorthwhile * gradient_norm;
+  for (std::size_t i = 0; i < start_.size(); ++i) {
+    start_[i] = contact.respond(i, positions[i]).gradient;
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    if (count_ > 0) {
+      balance(contact, positions, kBalanceAccuracy * gradient_norm, uncorrected_);
+      correct(uncorrected_, direction);
+    }
+    if (!add_columns(contact, assembly, positions, threshold, direction)) return;
+  }
+  balance(contact, positions, kBalanceAccuracy * gradient_norm, uncorrected_);
+  correct(uncorrected_, direction);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "softfinger/contact/contact_potential.hpp"
+#include "softfinger/fem/stiffness_assembly.hpp"
+
+namespace softfinger {
+
+/// Makes a Newton direction of an old factor aware of contact as it will be. Contact changes within
+/// a step far more than tissue does: samples land, leave, begin to slide. The direction d = A^-1 b
+/// of the old matrix is corrected by forces of few samples, each along one line,
+///
+///   d = A^-1 b - sum_c alpha_c z_c,  z_c = A^-1 P_c w_c,
+///
+/// so that for these samples the contact force at the end of the direction is the true one of the
+/// contact potential and not the one the old matrix extrapolates: a small system with no tissue in
+/// it (Sherman-Morrison-Woodbury, with the contact set found on the linear model). The columns z_c
+/// are kept until the next factorisation.
+class ContactCorrection {
+ public:
+  static constexpr int kMaxColumns = 16;
+
+  /// sample_blocks: unknown block of each sample, -1 where it is tied (such samples take no part).
+  ContactCorrection(std::vector<int> sample_blocks, std::size_t unknowns);
+
+  /// After a factorisation whose matrix holds `blocks[i]` for sample i.
+  void restart(std::span<const Matrix3> blocks);
+  /// Many columns have piled up since the last factorisation: a new one pays.
+  [[nodiscard]] bool is_full() const { return count_ == kMaxColumns; }
+  /// Corrects `direction`. positions: of the samples where the direction starts, W, m;
+  /// gradient_norm: N, there; corrections much smaller are left alone.
+  void apply(const ContactPotential& contact, const StiffnessAssembly& assembly,
+             std::span<const Vector3> positions, double gradient_norm, std::span<double> direction);
+
+ private:
+  struct Column {
+    std::size_t sample = 0;
+    Vector3 line = Vector3::Zero();  ///< w, unit
+    std::vector<double> response;    ///< z
+  };
+  struct Deviation {
+    Vector3 force = Vector3::Zero();
+    Matrix3 stiffness = Matrix3::Zero();
+  };
+  [[nodiscard]] Vector3 moved(std::size_t sample, std::span<const double> direction) const;
+  /// What the potential says of sample i after d, beyond what the matrix holds.
+  [[nodiscard]] Deviation deviation(const ContactPotential& contact, std::size_t i,
+                                    const Vector3& position, const Vector3& d) const;
+  /// Finds the amplitudes, to `tolerance` (N).
+  void balance(const ContactPotential& contact, std::span<const Vector3> positions,
+               double tolerance, std::span<const double> uncorrected);
+  /// Adds columns for the samples that deviate most. False if there is nothing to add.
+  bool add_columns(const ContactPotential& contact, const StiffnessAssembly& assembly,
+                   std::span<const Vector3> positions, double threshold,
+                   std::span<const double> direction);
+  void correct(std::span<const double> uncorrected, std::span<double> direction) const;
+
+  std::vector<int> sample_blocks_;
+  std::vector<Matrix3> held_;   ///< per sample: second derivative in the factored matrix
+  std::vector<Vector3> start_;  ///< per sample: gradient where the direction starts, N
+  std::vector<Column> columns_;
+  int count_ = 0;
+  std::vector<double> amplitudes_;
+  std::vector<double> uncorrected_;
+};
+
+}  // namespace softfinger
