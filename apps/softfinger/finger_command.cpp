@@ -8,6 +8,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "finger_fit_command.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
@@ -100,7 +101,8 @@ void show(const FingerShowFlags& flags) {
 }  // namespace
 
 void add_finger_command(CLI::App& app) {
-  CLI::App* finger = app.add_subcommand("finger", "Look at finger files");
+  CLI::App* finger =
+      app.add_subcommand("finger", "Look at finger files, fit one to a measured press");
   finger->require_subcommand(1);
   CLI::App* command =
       finger->add_subcommand("show", "Read a finger file and its mesh; say what is in them");
@@ -109,4 +111,5 @@ void add_finger_command(CLI::App& app) {
   command->add_flag("--json", flags->json,
                     "one JSON object on stdout: the file's keys, defaults filled in");
   command->callback([flags] { show(*flags); });
+  add_finger_fit_command(*finger);
 }

@@ -84,14 +84,8 @@ std::string finger_file_text(const FingerModel& model, const FingerConstants& co
     if (value.is_object()) scale(value);
   }
   if (model.strain_limits.enabled) {
-    const FingerModel::StrainLimits limits = with_constants(model, constants).strain_limits;
-    Json& table = keys["strain_limits"];
-    table["min"] = rounded(limits.min);
-    table["max"] = rounded(limits.max);
-    if (limits.width < model.strain_limits.width) {
-      // Down, so that rounding does not leave it wider than the limits allow.
-      table["width"] = std::floor(limits.width * 1e5) / 1e5;
-    }
+    keys["strain_limits"]["min"] = rounded(constants.min);
+    keys["strain_limits"]["max"] = rounded(constants.max);
   }
   Writer writer(remarks);
   writer.table(keys, "", "");

@@ -54,12 +54,13 @@ struct FingerFit {
 };
 
 /// Estimates constants by weighted least squares of force over depth, and of area over force where
-/// measured, with linearised 95 % confidence intervals (Student's t; Seber and Wild, Nonlinear
-/// Regression, 1989, section 5.1). Noise levels are estimated from the residuals; whether the
-/// forces' noise is relative or absolute is decided by likelihood. A strain limit is estimated
-/// where forgetting it would change a force by 2 % and its interval is narrower than the strain it
-/// allows; else it is kept and the reason said. Throws InputError for a parameter asked for that
-/// the data cannot tell and for a curve that no constants reach within 20 %.
+/// measured. Noise levels are estimated from the residuals; whether that of the forces is relative
+/// or absolute is decided by likelihood. The 95 % intervals start from the linearised ones
+/// (Student's t) and follow the sum of squares where it is not quadratic (see profile_interval);
+/// they hold with the constants that are kept. A strain limit is estimated where forgetting it
+/// would change a force by 2 % and its interval is narrower than the strain it allows; else it is
+/// kept and the reason said. Throws InputError for a parameter asked for that the data cannot tell
+/// and for a curve that no constants reach within 20 %, root mean square.
 [[nodiscard]] FingerFit fit_finger(const FitInput& input, const PressSimulation& simulate);
 
 /// Depth below which bone lies under the skin at the lowest point of the pad, m: no curve is

@@ -20,11 +20,9 @@ FingerModel with_constants(const FingerModel& model, const FingerConstants& cons
   for (FingerModel::Material& material : result.materials) {
     material.youngs_modulus *= constants.youngs_modulus_factor;
   }
-  FingerModel::StrainLimits& limits = result.strain_limits;
-  if (limits.enabled) {
-    limits.min = constants.min;
-    limits.max = constants.max;
-    limits.width = std::min({limits.width, 1.0 - limits.min, limits.max - 1.0});
+  if (result.strain_limits.enabled) {
+    result.strain_limits.min = constants.min;
+    result.strain_limits.max = constants.max;
   }
   return result;
 }

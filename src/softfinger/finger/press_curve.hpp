@@ -15,8 +15,7 @@ struct FingerConstants {
   friend bool operator==(const FingerConstants&, const FingerConstants&) = default;
 };
 
-/// The finger with these constants. The onset of the limits keeps its width, but for what the new
-/// limits leave room for: min(width, 1 - min, max - 1).
+/// The finger with these constants; stiffness and width of the limits stay.
 [[nodiscard]] FingerModel with_constants(const FingerModel& model,
                                          const FingerConstants& constants);
 

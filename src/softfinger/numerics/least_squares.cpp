@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
+#include <numeric>
 #include <vector>
 
 namespace softfinger {
@@ -13,8 +14,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kFirstDamping = 1e-3;
-constexpr double kGreatestDamping = 1e9;
-constexpr double kSmallStep = 1e-2;       // of the difference step
+constexpr double kLeastDamping = 1e-9, kGreatestDamping = 1e9;
+constexpr double kSmallStep = 5e-2;       // of the difference step
 constexpr double kSmallReduction = 1e-9;  // of the sum of squares
 // Differences are not exact: where they promise less than this, failing to find it is an end.
 constexpr double kUncertainReduction = 1e-4;
@@ -47,28 +48,34 @@ bool differentiate(const LeastSquaresProblem& problem, LeastSquaresSolution& sol
   return true;
 }
 
-/// The damped step over the unknowns that are not held at a bound; zero for the others.
-VectorXd damped_step(const LeastSquaresProblem& problem, const LeastSquaresSolution& at,
-                     double damping) {
-  const VectorXd gradient = at.jacobian.transpose() * at.residuals;
-  std::vector<Index> free;
-  for (Index i = 0; i < at.x.size(); ++i) {
-    const bool held = (at.x[i] <= problem.lower[i] && gradient[i] > 0.0) ||
-                      (at.x[i] >= problem.upper[i] && gradient[i] < 0.0);
-    if (!held) free.push_back(i);
-  }
-  VectorXd step = VectorXd::Zero(at.x.size());
-  if (free.empty()) return step;
-  MatrixXd normal = (at.jacobian.transpose() * at.jacobian)(free, free);
+}  // namespace
+
+VectorXd bounded_step(const LeastSquaresProblem& problem, const VectorXd& x,
+                      const VectorXd& residuals, const MatrixXd& jacobian, double damping,
+                      std::vector<Index> free) {
+  MatrixXd normal = jacobian.transpose() * jacobian;
   // A floor, so that an unknown without influence does not make the matrix singular.
   const double floor = 1e-12 * normal.diagonal().maxCoeff() + 1e-300;
-  normal.diagonal() +=
-      damping * normal.diagonal().cwiseMax(floor) + VectorXd::Constant(normal.rows(), floor);
-  step(free) = -normal.ldlt().solve(VectorXd(gradient(free)));
+  normal.diagonal() += damping * normal.diagonal() + VectorXd::Constant(x.size(), floor);
+  const VectorXd gradient = jacobian.transpose() * residuals;
+  VectorXd step = VectorXd::Zero(x.size());
+  while (!free.empty()) {
+    VectorXd stopped = step;
+    stopped(free).setZero();
+    const VectorXd right = -gradient - normal * stopped;
+    const VectorXd solved = MatrixXd(normal(free, free)).ldlt().solve(VectorXd(right(free)));
+    step(free) = solved;
+    const auto goes_out = [&](Index i) {
+      const double wanted = x[i] + step[i];
+      const double inside = std::clamp(wanted, problem.lower[i], problem.upper[i]);
+      if (wanted == inside) return false;
+      step[i] = inside - x[i];
+      return true;
+    };
+    if (std::erase_if(free, goes_out) == 0) break;
+  }
   return step;
 }
-
-}  // namespace
 
 LeastSquaresSolution minimise_squares(const LeastSquaresProblem& problem, const VectorXd& start,
                                       int max_iterations) {
@@ -76,34 +83,42 @@ LeastSquaresSolution minimise_squares(const LeastSquaresProblem& problem, const 
   solution.x = start.cwiseMax(problem.lower).cwiseMin(problem.upper);
   solution.residuals = problem.residuals(solution.x);
   if (solution.residuals.size() == 0 || !differentiate(problem, solution)) return solution;
+  std::vector<Index> all(static_cast<std::size_t>(solution.x.size()));
+  std::iota(all.begin(), all.end(), Index{0});
+  VectorXd differentiated_at = solution.x;
   double damping = kFirstDamping;
   while (solution.iterations < max_iterations) {
     ++solution.iterations;
     const double cost = solution.sum_of_squares();
-    bool accepted = false;
-    bool small = false;
-    for (; !accepted; damping *= 5.0) {
-      const VectorXd wanted = solution.x + damped_step(problem, solution, damping);
-      const VectorXd x = wanted.cwiseMax(problem.lower).cwiseMin(problem.upper);
-      const VectorXd step = x - solution.x;
-      small = (step.array().abs() <= kSmallStep * problem.difference_step.array()).all();
-      const double promised = cost - (solution.residuals + solution.jacobian * step).squaredNorm();
-      if (small || promised <= kSmallReduction * cost) {
-        solution.converged = true;
-        return solution;
-      }
+    const VectorXd wanted = solution.x + bounded_step(problem, solution.x, solution.residuals,
+                                                      solution.jacobian, damping, all);
+    const VectorXd x = wanted.cwiseMax(problem.lower).cwiseMin(problem.upper);
+    const VectorXd step = x - solution.x;
+    const double promised = cost - (solution.residuals + solution.jacobian * step).squaredNorm();
+    const bool small = (step.array().abs() <= kSmallStep * problem.difference_step.array()).all();
+    if (small || promised <= kSmallReduction * cost) {
+      solution.converged = damping <= 1.0 || promised <= kUncertainReduction * cost;
+      return solution;
+    }
+    const VectorXd residuals = problem.residuals(x);
+    bool fresh = (differentiated_at.array() == solution.x.array()).all();
+    if (residuals.size() > 0 && residuals.squaredNorm() < cost) {
+      solution.x = x;
+      solution.residuals = residuals;
+      damping = std::max(damping / 10.0, kLeastDamping);
+      // Within a difference step the Jacobian stays as good as it was.
+      fresh = ((x - differentiated_at).array().abs() <= problem.difference_step.array()).all();
+    } else if (fresh) {
+      damping *= 5.0;
       if (damping > kGreatestDamping) {
         solution.converged = promised <= kUncertainReduction * cost;
         return solution;
       }
-      const VectorXd residuals = problem.residuals(x);
-      if (residuals.size() == 0 || !(residuals.squaredNorm() < cost)) continue;
-      solution.x = x;
-      solution.residuals = residuals;
-      accepted = true;
     }
-    damping = std::max(damping / 50.0, 1e-9);
-    if (!differentiate(problem, solution)) return solution;
+    if (!fresh) {
+      if (!differentiate(problem, solution)) return solution;
+      differentiated_at = solution.x;
+    }
   }
   return solution;
 }

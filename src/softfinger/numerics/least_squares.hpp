@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -18,7 +19,7 @@ struct LeastSquaresProblem {
 struct LeastSquaresSolution {
   Eigen::VectorXd x;
   Eigen::VectorXd residuals;  ///< at x
-  Eigen::MatrixXd jacobian;   ///< dr/dx at x
+  Eigen::MatrixXd jacobian;   ///< dr/dx at x, or within a difference step of it
   int iterations = 0;
   bool converged = false;
   [[nodiscard]] double sum_of_squares() const { return residuals.squaredNorm(); }
@@ -31,7 +32,16 @@ struct LeastSquaresSolution {
 /// solution has no residuals and has not converged.
 [[nodiscard]] LeastSquaresSolution minimise_squares(const LeastSquaresProblem& problem,
                                                     const Eigen::VectorXd& start,
-                                                    int max_iterations = 40);
+                                                    int max_iterations = 100);
+
+/// Gauss-Newton step from x, damped by `damping` times the diagonal, over the unknowns `free` and
+/// zero for the others. Unknowns that it would take out of their bounds stop there, and the rest is
+/// solved for anew.
+[[nodiscard]] Eigen::VectorXd bounded_step(const LeastSquaresProblem& problem,
+                                           const Eigen::VectorXd& x,
+                                           const Eigen::VectorXd& residuals,
+                                           const Eigen::MatrixXd& jacobian, double damping,
+                                           std::vector<Eigen::Index> free);
 
 /// Quantile of Student's t distribution, probability in (0, 1), degrees of freedom at least 1.
 [[nodiscard]] double student_t_quantile(double probability, double degrees_of_freedom);
