@@ -17,11 +17,12 @@ constexpr StrainLimit kLimit{0.35, 1.5, 40e3, 0.5};
 
 struct Block {
   explicit Block(StrainLimit limit = kLimit, double nu = 0.4,
-                 InstructionSet set = active_instruction_set())
+                 InstructionSet set = active_instruction_set(),
+                 Dilatation dilatation = Dilatation::kElement)
       : mesh(box_mesh(2, 3, 2, Vector3(-1, -1, -1) * 1e-3, Vector3(2, 3, 2) * 1e-3)),
         tied(mesh.nodes.size(), false),
         model(mesh, std::vector<ElasticMaterial>{{45e3, nu, 1000.0}},
-              std::vector<int>(mesh.tetrahedra.size(), 0), tied, limit, set),
+              std::vector<int>(mesh.tetrahedra.size(), 0), tied, limit, dilatation, set),
         work(model.make_work()) {}
 
   double energy(const std::vector<Vector3>& x) {
@@ -54,19 +55,21 @@ class EveryInstructionSet : public testing::TestWithParam<InstructionSet> {
 };
 
 TEST_P(EveryInstructionSet, GradientIsTheDerivativeOfTheEnergy) {
-  Block block(kLimit, 0.4, GetParam());
-  auto x = block.mesh.nodes;
-  displace(x, 0.25e-3, 1);
-  const auto g = block.gradient(x);
-  const double scale = greatest(g);
-  for (std::size_t n = 0; n < x.size(); ++n) {
-    for (int k = 0; k < 3; ++k) {
-      const double h = 1e-8;
-      auto low = x;
-      auto high = x;
-      low[n][k] -= h;
-      high[n][k] += h;
-      EXPECT_NEAR((block.energy(high) - block.energy(low)) / (2 * h), g[n][k], 2e-6 * scale);
+  for (const Dilatation dilatation : {Dilatation::kElement, Dilatation::kPatch}) {
+    Block block(kLimit, 0.4, GetParam(), dilatation);
+    auto x = block.mesh.nodes;
+    displace(x, 0.25e-3, 1);
+    const auto g = block.gradient(x);
+    const double scale = greatest(g);
+    for (std::size_t n = 0; n < x.size(); ++n) {
+      for (int k = 0; k < 3; ++k) {
+        const double h = 1e-8;
+        auto low = x;
+        auto high = x;
+        low[n][k] -= h;
+        high[n][k] += h;
+        EXPECT_NEAR((block.energy(high) - block.energy(low)) / (2 * h), g[n][k], 2e-6 * scale);
+      }
     }
   }
 }
@@ -217,14 +220,16 @@ TEST(ElasticModel, MassesSumToTheMassOfTheTissue) {
 
 /// Newton on the interior nodes alone, boundary prescribed.
 TEST(ElasticModel, PatchTestKeepsAnAffineMap) {
-  for (const double strain : {0.01, 0.2}) {
+  for (const auto& [strain, dilatation] :
+       {std::pair(0.01, Dilatation::kElement), std::pair(0.2, Dilatation::kElement),
+        std::pair(0.2, Dilatation::kPatch)}) {
     TetrahedralMesh mesh = box_mesh(3, 3, 3, Vector3::Zero(), Vector3::Constant(3e-3));
     std::vector<bool> boundary(mesh.nodes.size(), false);
     for (const auto& t : mesh.triangles) {
       for (int n : t) boundary[static_cast<std::size_t>(n)] = true;
     }
     ElasticModel model(mesh, std::vector<ElasticMaterial>{{45e3, 0.4, 1000.0}},
-                       std::vector<int>(mesh.tetrahedra.size(), 0), boundary, kLimit,
+                       std::vector<int>(mesh.tetrahedra.size(), 0), boundary, kLimit, dilatation,
                        active_instruction_set());
     const UnknownMap map = make_unknown_map(boundary, false);
     ASSERT_EQ(map.free_blocks, 8);

@@ -12,7 +12,7 @@ using testing_support::displace;
 
 /// A finger in the middle of everything: pressed, sliding, moving, off its tracked pose.
 struct Busy {
-  Busy() {
+  explicit Busy(Dilatation dilatation) : model(model_with(dilatation)) {
     ball = Ball{9e-3};
     obstacle.shape = &ball;
     obstacle.X_WO.translation = Vector3(1e-3, 0.5e-3, -15.6e-3);
@@ -43,13 +43,21 @@ struct Busy {
                          {exp_rotation(Vector3(0.05, 0.1, 0.2)), Vector3(0.2, -0.1, -0.6) * 1e-3});
   }
 
-  std::shared_ptr<FingerModel> model = box_finger();
+  static std::shared_ptr<FingerModel> model_with(Dilatation dilatation) {
+    auto model = box_finger();
+    model->dilatation = dilatation;
+    return model;
+  }
+
+  std::shared_ptr<FingerModel> model;
   FingerPotential potential{*model, FingerPotential::Bone::kCoupled, 1, {}};
   Shape ball;
   Obstacle obstacle;
   std::vector<FrictionAnchor> anchors;
   std::vector<Vector3> old_positions, velocities;
 };
+
+class EveryDilatation : public testing::TestWithParam<Dilatation> {};
 
 /// Energy with unknown `index` moved by `step`.
 double moved_energy(Busy& busy, std::size_t index, double step) {
@@ -72,8 +80,8 @@ double moved_energy(Busy& busy, std::size_t index, double step) {
   return energy;
 }
 
-TEST(FingerPotential, GradientIsTheDerivativeOfTheEnergyForNodesAndBone) {
-  Busy busy;
+TEST_P(EveryDilatation, GradientIsTheDerivativeOfTheEnergyForNodesAndBone) {
+  Busy busy(GetParam());
   EXPECT_GT(busy.potential.contact().force_norm(), 0.01);
   const std::vector<double> g(busy.potential.gradient().begin(), busy.potential.gradient().end());
   double largest = 0.0;
@@ -87,14 +95,14 @@ TEST(FingerPotential, GradientIsTheDerivativeOfTheEnergyForNodesAndBone) {
 }
 
 /// With the exact Hessian Newton converges quadratically; a wrong entry anywhere makes it linear.
-TEST(FingerPotential, NewtonConvergesQuadratically) {
-  Busy busy;
+TEST_P(EveryDilatation, NewtonConvergesQuadratically) {
+  Busy busy(GetParam());
   NewtonOptions options;
   options.tolerance = 1e-12;
   options.chord_reduction = 1e300;
   const NewtonSummary all = minimise(busy.potential, options);
   ASSERT_TRUE(all.converged);
-  Busy again;
+  Busy again(GetParam());
   std::vector<double> residuals;
   for (int i = 0; i <= all.iterations; ++i) {
     residuals.push_back(again.potential.residual());
@@ -112,14 +120,20 @@ TEST(FingerPotential, NewtonConvergesQuadratically) {
   EXPECT_LE(all.iterations, 15);
 }
 
-TEST(FingerPotential, SameStartGivesTheSameBits) {
-  Busy a;
+TEST_P(EveryDilatation, SameStartGivesTheSameBits) {
+  Busy a(GetParam());
   minimise(a.potential, NewtonOptions{});
   const std::vector<Vector3> first(a.potential.positions().begin(), a.potential.positions().end());
-  Busy b;
+  Busy b(GetParam());
   minimise(b.potential, NewtonOptions{});
   for (std::size_t n = 0; n < first.size(); ++n) EXPECT_EQ(first[n], b.potential.positions()[n]);
 }
+
+INSTANTIATE_TEST_SUITE_P(FingerPotential, EveryDilatation,
+                         testing::Values(Dilatation::kElement, Dilatation::kPatch),
+                         [](const auto& of) {
+                           return of.param == Dilatation::kPatch ? "patch" : "element";
+                         });
 
 }  // namespace
 }  // namespace softfinger

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "softfinger/fem/dilatation_patches.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -19,33 +21,46 @@ Matrix3 edges(std::span<const Vector3> x, const std::array<int, 4>& t) {
 
 ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticMaterial> materials,
                            std::span<const int> element_material, const std::vector<bool>& tied,
-                           const StrainLimit& limit, InstructionSet set)
+                           const StrainLimit& limit, Dilatation dilatation, InstructionSet set)
     : masses_(mesh.nodes.size(), 0.0),
       limits_{limit.min, limit.max, limit.stiffness, limit.width},
       kernels_(&element_kernels(set)) {
   const auto is_tied = [&](int node) { return tied[static_cast<std::size_t>(node)]; };
-  std::vector<std::size_t> beside_body;
+  std::vector<std::size_t> apart_from_body, beside_body;
+  std::vector<int> deforming_material(element_material.begin(), element_material.end());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     if (element_material[e] < 0) continue;
     const auto& tetrahedron = mesh.tetrahedra[e];
-    const ElasticMaterial& material = materials[static_cast<std::size_t>(element_material[e])];
+    const double density = materials[static_cast<std::size_t>(element_material[e])].density;
     const double volume = edges(mesh.nodes, tetrahedron).determinant() / 6.0;
     for (int node : tetrahedron) {
-      masses_[static_cast<std::size_t>(node)] += 0.25 * material.density * volume;
+      masses_[static_cast<std::size_t>(node)] += 0.25 * density * volume;
     }
     const auto tied_nodes = std::count_if(tetrahedron.begin(), tetrahedron.end(), is_tied);
-    if (tied_nodes == 0) add_element(mesh, e, material, tied);
-    if (tied_nodes > 0 && tied_nodes < 4) beside_body.push_back(e);
+    if (tied_nodes == 4) {
+      deforming_material[e] = -1;
+    } else {
+      (tied_nodes == 0 ? apart_from_body : beside_body).push_back(e);
+    }
   }
+  std::vector<int> patch(mesh.tetrahedra.size(), -1);
+  if (dilatation == Dilatation::kPatch) {
+    patch = dilatation_patches(mesh.tetrahedra, deforming_material);
+    patches_.resize(static_cast<std::size_t>(*std::max_element(patch.begin(), patch.end()) + 1));
+  }
+  const auto add = [&](std::size_t e) {
+    add_element(mesh, e, materials[static_cast<std::size_t>(element_material[e])], tied, patch[e]);
+  };
+  for (const std::size_t e : apart_from_body) add(e);
   // Last, so that few groups have anything to do with the body.
   first_body_group_ = elements_ / kLaneCount;
-  for (const std::size_t e : beside_body) {
-    add_element(mesh, e, materials[static_cast<std::size_t>(element_material[e])], tied);
-  }
+  for (const std::size_t e : beside_body) add(e);
+  if (!patches_.empty()) number_patch_nodes();
 }
 
 void ElasticModel::add_element(const TetrahedralMesh& mesh, std::size_t e,
-                               const ElasticMaterial& material, const std::vector<bool>& tied) {
+                               const ElasticMaterial& material, const std::vector<bool>& tied,
+                               int patch) {
   const auto& tetrahedron = mesh.tetrahedra[e];
   const std::size_t lane = elements_ % kLaneCount;
   if (lane == 0) groups_.push_back(ElementGroup{});
@@ -63,13 +78,45 @@ void ElasticModel::add_element(const TetrahedralMesh& mesh, std::size_t e,
   }
   group.volume[lane] = rest.determinant() / 6.0;
   group.mu[lane] = material.mu();
-  group.lambda[lane] = material.lambda();
+  group.lambda[lane] = patch < 0 ? material.lambda() : 0.0;
+  if (patch >= 0) {
+    Patch& whole = patches_[static_cast<std::size_t>(patch)];
+    whole.volume += group.volume[lane];
+    whole.lambda = material.lambda();
+    whole.nodes.insert(whole.nodes.end(), tetrahedron.begin(), tetrahedron.end());
+    memberships_.push_back({patch, 0, {}});
+  }
   ++elements_;
+}
+
+void ElasticModel::number_patch_nodes() {
+  std::vector<int> first(patches_.size(), 0);
+  int count = 0;
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    std::vector<int>& nodes = patches_[p].nodes;
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    first[p] = count;
+    count += static_cast<int>(nodes.size());
+  }
+  for (std::size_t e = 0; e < memberships_.size(); ++e) {
+    Membership& membership = memberships_[e];
+    const auto p = static_cast<std::size_t>(membership.patch);
+    const std::vector<int>& nodes = patches_[p].nodes;
+    membership.first = first[p];
+    for (std::size_t a = 0; a < 4; ++a) {
+      const int node = groups_[e / kLaneCount].nodes[a][e % kLaneCount];
+      const auto found = std::lower_bound(nodes.begin(), nodes.end(), node);
+      membership.at[a] = static_cast<int>(found - nodes.begin());
+    }
+  }
 }
 
 ElasticModel::Work ElasticModel::make_work() const {
   Work work;
   work.decompositions.resize(groups_.size());
+  if (!patches_.empty()) work.dilatations.resize(groups_.size());
+  work.pressures.assign(patches_.size(), 0.0);
   reset(work);
   return work;
 }
@@ -92,8 +139,9 @@ double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& w
   ElementForces forces;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const ElementGroup& group = groups_[g];
-    energy += kernels_->energy_gradient(group, limits_, positions.data()->data(),
-                                        &work.decompositions[g], &forces);
+    energy +=
+        kernels_->energy_gradient(group, limits_, positions.data()->data(), &work.decompositions[g],
+                                  &forces, patches_.empty() ? nullptr : &work.dilatations[g]);
     const std::size_t lanes = std::min(kLaneCount, elements_ - g * kLaneCount);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       for (std::size_t a = 0; a < 4; ++a) {
@@ -104,12 +152,57 @@ double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& w
       }
     }
   }
+  if (!patches_.empty()) add_patch_pressures(work, gradient, energy);
   return energy;
+}
+
+void ElasticModel::add_patch_pressures(Work& work, std::span<Vector3> gradient,
+                                       double& energy) const {
+  std::fill(work.pressures.begin(), work.pressures.end(), 0.0);
+  for (std::size_t e = 0; e < elements_; ++e) {
+    work.pressures[static_cast<std::size_t>(memberships_[e].patch)] +=
+        work.dilatations[e / kLaneCount].value[e % kLaneCount];
+  }
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    const double mean = work.pressures[p] / patches_[p].volume;
+    energy += 0.5 * patches_[p].lambda * patches_[p].volume * mean * mean;
+    work.pressures[p] = patches_[p].lambda * mean;
+  }
+  for (std::size_t e = 0; e < elements_; ++e) {
+    const ElementGroup& group = groups_[e / kLaneCount];
+    const ElementDilatation& dilatation = work.dilatations[e / kLaneCount];
+    const std::size_t lane = e % kLaneCount;
+    const double pressure = work.pressures[static_cast<std::size_t>(memberships_[e].patch)];
+    for (std::size_t a = 0; a < 4; ++a) {
+      Vector3& sum = gradient[static_cast<std::size_t>(group.nodes[a][lane])];
+      sum.x() += pressure * dilatation.force[a][0][lane];
+      sum.y() += pressure * dilatation.force[a][1][lane];
+      sum.z() += pressure * dilatation.force[a][2][lane];
+    }
+  }
+}
+
+void ElasticModel::patch_gradients(const Work& work, std::span<Vector3> gradients) const {
+  std::fill(gradients.begin(), gradients.end(), Vector3::Zero());
+  for (std::size_t e = 0; e < memberships_.size(); ++e) {
+    const ElementDilatation& dilatation = work.dilatations[e / kLaneCount];
+    const std::size_t lane = e % kLaneCount;
+    for (std::size_t a = 0; a < 4; ++a) {
+      gradients[static_cast<std::size_t>(memberships_[e].first + memberships_[e].at[a])] += Vector3(
+          dilatation.force[a][0][lane], dilatation.force[a][1][lane], dilatation.force[a][2][lane]);
+    }
+  }
 }
 
 void ElasticModel::hessian(std::size_t group, const Work& work, bool projected,
                            ElementHessians& hessians) const {
-  kernels_->hessian(groups_[group], work.decompositions[group], projected, &hessians);
+  alignas(64) double pressures[kLanes] = {};
+  for (std::size_t lane = 0; lane < kLaneCount && !patches_.empty(); ++lane) {
+    const std::size_t e = group * kLaneCount + lane;
+    if (e >= elements_) break;
+    pressures[lane] = work.pressures[static_cast<std::size_t>(memberships_[e].patch)];
+  }
+  kernels_->hessian(groups_[group], work.decompositions[group], pressures, projected, &hessians);
 }
 
 void ElasticModel::body_hessian(std::size_t group, std::span<const Vector3> lever_arms,

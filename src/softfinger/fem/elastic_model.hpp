@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct ElasticMaterial {
   }
 };
 
+/// Where the change of volume is taken: in each element, or averaged over patches of about four,
+/// which does not lock near incompressibility.
+enum class Dilatation { kElement, kPatch };
+
 /// Soft solid of corotated linear tetrahedra with strain limits; immutable. Elements whose four
 /// nodes are all tied never deform and are left out.
 class ElasticModel {
@@ -30,13 +35,22 @@ class ElasticModel {
   /// What an evaluation leaves behind for the Hessian of the same positions.
   struct Work {
     std::vector<ElementDecomposition> decompositions;
+    // Empty unless dilatation is averaged over patches.
+    std::vector<ElementDilatation> dilatations;
+    std::vector<double> pressures;  ///< per patch, Pa
+  };
+  /// Elements that share their change of volume: energy 1/2 lambda V (mean dilatation)^2.
+  struct Patch {
+    double volume = 0.0;  ///< V, m^3
+    double lambda = 0.0;  ///< Pa
+    std::vector<int> nodes;
   };
 
   /// `element_material[t]` indexes `materials`, -1 leaves tetrahedron t out; `tied[n]` says that
   /// node n moves with the bone.
   ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticMaterial> materials,
                std::span<const int> element_material, const std::vector<bool>& tied,
-               const StrainLimit& limit, InstructionSet set);
+               const StrainLimit& limit, Dilatation dilatation, InstructionSet set);
 
   /// Work with every decomposition at the identity: the start of a reproducible sequence.
   [[nodiscard]] Work make_work() const;
@@ -63,18 +77,33 @@ class ElasticModel {
   };
   [[nodiscard]] Stretches stretches(const Work& work) const;
 
+  [[nodiscard]] std::span<const Patch> patches() const { return patches_; }
+  /// Derivative of V times the mean dilatation of each patch by its nodes, m^2, patch after patch
+  /// in the order of Patch::nodes, at the positions last evaluated with `work`.
+  void patch_gradients(const Work& work, std::span<Vector3> gradients) const;
+
   [[nodiscard]] std::span<const ElementGroup> groups() const { return groups_; }
   [[nodiscard]] std::size_t elements() const { return elements_; }
   /// Lumped nodal masses, kg, elements with only tied nodes included.
   [[nodiscard]] std::span<const double> masses() const { return masses_; }
 
  private:
+  /// Place of an element in its patch; patch -1: none.
+  struct Membership {
+    int patch = -1;
+    int first = 0;          ///< of the patch's nodes in the list of all patches' nodes
+    std::array<int, 4> at;  ///< the element's nodes in the patch's
+  };
   void add_element(const TetrahedralMesh& mesh, std::size_t e, const ElasticMaterial& material,
-                   const std::vector<bool>& tied);
+                   const std::vector<bool>& tied, int patch);
+  void number_patch_nodes();
+  void add_patch_pressures(Work& work, std::span<Vector3> gradient, double& energy) const;
 
   std::vector<ElementGroup> groups_;
   std::size_t elements_ = 0;
   std::size_t first_body_group_ = 0;
+  std::vector<Patch> patches_;
+  std::vector<Membership> memberships_;  ///< per element; empty without patches
   std::vector<double> masses_;
   ElementLimits limits_{};
   const ElementKernels* kernels_ = nullptr;

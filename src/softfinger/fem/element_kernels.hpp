@@ -37,6 +37,13 @@ struct ElementForces {
   alignas(64) double force[4][3][kLanes];
 };
 
+/// Of elements whose change of volume is averaged over a patch: V (s_1 + s_2 + s_3 - 3) and its
+/// gradient by the nodes, force[a][k] of node a, component k.
+struct ElementDilatation {
+  alignas(64) double value[kLanes];        ///< m^3
+  alignas(64) double force[4][3][kLanes];  ///< m^2
+};
+
 /// Contribution of one group to the Hessian: the ten blocks (a, b), a <= b, in the order
 /// 00 01 02 03 11 12 13 22 23 33, each column-major. Single precision, as the factor it goes into.
 struct ElementHessians {
@@ -67,14 +74,15 @@ struct ElementLimits {
 struct ElementKernels {
   /// positions: x y z of each node in turn, m. Reads decomposition->v as a start of the
   /// eigenvector iteration. Returns the energy of the group, J; forces are its gradient by
-  /// the nodal positions, N.
+  /// the nodal positions, N. `dilatation` is filled unless null.
   double (*energy_gradient)(const ElementGroup& group, const ElementLimits& limits,
                             const double* positions, ElementDecomposition* decomposition,
-                            ElementForces* forces);
-  /// Second derivative at the decomposition last computed, N/m. `projected` cuts negative
-  /// eigenvalues (twist modes under compression) to zero.
+                            ElementForces* forces, ElementDilatation* dilatation);
+  /// Second derivative at the decomposition last computed, N/m. `pressures`, one a lane, Pa, is
+  /// what patches add to the principal stresses. `projected` cuts negative eigenvalues (twist modes
+  /// under compression) to zero.
   void (*hessian)(const ElementGroup& group, const ElementDecomposition& decomposition,
-                  bool projected, ElementHessians* hessians);
+                  const double* pressures, bool projected, ElementHessians* hessians);
   /// From a group's Hessian, what concerns the body; lever_arms: r of each node in turn, x y z, m.
   /// Adds to `sums`.
   void (*body_hessian)(const ElementGroup& group, const double* lever_arms,

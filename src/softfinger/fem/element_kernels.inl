@@ -324,17 +324,17 @@ inline Vec3 principal_force(const ElementLimits& limits, Doubles s, Doubles trac
   return u * (p * volume);
 }
 
-inline void store_force(ElementForces* forces, int a, int first, Vec3 g) {
-  store(forces->force[a][0] + first, g.x);
-  store(forces->force[a][1] + first, g.y);
-  store(forces->force[a][2] + first, g.z);
+inline void store_force(double force[3][kLanes], int first, Vec3 g) {
+  store(force[0] + first, g.x);
+  store(force[1] + first, g.y);
+  store(force[2] + first, g.z);
 }
 
 /// Energy of half a group from lane `first` on, its forces, and what the later passes need, where
 /// the columns of b = F v are perpendicular.
 inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, int first,
                        const Mat3& b, const Mat3& v, ElementDecomposition* decomposition,
-                       ElementForces* forces) {
+                       ElementForces* forces, ElementDilatation* dilatation) {
   Vec3 u0, u1, u2;
   left_vectors(b, u0, u1, u2);
   store_matrix(decomposition->v, first, v);
@@ -354,23 +354,27 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, i
                            energy);
   };
   const Mat3 stressed{{force_along(s0, u0, 0), force_along(s1, u1, 1), force_along(s2, u2, 2)}};
-  const auto node_force = [&](int a) {
-    return stressed * transpose_times(v, load_shape(group, a, first));
+  const auto store_forces = [&](const Mat3& of, double(*force)[3][kLanes]) {
+    const Vec3 g1 = of * transpose_times(v, load_shape(group, 0, first));
+    const Vec3 g2 = of * transpose_times(v, load_shape(group, 1, first));
+    const Vec3 g3 = of * transpose_times(v, load_shape(group, 2, first));
+    store_force(force[0], first, (g1 + g2 + g3) * splat(-1.0));
+    store_force(force[1], first, g1);
+    store_force(force[2], first, g2);
+    store_force(force[3], first, g3);
   };
-  const Vec3 g1 = node_force(0);
-  const Vec3 g2 = node_force(1);
-  const Vec3 g3 = node_force(2);
-  store_force(forces, 0, first, (g1 + g2 + g3) * splat(-1.0));
-  store_force(forces, 1, first, g1);
-  store_force(forces, 2, first, g2);
-  store_force(forces, 3, first, g3);
+  store_forces(stressed, forces->force);
+  if (dilatation != nullptr) {
+    store(dilatation->value + first, trace * volume);
+    store_forces({{u0 * volume, u1 * volume, u2 * volume}}, dilatation->force);
+  }
   return energy * volume;
 }
 
 [[gnu::flatten]] double energy_gradient(const ElementGroup& group, const ElementLimits& limits,
                                         const double* positions,
-                                        ElementDecomposition* decomposition,
-                                        ElementForces* forces) {
+                                        ElementDecomposition* decomposition, ElementForces* forces,
+                                        ElementDilatation* dilatation) {
   Mat3 v0 = renewed(load_matrix<Doubles>(decomposition->v, 0));
   Mat3 v1 = renewed(load_matrix<Doubles>(decomposition->v, kWide));
   Mat3 b0, b1;
@@ -383,8 +387,8 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, i
     sort(b0, v0);
     sort(b1, v1);
   }
-  const Doubles energy0 = respond(group, limits, 0, b0, v0, decomposition, forces);
-  const Doubles energy1 = respond(group, limits, kWide, b1, v1, decomposition, forces);
+  const Doubles energy0 = respond(group, limits, 0, b0, v0, decomposition, forces, dilatation);
+  const Doubles energy1 = respond(group, limits, kWide, b1, v1, decomposition, forces, dilatation);
   double energy = 0.0;
   for (int i = 0; i < kWide; ++i) energy += energy0[i] + energy1[i];
   return energy;
@@ -400,7 +404,8 @@ struct Modes {
   Floats mixed[3][3];  ///< coefficient of (ij, ji)
 };
 
-inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d, bool projected) {
+inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d,
+                      const double* pressures, bool projected) {
   // Differences of nearly equal numbers: in double precision, then rounded.
   alignas(64) double stretch[3][kLanes], same[3][kLanes], mixed[3][kLanes];
   for (int first = 0; first < kLanes; first += kWide) {
@@ -413,7 +418,7 @@ inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d, 
     for (int i = 0; i < 3; ++i) {
       b1[i] = load(d.limit_stress[i] + first);
       b2[i] = load(d.limit_stiffness[i] + first);
-      p[i] = 2.0 * mu * (s[i] - 1.0) + lambda * trace + b1[i];
+      p[i] = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) + b1[i];
       store(stretch[i] + first, (2.0 * mu + lambda + b2[i]) * volume);
     }
     for (int k = 0; k < 3; ++k) {  // the pair of axes without k
@@ -445,9 +450,9 @@ inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d, 
 /// Place of block (a, b) in ElementHessians; (b, a), its transpose, shares it.
 constexpr int kPlace[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
 
-void hessian(const ElementGroup& group, const ElementDecomposition& decomposition, bool projected,
-             ElementHessians* hessians) {
-  const Modes m = modes_at(group, decomposition, projected);
+void hessian(const ElementGroup& group, const ElementDecomposition& decomposition,
+             const double* pressures, bool projected, ElementHessians* hessians) {
+  const Modes m = modes_at(group, decomposition, pressures, projected);
   const Mat<Floats> u = load_matrix<Floats>(decomposition.u, 0);
   Floats shape[3][3];  // V^T grad N_a
   {

@@ -20,25 +20,44 @@ void for_each_pair(const ElasticModel& model, Visit&& visit) {
   }
 }
 
-std::vector<std::pair<int, int>> pattern(const ElasticModel& model, const UnknownMap& map) {
-  std::vector<std::pair<int, int>> pairs;
-  std::vector<bool> touches_body(static_cast<std::size_t>(map.free_blocks), false);
+/// Calls visit(a, b) for every two nodes that an element or a patch ties together, a != b.
+template <typename Visit>
+void for_each_coupling(const ElasticModel& model, Visit&& visit) {
   for_each_pair(model, [&](std::size_t, std::size_t, int a, int b) {
-    const int i = map.block_of_node[static_cast<std::size_t>(a)];
-    const int j = map.block_of_node[static_cast<std::size_t>(b)];
-    if (i >= 0 && j >= 0 && i != j) pairs.emplace_back(i, j);
-    if (i >= 0 && j < 0) touches_body[static_cast<std::size_t>(i)] = true;
-    if (j >= 0 && i < 0) touches_body[static_cast<std::size_t>(j)] = true;
+    if (a != b) visit(a, b);
   });
-  if (map.body_moves) {
-    pairs.emplace_back(map.translation_block(), map.rotation_block());
-    for (int i = 0; i < map.free_blocks; ++i) {
-      if (!touches_body[static_cast<std::size_t>(i)]) continue;
-      pairs.emplace_back(i, map.translation_block());
-      pairs.emplace_back(i, map.rotation_block());
+  for (const ElasticModel::Patch& patch : model.patches()) {
+    for (std::size_t a = 0; a < patch.nodes.size(); ++a) {
+      for (std::size_t b = a + 1; b < patch.nodes.size(); ++b)
+        visit(patch.nodes[a], patch.nodes[b]);
     }
   }
-  return pairs;
+}
+
+struct Pattern {
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<bool> touches_body;  ///< per free block
+};
+
+Pattern pattern_of(const ElasticModel& model, const UnknownMap& map) {
+  Pattern pattern;
+  pattern.touches_body.assign(static_cast<std::size_t>(map.free_blocks), false);
+  for_each_coupling(model, [&](int a, int b) {
+    const int i = map.block_of_node[static_cast<std::size_t>(a)];
+    const int j = map.block_of_node[static_cast<std::size_t>(b)];
+    if (i >= 0 && j >= 0) pattern.pairs.emplace_back(i, j);
+    if (i >= 0 && j < 0) pattern.touches_body[static_cast<std::size_t>(i)] = true;
+    if (j >= 0 && i < 0) pattern.touches_body[static_cast<std::size_t>(j)] = true;
+  });
+  if (map.body_moves) {
+    pattern.pairs.emplace_back(map.translation_block(), map.rotation_block());
+    for (int i = 0; i < map.free_blocks; ++i) {
+      if (!pattern.touches_body[static_cast<std::size_t>(i)]) continue;
+      pattern.pairs.emplace_back(i, map.translation_block());
+      pattern.pairs.emplace_back(i, map.rotation_block());
+    }
+  }
+  return pattern;
 }
 
 }  // namespace
@@ -53,19 +72,33 @@ UnknownMap make_unknown_map(const std::vector<bool>& tied, bool body_moves) {
 StiffnessAssembly::StiffnessAssembly(const ElasticModel& model, const UnknownMap& map,
                                      InstructionSet set)
     : map_(map), lever_arms_(map.block_of_node.size(), Vector3::Zero()) {
-  const auto pairs = pattern(model, map);
-  cholesky_ = BlockCholesky(map.blocks(), pairs, set);
+  const Pattern pattern = pattern_of(model, map);
+  cholesky_ = BlockCholesky(map.blocks(), pattern.pairs, set);
   pair_slots_.resize(model.elements());
-  body_slots_.resize(static_cast<std::size_t>(map.free_blocks));
-  for_each_pair(model, [&](std::size_t e, std::size_t k, int a, int b) {
+  const auto slot_of = [&](int a, int b) {
     const int i = map.block_of_node[static_cast<std::size_t>(a)];
     const int j = map.block_of_node[static_cast<std::size_t>(b)];
-    if (i >= 0 && j >= 0) pair_slots_[e][k] = cholesky_.slot(i, j);
-    if (!map.body_moves || (i < 0) == (j < 0)) return;
-    const int free = std::max(i, j);
-    body_slots_[static_cast<std::size_t>(free)] = {cholesky_.slot(free, map.translation_block()),
-                                                   cholesky_.slot(free, map.rotation_block())};
+    return i >= 0 && j >= 0 ? cholesky_.slot(i, j) : BlockCholesky::Slot{};
+  };
+  for_each_pair(model, [&](std::size_t e, std::size_t k, int a, int b) {
+    pair_slots_[e][k] = slot_of(a, b);
   });
+  std::size_t patch_nodes = 0;
+  for (const ElasticModel::Patch& patch : model.patches()) {
+    patch_nodes += patch.nodes.size();
+    for (std::size_t a = 0; a < patch.nodes.size(); ++a) {
+      for (std::size_t b = a + 1; b < patch.nodes.size(); ++b) {
+        patch_slots_.push_back(slot_of(patch.nodes[a], patch.nodes[b]));
+      }
+    }
+  }
+  patch_gradients_.assign(patch_nodes, Vector3::Zero());
+  body_slots_.resize(static_cast<std::size_t>(map.free_blocks));
+  for (int i = 0; i < map.free_blocks && map.body_moves; ++i) {
+    if (!pattern.touches_body[static_cast<std::size_t>(i)]) continue;
+    body_slots_[static_cast<std::size_t>(i)] = {cholesky_.slot(i, map.translation_block()),
+                                                cholesky_.slot(i, map.rotation_block())};
+  }
   for (int i = 0; i < map.blocks(); ++i) diagonal_slots_.push_back(cholesky_.slot(i, i));
   if (map.body_moves) {
     body_cross_slot_ = cholesky_.slot(map.translation_block(), map.rotation_block());
@@ -96,6 +129,7 @@ void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticMode
       if (with_body) add_body_rows(model.groups()[g], body_rows, lane);
     }
   }
+  add_patches(model, work);
   if (!map_.body_moves) return;
   for (int e = 0; e < 9; ++e) {
     const auto sum = [e](const float(&terms)[9][kLanes]) {
@@ -106,6 +140,51 @@ void StiffnessAssembly::add_elastic(const ElasticModel& model, const ElasticMode
     body_[0].data()[e] += sum(body_sums.translation);
     body_[1].data()[e] += sum(body_sums.translation_rotation);
     body_[2].data()[e] += sum(body_sums.rotation);
+  }
+}
+
+void StiffnessAssembly::add_patches(const ElasticModel& model, const ElasticModel::Work& work) {
+  if (model.patches().empty()) return;
+  model.patch_gradients(work, patch_gradients_);
+  const Vector3* gradients = patch_gradients_.data();
+  const BlockCholesky::Slot* slot = patch_slots_.data();
+  for (const ElasticModel::Patch& patch : model.patches()) {
+    // Second derivative lambda / V g g^T; the body's rows of g are sums over its nodes.
+    const double stiffness = patch.lambda / patch.volume;
+    Vector3 body = Vector3::Zero();
+    Vector3 body_turn = Vector3::Zero();
+    const auto block_at = [&](std::size_t a) {
+      return map_.block_of_node[static_cast<std::size_t>(patch.nodes[a])];
+    };
+    for (std::size_t a = 0; a < patch.nodes.size(); ++a) {
+      if (block_at(a) >= 0) continue;
+      body += gradients[a];
+      body_turn += lever_arms_[static_cast<std::size_t>(patch.nodes[a])].cross(gradients[a]);
+    }
+    for (std::size_t a = 0; a < patch.nodes.size(); ++a) {
+      const int i = block_at(a);
+      const Vector3 scaled = stiffness * gradients[a];
+      if (i >= 0) {
+        const Matrix3 own = scaled * gradients[a].transpose();
+        cholesky_.add(diagonal_slots_[static_cast<std::size_t>(i)], own.data());
+        const auto& slots = body_slots_[static_cast<std::size_t>(i)];
+        if (slots[0].row != 0) {
+          const Matrix3 by_translation = scaled * body.transpose();
+          const Matrix3 by_rotation = scaled * body_turn.transpose();
+          cholesky_.add(slots[0], by_translation.data());
+          cholesky_.add(slots[1], by_rotation.data());
+        }
+      }
+      for (std::size_t b = a + 1; b < patch.nodes.size(); ++b, ++slot) {
+        if (slot->row == 0) continue;
+        const Matrix3 block = scaled * gradients[b].transpose();
+        cholesky_.add(*slot, block.data());
+      }
+    }
+    body_[0] += stiffness * body * body.transpose();
+    body_[1] += stiffness * body * body_turn.transpose();
+    body_[2] += stiffness * body_turn * body_turn.transpose();
+    gradients += patch.nodes.size();
   }
 }
 

@@ -45,6 +45,7 @@ class StiffnessAssembly {
 
  private:
   void add_lane(const BlockCholesky::Slot& slot, const float (&block)[9][kLanes], std::size_t lane);
+  void add_patches(const ElasticModel& model, const ElasticModel::Work& work);
   void add_body_rows(const ElementGroup& group, const ElementBodyHessians& rows, std::size_t lane);
 
   UnknownMap map_;
@@ -52,6 +53,8 @@ class StiffnessAssembly {
   std::vector<std::array<BlockCholesky::Slot, 10>> pair_slots_;  ///< per element
   std::vector<BlockCholesky::Slot> diagonal_slots_;              ///< per block
   std::vector<std::array<BlockCholesky::Slot, 2>> body_slots_;   ///< per free block
+  std::vector<BlockCholesky::Slot> patch_slots_;  ///< pairs (a, b), a < b, of each patch's nodes
+  std::vector<Vector3> patch_gradients_;
   BlockCholesky::Slot body_cross_slot_;
   std::vector<Vector3> lever_arms_;
   Matrix3 body_[3];  ///< translation, translation-rotation, rotation

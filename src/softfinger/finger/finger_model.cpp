@@ -45,7 +45,10 @@ void read_materials(const ConfigTable& table, FingerModel& model) {
   const TetrahedralMesh& mesh = model.mesh;
   const FingerModel::Material common = read_material(table, {});
   const std::vector<std::string> own_keys{"youngs_modulus_kPa", "poissons_ratio",
-                                          "density_kg_per_m3"};
+                                          "density_kg_per_m3", "dilatation"};
+  model.dilatation = table.choice("dilatation", {"element", "patch"}, "element") == "patch"
+                         ? Dilatation::kPatch
+                         : Dilatation::kElement;
   for (const std::string& key : table.keys()) {
     const bool is_volume = std::find(mesh.volume_names.begin(), mesh.volume_names.end(), key) !=
                            mesh.volume_names.end();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/fem/elastic_model.hpp"
 #include "softfinger/geometry/tetrahedral_mesh.hpp"
 
 namespace softfinger {
@@ -37,6 +38,7 @@ class FingerModel {
     double density = 1000.0;  ///< kg/m^3
   };
   std::vector<Material> materials;
+  Dilatation dilatation = Dilatation::kElement;
   struct StrainLimits {
     double min = 0.35, max = 1.5;
     double stiffness = 40e3;  ///< Pa

@@ -39,7 +39,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       bone_mode_(bone),
       map_(make_unknown_map(model.node_is_rigid, bone == Bone::kCoupled)),
       elastic_(model.mesh, elastic_materials(model), model.tetrahedron_material,
-               model.node_is_rigid, strain_limit(model, options.strain_limits),
+               model.node_is_rigid, strain_limit(model, options.strain_limits), model.dilatation,
                options.instruction_set),
       assembly_(elastic_, map_, options.instruction_set),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),
