@@ -84,7 +84,9 @@ nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
           {"min_stretch", row.min_stretch},
           {"volume_ratio", row.volume_ratio},
           {"iterations", row.iterations},
-          {"residual_N", row.residual}};
+          {"residual_N", row.residual},
+          {"slip_ratio", row.slip_ratio},
+          {"stuck_fraction", row.stuck_fraction}};
 }
 
 /// nodes.csv and contact.csv: enough for anyone to recompute the balance of forces.

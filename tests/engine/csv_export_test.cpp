@@ -79,7 +79,7 @@ TEST(CsvExport, WritesEveryTableSortedWithUnits) {
   EXPECT_EQ(pose.header, fields("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz"));
   EXPECT_EQ(pose.rows[1][0], "0.001");
   const Table contact = read(directory / "out/csv/contact.csv");
-  EXPECT_EQ(contact.rows[0][5], "") << "no centroid without contact";
+  EXPECT_EQ(contact.rows[0][7], "") << "no centroid without contact";
   const Table configuration = read(directory / "out/csv/configuration.csv");
   EXPECT_EQ(configuration.header[1], "pitch_deg");
   EXPECT_THROW(export_csv(directory / "run.db", directory / "out/csv"), InputError)

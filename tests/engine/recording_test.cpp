@@ -50,6 +50,8 @@ StepRecord step_record(std::int64_t step) {
   record.contact_area = 1.1e-5;
   record.normal_force = 0.123456789012345678;
   record.tangential_force = 0.5;
+  record.slip_ratio = 0.75;
+  record.stuck_fraction = 0.25;
   record.centroid_F = {1.0, 2.0, 3.0};
   record.mean_normal_F = {0.0, 0.6, 0.8};
   record.least_gap = std::numeric_limits<double>::infinity();

@@ -107,14 +107,16 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.joints = Eigen::Vector3d(1, 2, 3) * deg;
   finger.linkage_F.assign(9, Eigen::Vector3f(0.01F, 0.0F, 0.0F));
   finger.device_state = "rendering";
+  finger.slip_ratio = 0.25;
+  finger.stuck_fraction = 0.875;
 
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   const std::size_t pose = 28;
-  const std::size_t samples = 48 + pose + 3 * pose + 16 + 16 + 16;
+  const std::size_t samples = 48 + pose + 3 * pose + 24 + 16 + 16;
   ASSERT_EQ(message.size(), samples + 5 * 16 + 8 + 4 * (2 + 3 + 27));
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS1", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS2", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U);
@@ -128,9 +130,11 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   const std::size_t forces = 48 + 4 * pose;
   EXPECT_FLOAT_EQ(read_at<float>(message, forces), 0.75F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 8), 42.0F);
-  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 16), 5U);
-  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 28), 9U);
-  EXPECT_EQ(std::memcmp(message.data() + forces + 32, "rendering\0\0\0\0\0\0\0", 16), 0);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 16), 0.25F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 20), 0.875F);
+  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 24), 5U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 36), 9U);
+  EXPECT_EQ(std::memcmp(message.data() + forces + 40, "rendering\0\0\0\0\0\0\0", 16), 0);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 8), 3.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 60), 2.0F);  // kPa
   EXPECT_EQ(read_at<std::uint8_t>(message, samples + 81), 1U);
@@ -149,7 +153,7 @@ TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
   snapshot.fingers[0].in_contact.resize(2);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 16), 2U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24), 2U);
 }
 
 }  // namespace

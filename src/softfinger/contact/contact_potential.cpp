@@ -56,6 +56,7 @@ double ContactPotential::evaluate(std::size_t i, std::size_t o, const Vector3& p
     energy += 0.5 * pair.normal_force * -d.distance;
   }
   const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
+  pair.friction_limit = anchor.limit;
   if (anchor.limit > 0.0) energy += friction(i, obstacle, anchor, position, pair);
   return energy;
 }
@@ -181,11 +182,15 @@ void ContactPotential::report(std::size_t i, ContactSample& sample) const {
   sample.normal_F = Vector3::UnitZ();
   sample.normal_force = 0.0;
   sample.tangential_force_F.setZero();
+  sample.friction_limit = 0.0;
+  sample.slides = false;
   Vector3 normal_sum = Vector3::Zero();
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     const Pair& pair = pairs_[i * obstacle_count_ + o];
     normal_sum += pair.normal_force * pair.normal;
     sample.tangential_force_F += pair.friction_force;
+    sample.friction_limit += pair.friction_limit;
+    sample.slides = sample.slides || (pair.friction_limit > 0.0 && pair.slides);
     if (pair.gap < sample.gap) {
       sample.gap = pair.gap;
       sample.object = static_cast<int>(o);

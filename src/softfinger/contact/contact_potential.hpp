@@ -83,11 +83,12 @@ class ContactPotential {
     Vector3 normal = Vector3::UnitZ();
     Matrix3 curvature = Matrix3::Zero();
     double normal_force = 0.0;
+    double friction_limit = 0.0;               ///< N, the anchor's
     Vector3 friction_force = Vector3::Zero();  ///< on the skin
     Vector3 friction_normal = Vector3::UnitZ();
     double slip = 0.0;  ///< |u|, m
     Vector3 slip_direction = Vector3::Zero();
-    bool slides = false;
+    bool slides = false;  ///< meaningless without a friction limit
   };
   [[nodiscard]] double normal_stiffness(std::size_t i) const {
     return options_.stiffness_per_area * rest_areas_[i];

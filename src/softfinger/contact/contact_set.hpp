@@ -15,10 +15,12 @@ struct ContactSample {
   double gap = std::numeric_limits<double>::infinity();  ///< signed distance to the object, m
   double normal_force = 0.0;                             ///< N, object on skin, at least 0
   Vector3 tangential_force_F = Vector3::Zero();          ///< N, object on skin
-  double rest_area = 0.0;   ///< a third of its skin triangles at rest, m^2
-  double area = 0.0;        ///< the same, deformed, m^2
-  bool in_contact = false;  ///< member of C (else of N)
-  int object = -1;          ///< index of the nearest object, -1 if there is none
+  double rest_area = 0.0;       ///< a third of its skin triangles at rest, m^2
+  double area = 0.0;            ///< the same, deformed, m^2
+  double friction_limit = 0.0;  ///< mu times the normal force, N
+  bool slides = false;          ///< tangential force at its limit
+  bool in_contact = false;      ///< member of C (else of N)
+  int object = -1;              ///< index of the nearest object, -1 if there is none
 };
 
 /// The paper's sets C and N over all skin samples, with their sums.
@@ -27,9 +29,14 @@ struct ContactSample {
 struct ContactSet {
   std::vector<ContactSample> samples;
   int contact_count = 0;
-  double contact_area = 0.0;             ///< deformed area of C, m^2
-  double normal_force = 0.0;             ///< sum of the normal forces' magnitudes over C, N
-  double tangential_force = 0.0;         ///< magnitude of the sum of tangential forces, N
+  double contact_area = 0.0;      ///< deformed area of C, m^2
+  double normal_force = 0.0;      ///< sum of the normal forces' magnitudes over C, N
+  double tangential_force = 0.0;  ///< magnitude of the sum of tangential forces, N
+  /// Magnitude of the summed tangential forces over the sum of mu times the normal forces: 0
+  /// nothing pulls, 1 all of C slides one way. 0 without friction.
+  double slip_ratio = 0.0;
+  /// Part of C, by deformed area, that sticks; 0 without contact, and where nothing rubs.
+  double stuck_fraction = 0.0;
   Vector3 centroid_F = Vector3::Zero();  ///< weighted by normal force, m; zero where C is empty
   Vector3 mean_normal_F =
       Vector3::Zero();  ///< direction of the summed normal forces; zero where C is empty

@@ -140,8 +140,9 @@ class Export {
     const auto bone = open("bone.csv", kPoseColumns);
     const auto contact =
         open("contact.csv",
-             "contact_samples,contact_area_mm2,normal_force_N,tangential_force_N,centroid_x_mm,"
-             "centroid_y_mm,centroid_z_mm,normal_x,normal_y,normal_z,least_gap_mm");
+             "contact_samples,contact_area_mm2,normal_force_N,tangential_force_N,slip_ratio,"
+             "stuck_fraction,centroid_x_mm,centroid_y_mm,centroid_z_mm,normal_x,normal_y,normal_z,"
+             "least_gap_mm");
     const auto timing = open(
         "timing.csv", "step_ms,step_wall_ms,iterations,converged,residual,match_ms,latency_ms");
     StepRecord step;
@@ -163,6 +164,8 @@ class Export {
       contact->field(step.contact_area / mm2);
       contact->field(step.normal_force);
       contact->field(step.tangential_force);
+      contact->field(step.slip_ratio);
+      contact->field(step.stuck_fraction);
       if (step.contact_count > 0) {
         write_vector(*contact, step.centroid_F, mm);
         write_vector(*contact, step.mean_normal_F, 1.0);

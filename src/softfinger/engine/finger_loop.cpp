@@ -80,6 +80,8 @@ void FingerLoop::read_simulation() {
   record_.contact_area = contact.contact_area;
   record_.normal_force = contact.normal_force;
   record_.tangential_force = contact.tangential_force;
+  record_.slip_ratio = contact.slip_ratio;
+  record_.stuck_fraction = contact.stuck_fraction;
   record_.centroid_F = contact.centroid_F;
   record_.mean_normal_F = contact.mean_normal_F;
   record_.least_gap = contact.least_gap;

@@ -49,11 +49,13 @@ struct Snapshot {
     std::vector<std::uint8_t> in_contact;             ///< 1 for members of C
     double normal_force = 0.0;                        ///< N
     double tangential_force = 0.0;                    ///< N
-    double contact_area = 0.0;                        ///< m^2
-    double deviation = 0.0;                           ///< E of the last match, m^2
-    Configuration configuration;                      ///< commanded q
-    JointAngles joints;                               ///< commanded, rad
-    Pose X_FP;                                        ///< platform of the commanded q
+    double slip_ratio = 0.0;                          ///< see ContactSet
+    double stuck_fraction = 0.0;
+    double contact_area = 0.0;    ///< m^2
+    double deviation = 0.0;       ///< E of the last match, m^2
+    Configuration configuration;  ///< commanded q
+    JointAngles joints;           ///< commanded, rad
+    Pose X_FP;                    ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
     std::vector<Eigen::Vector3f> linkage_F;
     std::string device_state;  ///< ready, rendering, holding, retracting, ...; at most 15 chars

@@ -65,6 +65,7 @@ const char* first_difference(const StepRecord& a, const StepRecord& b) {
   if (!same(a.X_WF, b.X_WF)) return "bone pose";
   if (a.contact_count != b.contact_count || !same(a.contact_area, b.contact_area) ||
       !same(a.normal_force, b.normal_force) || !same(a.tangential_force, b.tangential_force) ||
+      !same(a.slip_ratio, b.slip_ratio) || !same(a.stuck_fraction, b.stuck_fraction) ||
       !same(a.centroid_F, b.centroid_F) || !same(a.mean_normal_F, b.mean_normal_F) ||
       !same(a.least_gap, b.least_gap)) {
     return "contact";

@@ -56,9 +56,11 @@ struct StepRecord {
   // What the step computed; compared bit by bit by a replay.
   StoredPose X_WF;  ///< bone
   std::int64_t contact_count = 0;
-  double contact_area = 0.0;                ///< m^2
-  double normal_force = 0.0;                ///< N
-  double tangential_force = 0.0;            ///< N
+  double contact_area = 0.0;      ///< m^2
+  double normal_force = 0.0;      ///< N
+  double tangential_force = 0.0;  ///< N
+  double slip_ratio = 0.0;        ///< see ContactSet
+  double stuck_fraction = 0.0;
   Vector3 centroid_F = Vector3::Zero();     ///< m; meaningless without contact
   Vector3 mean_normal_F = Vector3::Zero();  ///< meaningless without contact
   double least_gap = 0.0;                   ///< m; infinite without objects

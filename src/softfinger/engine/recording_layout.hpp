@@ -21,7 +21,7 @@ create table steps(step integer not null, finger integer not null, time_s real n
   bone_x_m real, bone_y_m real, bone_z_m real, bone_qw real, bone_qx real, bone_qy real,
   bone_qz real,
   contact_samples integer not null, contact_area_m2 real, normal_force_N real,
-  tangential_force_N real, centroid_x_m real, centroid_y_m real, centroid_z_m real,
+  tangential_force_N real, slip_ratio real, stuck_fraction real, centroid_x_m real, centroid_y_m real, centroid_z_m real,
   normal_x real, normal_y real, normal_z real, least_gap_m real,
   iterations integer not null, converged integer not null, residual real,
   tick integer not null, hash integer not null, cpu_s real, wall_s real,
@@ -36,7 +36,7 @@ create table states(step integer not null, finger integer not null, nodes blob n
   samples blob not null, primary key(step, finger)) without rowid;
 )sql";
 
-inline constexpr int kStepColumns = 37;
+inline constexpr int kStepColumns = 39;
 inline constexpr int kTickColumns = 15;
 
 /// "insert into TABLE values (?,?,...)".

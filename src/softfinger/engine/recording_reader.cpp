@@ -190,6 +190,8 @@ bool RecordingReader::next(StepRecord& r) {
     r.contact_area = row.number(column++);
     r.normal_force = row.number(column++);
     r.tangential_force = row.number(column++);
+    r.slip_ratio = row.number(column++);
+    r.stuck_fraction = row.number(column++);
     column = read_vector(row, column, r.centroid_F);
     column = read_vector(row, column, r.mean_normal_F);
     r.least_gap = row.number(column++);

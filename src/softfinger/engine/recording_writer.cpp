@@ -135,6 +135,8 @@ struct RecordingWriter::Database {
     s.bind(column++, r.contact_area);
     s.bind(column++, r.normal_force);
     s.bind(column++, r.tangential_force);
+    s.bind(column++, r.slip_ratio);
+    s.bind(column++, r.stuck_fraction);
     column = bind_vector(s, column, r.centroid_F);
     column = bind_vector(s, column, r.mean_normal_F);
     s.bind(column++, r.least_gap);

@@ -119,6 +119,8 @@ void fill(Snapshot::Finger& snapshot, const FingerLoop& loop) {
   }
   snapshot.normal_force = contact.normal_force;
   snapshot.tangential_force = contact.tangential_force;
+  snapshot.slip_ratio = contact.slip_ratio;
+  snapshot.stuck_fraction = contact.stuck_fraction;
   snapshot.contact_area = contact.contact_area;
 }
 

@@ -39,6 +39,8 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
   set.nearest_normal_F = Vector3::UnitZ();
   Vector3 normal_sum = Vector3::Zero();
   Vector3 tangential_sum = Vector3::Zero();
+  double friction_limit = 0.0;
+  double stuck_area = 0.0;
   for (ContactSample& sample : set.samples) sample.area = 0.0;
   add_deformed_areas(model, potential.sample_positions(), set);
   for (std::size_t i = 0; i < set.samples.size(); ++i) {
@@ -57,11 +59,15 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
     if (!sample.in_contact) continue;
     ++set.contact_count;
     set.contact_area += sample.area;
+    friction_limit += sample.friction_limit;
+    if (sample.friction_limit > 0.0 && !sample.slides) stuck_area += sample.area;
     set.normal_force += sample.normal_force;
     set.centroid_F += sample.normal_force * sample.position_F;
     normal_sum += sample.normal_force * sample.normal_F;
   }
   set.tangential_force = tangential_sum.norm();
+  set.slip_ratio = friction_limit > 0.0 ? set.tangential_force / friction_limit : 0.0;
+  set.stuck_fraction = set.contact_area > 0.0 ? stuck_area / set.contact_area : 0.0;
   if (set.normal_force > 0.0) set.centroid_F /= set.normal_force;
   const double length = normal_sum.norm();
   set.mean_normal_F = length > 0.0 ? Vector3(normal_sum / length) : Vector3::Zero();

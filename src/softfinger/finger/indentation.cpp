@@ -126,6 +126,8 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
     row.normal_force = force_W.z();
     row.tangential_force = force_W.head<2>().norm();
     row.contact_area = contact.contact_area;
+    row.slip_ratio = contact.slip_ratio;
+    row.stuck_fraction = contact.stuck_fraction;
     row.contact_samples = contact.contact_count;
     visit({row, positions, contact, X_WF});
   }

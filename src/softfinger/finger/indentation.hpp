@@ -35,6 +35,8 @@ struct IndentationRow {
   double normal_force = 0.0;      ///< N, along the world's z
   double tangential_force = 0.0;  ///< N, perpendicular to z
   double contact_area = 0.0;      ///< m^2
+  double slip_ratio = 0.0;        ///< see ContactSet
+  double stuck_fraction = 0.0;
   int contact_samples = 0;
   double max_stretch = 1.0, min_stretch = 1.0;
   double volume_ratio = 1.0;

@@ -52,6 +52,8 @@ void write_finger(const Snapshot::Finger& finger, const std::vector<std::string>
   out.real(finger.tangential_force);
   out.real(finger.contact_area / mm2);
   out.real(finger.deviation / mm2);
+  out.real(finger.slip_ratio);
+  out.real(finger.stuck_fraction);
 
   const std::size_t samples = std::min(
       {finger.sample_positions_F.size(), finger.sample_pressures.size(), finger.in_contact.size()});

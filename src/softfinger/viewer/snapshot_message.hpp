@@ -8,14 +8,14 @@
 
 namespace softfinger {
 
-inline constexpr std::uint32_t kSnapshotMagic = 0x31534653;  ///< "SFS1"
+inline constexpr std::uint32_t kSnapshotMagic = 0x32534653;  ///< "SFS2"
 
 /// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
 /// configuration; it must be the one of the snapshot's generation.
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
-///     u32 magic "SFS1"        u32 generation (low bits)
+///     u32 magic "SFS2"        u32 generation (low bits)
 ///     u32 step (low bits)     u32 flags: 1 paused, 2 finished
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
@@ -24,6 +24,7 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x31534653;  ///< "SFS1"
 ///     per finger:
 ///       pose X_WFt, pose X_WF, pose X_FP
 ///       f32 normal_force_N    f32 tangential_force_N    f32 contact_area_mm2   f32 deviation_mm2
+///       f32 slip_ratio        f32 stuck_fraction
 ///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
 ///       16 bytes device_state, zero-padded
 ///       f32 positions_mm[3 n] in F    f32 pressures_kPa[n]    u8 in_contact[n], zero-padded to 4

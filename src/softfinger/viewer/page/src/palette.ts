@@ -11,6 +11,7 @@ export const palette = {
   metal: "#aab4c3",
   servo: "#3b4759",
   force: "#ff7a59",
+  friction: "#9fb4d6",
   area: "#f2b84b",
   pitch: "#35d0bf",
   roll: "#7aa7ff",

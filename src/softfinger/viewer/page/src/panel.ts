@@ -101,6 +101,8 @@ export class Panel {
     document.body.dataset.time = snapshot.time_s.toFixed(3);
     element("contacts").textContent = `${contacts}`;
     element("samples").textContent = `of ${finger.in_contact.length}`;
+    element("stuck").textContent = contacts > 0 ? (100 * finger.stuck_fraction).toFixed(0) : "–";
+    element("slip").textContent = contacts > 0 ? finger.slip_ratio.toFixed(2) : "–";
     element("deviation").textContent = finger.deviation_mm2.toFixed(3);
     element("joints").textContent =
       Array.from(finger.joints_deg, (joint) => `${joint.toFixed(0)}°`).join("  ");

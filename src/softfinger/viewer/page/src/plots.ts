@@ -42,9 +42,13 @@ function configurationCurves(names: string[]): Curve[] {
 function descriptions(names: string[]): PlotDescription[] {
   return [
     {
-      id: "force", title: "Normal force", range: [0, 1],
-      curves: [{ label: "", unit: "N", color: palette.force, digits: 2, filled: true,
-                 value: (s) => s.fingers[0]?.normal_force_N ?? 0 }],
+      id: "force", title: "Force", range: [0, 1],
+      curves: [
+        { label: "normal", unit: "N", color: palette.force, digits: 2, filled: true,
+          value: (s) => s.fingers[0]?.normal_force_N ?? 0 },
+        { label: "friction", unit: "N", color: palette.friction, digits: 2,
+          value: (s) => s.fingers[0]?.tangential_force_N ?? 0 },
+      ],
     },
     {
       id: "area", title: "Contact area", range: [0, 40],

@@ -41,6 +41,8 @@ export interface FingerSnapshot {
   tangential_force_N: number;
   contact_area_mm2: number;
   deviation_mm2: number;
+  slip_ratio: number;
+  stuck_fraction: number; // of the contact area
   device_state: string;
   positions_mm: Float32Array; // in F
   pressures_kPa: Float32Array;
@@ -63,7 +65,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x31534653;
+const kMagic = 0x32534653;
 
 /** Reads a binary frame; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
@@ -95,6 +97,8 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const tangential_force_N = f32();
     const contact_area_mm2 = f32();
     const deviation_mm2 = f32();
+    const slip_ratio = f32();
+    const stuck_fraction = f32();
     const [samples, dofs, joints, points] = [u32(), u32(), u32(), u32()];
     const device_state = new TextDecoder().decode(bytes(16)).replace(/\0+$/, "");
     const positions_mm = floats(3 * samples);
@@ -106,6 +110,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const linkage_mm = floats(3 * points);
     return {
       X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
+      slip_ratio, stuck_fraction,
       device_state, positions_mm, pressures_kPa, in_contact, configuration, joints_deg, linkage_mm,
     };
   };
