@@ -60,6 +60,9 @@ void check(const PressFlags& flags) {
     refuse(fmt::format("--speed-mm-per-s {}: must be from 0 to 1000", flags.speed_mm_per_s));
   }
   if (flags.sphere_mm && flags.edge) refuse("--sphere-mm and --edge: give one of them");
+  if (flags.relaxed && flags.speed_mm_per_s > 0.0) {
+    refuse("--relaxed and --speed-mm-per-s: give one of them");
+  }
   if (flags.json && flags.csv) refuse("--json and --csv: give one of them");
 }
 
@@ -138,6 +141,7 @@ void press(const PressFlags& flags) {
   options.pitch = flags.angle_deg * deg;
   options.strain_limits = !flags.no_strain_limits;
   options.friction = !flags.no_friction;
+  options.relaxed = flags.relaxed;
   options.speed = flags.speed_mm_per_s * mm;
   std::optional<Export> files;
   if (!flags.export_directory.empty()) files.emplace(flags.export_directory);
@@ -191,7 +195,7 @@ void add_press_command(CLI::App& app) {
   command->add_flag("--no-strain-limits", flags->no_strain_limits, "Linear corotated skin only");
   command->add_flag("--no-friction", flags->no_friction, "Frictionless contact");
   command->add_flag("--relaxed", flags->relaxed,
-                    "Long-time moduli (the same while a finger has no relaxation of its own)");
+                    "Long-time moduli: all stress that can relax has");
   command->add_option("--speed-mm-per-s", flags->speed_mm_per_s, "Step in time at this speed");
   command->add_option("--export", flags->export_directory, "Write nodes.csv and contact.csv there");
   command->add_flag("--json", flags->json, "One JSON array of rows");

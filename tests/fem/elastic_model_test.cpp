@@ -22,7 +22,8 @@ struct Block {
       : mesh(box_mesh(2, 3, 2, Vector3(-1, -1, -1) * 1e-3, Vector3(2, 3, 2) * 1e-3)),
         tied(mesh.nodes.size(), false),
         model(mesh, std::vector<ElasticMaterial>{{45e3, nu, 1000.0}},
-              std::vector<int>(mesh.tetrahedra.size(), 0), tied, limit, dilatation, set),
+              std::vector<int>(mesh.tetrahedra.size(), 0), tied, limit, dilatation, Relaxation{},
+              set),
         work(model.make_work()) {}
 
   double energy(const std::vector<Vector3>& x) {
@@ -230,7 +231,7 @@ TEST(ElasticModel, PatchTestKeepsAnAffineMap) {
     }
     ElasticModel model(mesh, std::vector<ElasticMaterial>{{45e3, 0.4, 1000.0}},
                        std::vector<int>(mesh.tetrahedra.size(), 0), boundary, kLimit, dilatation,
-                       active_instruction_set());
+                       Relaxation{}, active_instruction_set());
     const UnknownMap map = make_unknown_map(boundary, false);
     ASSERT_EQ(map.free_blocks, 8);
     StiffnessAssembly assembly(model, map, active_instruction_set());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
+#include <utility>
 
 #include "softfinger/fem/dilatation_patches.hpp"
 
@@ -21,8 +23,10 @@ Matrix3 edges(std::span<const Vector3> x, const std::array<int, 4>& t) {
 
 ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticMaterial> materials,
                            std::span<const int> element_material, const std::vector<bool>& tied,
-                           const StrainLimit& limit, Dilatation dilatation, InstructionSet set)
+                           const StrainLimit& limit, Dilatation dilatation, Relaxation relaxation,
+                           InstructionSet set)
     : masses_(mesh.nodes.size(), 0.0),
+      relaxation_(std::move(relaxation)),
       limits_{limit.min, limit.max, limit.stiffness, limit.width},
       kernels_(&element_kernels(set)) {
   const auto is_tied = [&](int node) { return tied[static_cast<std::size_t>(node)]; };
@@ -117,6 +121,7 @@ ElasticModel::Work ElasticModel::make_work() const {
   work.decompositions.resize(groups_.size());
   if (!patches_.empty()) work.dilatations.resize(groups_.size());
   work.pressures.assign(patches_.size(), 0.0);
+  if (!relaxation_.terms.empty()) work.memory.resize(groups_.size());
   reset(work);
   return work;
 }
@@ -133,15 +138,52 @@ void ElasticModel::reset(Work& work) const {
   }
 }
 
+void ElasticModel::begin_step(const StressHistory& history, double time_step, Work& work) const {
+  if (work.memory.empty()) return;
+  if (time_step > 0.0) {
+    work.factor = relaxation_.step_fraction(time_step);
+    recall(relaxation_, history, time_step, work.memory);
+  } else {
+    work.factor = 1.0;
+    std::fill(work.memory.begin(), work.memory.end(), ElementStress{});
+  }
+}
+
+void ElasticModel::begin_relaxed(Work& work) const {
+  std::fill(work.memory.begin(), work.memory.end(), ElementStress{});
+  work.factor = relaxation_.long_time_fraction();
+}
+
+void ElasticModel::end_step(const Work& work, double time_step, StressHistory& history) const {
+  if (work.memory.empty() || !(time_step > 0.0)) return;
+  alignas(64) double pressures[kLanes];
+  ElementStress elastic;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    read_pressures(work, g, 1.0 / work.factor, pressures);
+    kernels_->elastic_stress(groups_[g], work.decompositions[g], pressures, &elastic);
+    remember(relaxation_, time_step, g, elastic, history);
+  }
+}
+
+void ElasticModel::read_pressures(const Work& work, std::size_t group, double scale,
+                                  double (&pressures)[kLanes]) const {
+  std::fill(std::begin(pressures), std::end(pressures), 0.0);
+  for (std::size_t lane = 0; lane < kLaneCount && !patches_.empty(); ++lane) {
+    const std::size_t e = group * kLaneCount + lane;
+    if (e >= elements_) break;
+    pressures[lane] = scale * work.pressures[static_cast<std::size_t>(memberships_[e].patch)];
+  }
+}
+
 double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& work,
                                      std::span<Vector3> gradient) const {
   double energy = 0.0;
   ElementForces forces;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const ElementGroup& group = groups_[g];
-    energy +=
-        kernels_->energy_gradient(group, limits_, positions.data()->data(), &work.decompositions[g],
-                                  &forces, patches_.empty() ? nullptr : &work.dilatations[g]);
+    energy += kernels_->energy_gradient(group, limits_, viscosity(work, g),
+                                        positions.data()->data(), &work.decompositions[g], &forces,
+                                        patches_.empty() ? nullptr : &work.dilatations[g]);
     const std::size_t lanes = std::min(kLaneCount, elements_ - g * kLaneCount);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       for (std::size_t a = 0; a < 4; ++a) {
@@ -165,8 +207,8 @@ void ElasticModel::add_patch_pressures(Work& work, std::span<Vector3> gradient,
   }
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     const double mean = work.pressures[p] / patches_[p].volume;
-    energy += 0.5 * patches_[p].lambda * patches_[p].volume * mean * mean;
-    work.pressures[p] = patches_[p].lambda * mean;
+    work.pressures[p] = work.factor * patches_[p].lambda * mean;
+    energy += 0.5 * work.pressures[p] * patches_[p].volume * mean;
   }
   for (std::size_t e = 0; e < elements_; ++e) {
     const ElementGroup& group = groups_[e / kLaneCount];
@@ -196,13 +238,10 @@ void ElasticModel::patch_gradients(const Work& work, std::span<Vector3> gradient
 
 void ElasticModel::hessian(std::size_t group, const Work& work, bool projected,
                            ElementHessians& hessians) const {
-  alignas(64) double pressures[kLanes] = {};
-  for (std::size_t lane = 0; lane < kLaneCount && !patches_.empty(); ++lane) {
-    const std::size_t e = group * kLaneCount + lane;
-    if (e >= elements_) break;
-    pressures[lane] = work.pressures[static_cast<std::size_t>(memberships_[e].patch)];
-  }
-  kernels_->hessian(groups_[group], work.decompositions[group], pressures, projected, &hessians);
+  alignas(64) double pressures[kLanes];
+  read_pressures(work, group, 1.0, pressures);
+  kernels_->hessian(groups_[group], work.factor, work.decompositions[group], pressures, projected,
+                    &hessians);
 }
 
 void ElasticModel::body_hessian(std::size_t group, std::span<const Vector3> lever_arms,

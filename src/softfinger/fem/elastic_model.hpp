@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/fem/element_kernels.hpp"
+#include "softfinger/fem/relaxation.hpp"
 #include "softfinger/fem/strain_limit.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/tetrahedral_mesh.hpp"
@@ -38,6 +39,9 @@ class ElasticModel {
     // Empty unless dilatation is averaged over patches.
     std::vector<ElementDilatation> dilatations;
     std::vector<double> pressures;  ///< per patch, Pa
+    // Of the step under way, see begin_step().
+    double factor = 1.0;
+    std::vector<ElementStress> memory;  ///< per group; empty for elastic solids
   };
   /// Elements that share their change of volume: energy 1/2 lambda V (mean dilatation)^2.
   struct Patch {
@@ -50,11 +54,22 @@ class ElasticModel {
   /// node n moves with the bone.
   ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticMaterial> materials,
                std::span<const int> element_material, const std::vector<bool>& tied,
-               const StrainLimit& limit, Dilatation dilatation, InstructionSet set);
+               const StrainLimit& limit, Dilatation dilatation, Relaxation relaxation,
+               InstructionSet set);
 
   /// Work with every decomposition at the identity: the start of a reproducible sequence.
   [[nodiscard]] Work make_work() const;
   void reset(Work& work) const;
+
+  [[nodiscard]] StressHistory make_history() const {
+    return softfinger::make_history(relaxation_, groups_.size());
+  }
+  /// Prepares evaluations of a step of `time_step` (s) from `history`. 0: at once, without a past.
+  void begin_step(const StressHistory& history, double time_step, Work& work) const;
+  /// Prepares evaluations of what remains after all stress that can relax has done so.
+  void begin_relaxed(Work& work) const;
+  /// Adds the step that ended at the positions last evaluated to `history`.
+  void end_step(const Work& work, double time_step, StressHistory& history) const;
 
   /// Returns the strain energy at `positions` (n nodes, m), J; adds its gradient to `gradient`, N.
   double energy_gradient(std::span<const Vector3> positions, Work& work,
@@ -97,6 +112,12 @@ class ElasticModel {
   void add_element(const TetrahedralMesh& mesh, std::size_t e, const ElasticMaterial& material,
                    const std::vector<bool>& tied, int patch);
   void number_patch_nodes();
+  [[nodiscard]] ElementViscosity viscosity(const Work& work, std::size_t group) const {
+    return {work.factor, work.memory.empty() ? nullptr : &work.memory[group]};
+  }
+  /// Pressure of each lane's patch times `scale`; zero without patches.
+  void read_pressures(const Work& work, std::size_t group, double scale,
+                      double (&pressures)[kLanes]) const;
   void add_patch_pressures(Work& work, std::span<Vector3> gradient, double& energy) const;
 
   std::vector<ElementGroup> groups_;
@@ -105,6 +126,7 @@ class ElasticModel {
   std::vector<Patch> patches_;
   std::vector<Membership> memberships_;  ///< per element; empty without patches
   std::vector<double> masses_;
+  Relaxation relaxation_;
   ElementLimits limits_{};
   const ElementKernels* kernels_ = nullptr;
 };

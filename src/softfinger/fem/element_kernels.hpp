@@ -29,7 +29,20 @@ struct ElementDecomposition {
   alignas(64) double s[3][kLanes];  ///< principal stretches; one is negative where inverted
   alignas(64) double limit_stress[3][kLanes];     ///< b'(s), Pa
   alignas(64) double limit_stiffness[3][kLanes];  ///< b''(s), Pa
+  alignas(64) double memory_stress[3][kLanes];    ///< of the past, along the axes, Pa
   alignas(64) float u[9][kLanes];                 ///< column-major
+};
+
+/// Symmetric stress in the material frame, xx yy zz xy xz yz, Pa.
+struct ElementStress {
+  alignas(64) double part[6][kLanes];
+};
+
+/// How a step sees viscoelastic material: its elastic energy times `factor`, plus the work done
+/// against the stress remembered (H : S - I, S the stretch tensor).
+struct ElementViscosity {
+  double factor = 1.0;
+  const ElementStress* memory = nullptr;  ///< null: remembers nothing
 };
 
 /// Contribution of one group to the gradient: force[a][k] of node a, component k.
@@ -76,13 +89,18 @@ struct ElementKernels {
   /// eigenvector iteration. Returns the energy of the group, J; forces are its gradient by
   /// the nodal positions, N. `dilatation` is filled unless null.
   double (*energy_gradient)(const ElementGroup& group, const ElementLimits& limits,
-                            const double* positions, ElementDecomposition* decomposition,
-                            ElementForces* forces, ElementDilatation* dilatation);
+                            const ElementViscosity& viscosity, const double* positions,
+                            ElementDecomposition* decomposition, ElementForces* forces,
+                            ElementDilatation* dilatation);
   /// Second derivative at the decomposition last computed, N/m. `pressures`, one a lane, Pa, is
   /// what patches add to the principal stresses. `projected` cuts negative eigenvalues (twist modes
   /// under compression) to zero.
-  void (*hessian)(const ElementGroup& group, const ElementDecomposition& decomposition,
-                  const double* pressures, bool projected, ElementHessians* hessians);
+  void (*hessian)(const ElementGroup& group, double factor,
+                  const ElementDecomposition& decomposition, const double* pressures,
+                  bool projected, ElementHessians* hessians);
+  /// Elastic stress at the decomposition last computed; `pressures` as above but unscaled.
+  void (*elastic_stress)(const ElementGroup& group, const ElementDecomposition& decomposition,
+                         const double* pressures, ElementStress* stress);
   /// From a group's Hessian, what concerns the body; lever_arms: r of each node in turn, x y z, m.
   /// Adds to `sums`.
   void (*body_hessian)(const ElementGroup& group, const double* lever_arms,

@@ -306,10 +306,10 @@ inline void store_as_floats(float p[][kLanes], int first, Vec3 v) {
   store_as_floats(p[2] + first, v.z);
 }
 
-/// Principal Kirchhoff stress p(s) times s's own axis u and the volume; adds to the energy density.
-inline Vec3 principal_force(const ElementLimits& limits, Doubles s, Doubles trace, Doubles mu,
-                            Doubles lambda, Doubles volume, Vec3 u, int axis, int first,
-                            ElementDecomposition* decomposition, Doubles& energy) {
+/// Principal stress p(s) of the elastic energy; adds its density.
+inline Doubles principal_stress(const ElementLimits& limits, Doubles s, Doubles trace, Doubles mu,
+                                Doubles lambda, int axis, int first,
+                                ElementDecomposition* decomposition, Doubles& energy) {
   store(decomposition->s[axis] + first, s);
   const Doubles stretch = s - 1.0;
   Doubles p = 2.0 * mu * stretch + lambda * trace;
@@ -321,7 +321,46 @@ inline Vec3 principal_force(const ElementLimits& limits, Doubles s, Doubles trac
     store(decomposition->limit_stress[axis] + first, b.first);
     store(decomposition->limit_stiffness[axis] + first, b.second);
   }
-  return u * (p * volume);
+  return p;
+}
+
+/// Symmetric 3 x 3 matrix.
+struct Symmetric {
+  Doubles xx, yy, zz, xy, xz, yz;
+};
+inline Symmetric load_symmetric(const ElementStress& stress, int first) {
+  return {load(stress.part[0] + first), load(stress.part[1] + first), load(stress.part[2] + first),
+          load(stress.part[3] + first), load(stress.part[4] + first), load(stress.part[5] + first)};
+}
+inline Vec3 operator*(const Symmetric& m, Vec3 v) {
+  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+          m.xz * v.x + m.yz * v.y + m.zz * v.z};
+}
+
+/// U times the derivative of H : S by F in the frame of the decomposition, plus U diag(p). With
+/// M = U^T dF V the stretch tensor changes by (s_i M_ij + s_j M_ji) / (s_i + s_j) in that frame.
+inline Mat3 with_memory(const Symmetric& memory, const Mat3& v, const Mat3& u, const Doubles p[3],
+                        const Doubles s[3], int first, ElementDecomposition* decomposition,
+                        Doubles& energy) {
+  Doubles h[3][3];
+  for (int j = 0; j < 3; ++j) {
+    const Vec3 column = transpose_times(v, memory * v.c[j]);
+    h[0][j] = column.x;
+    h[1][j] = column.y;
+    h[2][j] = column.z;
+  }
+  Mat3 result;
+  for (int j = 0; j < 3; ++j) {
+    energy += h[j][j] * (s[j] - 1.0);
+    store(decomposition->memory_stress[j] + first, h[j][j]);
+    Vec3 column = u.c[j] * (p[j] + h[j][j]);
+    for (int i = 0; i < 3; ++i) {
+      if (i == j) continue;
+      column = column + u.c[i] * (2.0 * h[i][j] * s[i] / max(s[i] + s[j], splat(1e-3)));
+    }
+    result.c[j] = column;
+  }
+  return result;
 }
 
 inline void store_force(double force[3][kLanes], int first, Vec3 g) {
@@ -332,9 +371,10 @@ inline void store_force(double force[3][kLanes], int first, Vec3 g) {
 
 /// Energy of half a group from lane `first` on, its forces, and what the later passes need, where
 /// the columns of b = F v are perpendicular.
-inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, int first,
-                       const Mat3& b, const Mat3& v, ElementDecomposition* decomposition,
-                       ElementForces* forces, ElementDilatation* dilatation) {
+inline Doubles respond(const ElementGroup& group, const ElementLimits& limits,
+                       const ElementViscosity& viscosity, int first, const Mat3& b, const Mat3& v,
+                       ElementDecomposition* decomposition, ElementForces* forces,
+                       ElementDilatation* dilatation) {
   Vec3 u0, u1, u2;
   left_vectors(b, u0, u1, u2);
   store_matrix(decomposition->v, first, v);
@@ -349,11 +389,22 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, i
   const Doubles volume = load(group.volume + first);
   const Doubles trace = (s0 - 1.0) + (s1 - 1.0) + (s2 - 1.0);
   Doubles energy = 0.5 * lambda * trace * trace;
-  const auto force_along = [&](Doubles s, Vec3 u, int axis) {
-    return principal_force(limits, s, trace, mu, lambda, volume, u, axis, first, decomposition,
-                           energy);
+  const auto stress_along = [&](Doubles s, int axis) {
+    return viscosity.factor *
+           principal_stress(limits, s, trace, mu, lambda, axis, first, decomposition, energy);
   };
-  const Mat3 stressed{{force_along(s0, u0, 0), force_along(s1, u1, 1), force_along(s2, u2, 2)}};
+  const Doubles p0 = stress_along(s0, 0);
+  const Doubles p1 = stress_along(s1, 1);
+  const Doubles p2 = stress_along(s2, 2);
+  energy = energy * viscosity.factor;
+  Mat3 stressed{{u0 * (p0 * volume), u1 * (p1 * volume), u2 * (p2 * volume)}};
+  if (viscosity.memory != nullptr) {
+    const Doubles p[3] = {p0, p1, p2};
+    const Doubles s[3] = {s0, s1, s2};
+    stressed = with_memory(load_symmetric(*viscosity.memory, first), v, {{u0, u1, u2}}, p, s, first,
+                           decomposition, energy) *
+               volume;
+  }
   const auto store_forces = [&](const Mat3& of, double(*force)[3][kLanes]) {
     const Vec3 g1 = of * transpose_times(v, load_shape(group, 0, first));
     const Vec3 g2 = of * transpose_times(v, load_shape(group, 1, first));
@@ -372,7 +423,7 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, i
 }
 
 [[gnu::flatten]] double energy_gradient(const ElementGroup& group, const ElementLimits& limits,
-                                        const double* positions,
+                                        const ElementViscosity& viscosity, const double* positions,
                                         ElementDecomposition* decomposition, ElementForces* forces,
                                         ElementDilatation* dilatation) {
   Mat3 v0 = renewed(load_matrix<Doubles>(decomposition->v, 0));
@@ -387,8 +438,10 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits, i
     sort(b0, v0);
     sort(b1, v1);
   }
-  const Doubles energy0 = respond(group, limits, 0, b0, v0, decomposition, forces, dilatation);
-  const Doubles energy1 = respond(group, limits, kWide, b1, v1, decomposition, forces, dilatation);
+  const Doubles energy0 =
+      respond(group, limits, viscosity, 0, b0, v0, decomposition, forces, dilatation);
+  const Doubles energy1 =
+      respond(group, limits, viscosity, kWide, b1, v1, decomposition, forces, dilatation);
   double energy = 0.0;
   for (int i = 0; i < kWide; ++i) energy += energy0[i] + energy1[i];
   return energy;
@@ -404,21 +457,22 @@ struct Modes {
   Floats mixed[3][3];  ///< coefficient of (ij, ji)
 };
 
-inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d,
+inline Modes modes_at(const ElementGroup& group, double factor, const ElementDecomposition& d,
                       const double* pressures, bool projected) {
   // Differences of nearly equal numbers: in double precision, then rounded.
   alignas(64) double stretch[3][kLanes], same[3][kLanes], mixed[3][kLanes];
   for (int first = 0; first < kLanes; first += kWide) {
-    const Doubles mu = load(group.mu + first);
-    const Doubles lambda = load(group.lambda + first);
+    const Doubles mu = factor * load(group.mu + first);
+    const Doubles lambda = factor * load(group.lambda + first);
     const Doubles volume = load(group.volume + first);
     Doubles s[3], b1[3], b2[3], p[3];
     for (int i = 0; i < 3; ++i) s[i] = load(d.s[i] + first);
     const Doubles trace = (s[0] - 1.0) + (s[1] - 1.0) + (s[2] - 1.0);
     for (int i = 0; i < 3; ++i) {
-      b1[i] = load(d.limit_stress[i] + first);
-      b2[i] = load(d.limit_stiffness[i] + first);
-      p[i] = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) + b1[i];
+      b1[i] = factor * load(d.limit_stress[i] + first);
+      b2[i] = factor * load(d.limit_stiffness[i] + first);
+      p[i] = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) + b1[i] +
+             load(d.memory_stress[i] + first);
       store(stretch[i] + first, (2.0 * mu + lambda + b2[i]) * volume);
     }
     for (int k = 0; k < 3; ++k) {  // the pair of axes without k
@@ -436,7 +490,8 @@ inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d,
     }
   }
   Modes m;
-  m.shared = load_as_floats(group.lambda) * load_as_floats(group.volume);
+  m.shared =
+      load_as_floats(group.lambda) * load_as_floats(group.volume) * static_cast<float>(factor);
   for (int k = 0; k < 3; ++k) {
     const int i = k == 0 ? 1 : 0;
     const int j = k == 2 ? 1 : 2;
@@ -450,9 +505,9 @@ inline Modes modes_at(const ElementGroup& group, const ElementDecomposition& d,
 /// Place of block (a, b) in ElementHessians; (b, a), its transpose, shares it.
 constexpr int kPlace[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
 
-void hessian(const ElementGroup& group, const ElementDecomposition& decomposition,
+void hessian(const ElementGroup& group, double factor, const ElementDecomposition& decomposition,
              const double* pressures, bool projected, ElementHessians* hessians) {
-  const Modes m = modes_at(group, decomposition, pressures, projected);
+  const Modes m = modes_at(group, factor, decomposition, pressures, projected);
   const Mat<Floats> u = load_matrix<Floats>(decomposition.u, 0);
   Floats shape[3][3];  // V^T grad N_a
   {
@@ -501,6 +556,32 @@ void hessian(const ElementGroup& group, const ElementDecomposition& decompositio
   store_matrix(hessians->block[kPlace[0][0]], 0, corner);
 }
 
+/// V diag(p) V^T
+void elastic_stress(const ElementGroup& group, const ElementDecomposition& decomposition,
+                    const double* pressures, ElementStress* stress) {
+  for (int first = 0; first < kLanes; first += kWide) {
+    const Doubles mu = load(group.mu + first);
+    const Doubles lambda = load(group.lambda + first);
+    const Mat3 v = load_matrix<Doubles>(decomposition.v, first);
+    Doubles s[3];
+    for (int i = 0; i < 3; ++i) s[i] = load(decomposition.s[i] + first);
+    const Doubles trace = (s[0] - 1.0) + (s[1] - 1.0) + (s[2] - 1.0);
+    Doubles sum[6] = {};
+    for (int i = 0; i < 3; ++i) {
+      const Doubles p = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) +
+                        load(decomposition.limit_stress[i] + first);
+      const Vec3& axis = v.c[i];
+      sum[0] += p * axis.x * axis.x;
+      sum[1] += p * axis.y * axis.y;
+      sum[2] += p * axis.z * axis.z;
+      sum[3] += p * axis.x * axis.y;
+      sum[4] += p * axis.x * axis.z;
+      sum[5] += p * axis.y * axis.z;
+    }
+    for (int k = 0; k < 6; ++k) store(stress->part[k] + first, sum[k]);
+  }
+}
+
 inline void add_matrix(float p[9][kLanes], const Mat<Floats>& m) {
   store_matrix(p, 0, load_matrix<Floats>(p, 0) + m);
 }
@@ -542,6 +623,6 @@ void body_hessian(const ElementGroup& group, const double* lever_arms,
 }  // namespace
 
 extern const ElementKernels kElementKernels;
-const ElementKernels kElementKernels{&energy_gradient, &hessian, &body_hessian};
+const ElementKernels kElementKernels{&energy_gradient, &hessian, &elastic_stress, &body_hessian};
 
 }  // namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE

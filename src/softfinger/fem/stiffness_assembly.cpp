@@ -150,7 +150,7 @@ void StiffnessAssembly::add_patches(const ElasticModel& model, const ElasticMode
   const BlockCholesky::Slot* slot = patch_slots_.data();
   for (const ElasticModel::Patch& patch : model.patches()) {
     // Second derivative lambda / V g g^T; the body's rows of g are sums over its nodes.
-    const double stiffness = patch.lambda / patch.volume;
+    const double stiffness = work.factor * patch.lambda / patch.volume;
     Vector3 body = Vector3::Zero();
     Vector3 body_turn = Vector3::Zero();
     const auto block_at = [&](std::size_t a) {

@@ -41,11 +41,29 @@ FingerModel::Material read_material(const ConfigTable& table, FingerModel::Mater
   return fallback;
 }
 
+Relaxation read_relaxation(const ConfigTable& material) {
+  Relaxation relaxation;
+  const Range below_one{.min = 0.0, .max = 1.0, .open_min = true, .open_max = true};
+  for (const ConfigTable& table : material.tables("relaxation")) {
+    Relaxation::Term term{};
+    term.time = table.number("time_ms", Range::between(0.1, 1e5));
+    term.fraction = table.number("fraction", below_one);
+    relaxation.terms.push_back(term);
+    if (relaxation.long_time_fraction() <= 0.0) {
+      table.fail("fraction", fmt::format("the fractions of all [[material.relaxation]] must sum to "
+                                         "less than 1, found {:.6g}",
+                                         1.0 - relaxation.long_time_fraction()));
+    }
+  }
+  return relaxation;
+}
+
 void read_materials(const ConfigTable& table, FingerModel& model) {
   const TetrahedralMesh& mesh = model.mesh;
   const FingerModel::Material common = read_material(table, {});
   const std::vector<std::string> own_keys{"youngs_modulus_kPa", "poissons_ratio",
-                                          "density_kg_per_m3", "dilatation"};
+                                          "density_kg_per_m3", "dilatation", "relaxation"};
+  model.relaxation = read_relaxation(table);
   model.dilatation = table.choice("dilatation", {"element", "patch"}, "element") == "patch"
                          ? Dilatation::kPatch
                          : Dilatation::kElement;

@@ -39,6 +39,7 @@ class FingerModel {
   };
   std::vector<Material> materials;
   Dilatation dilatation = Dilatation::kElement;
+  Relaxation relaxation;
   struct StrainLimits {
     double min = 0.35, max = 1.5;
     double stiffness = 40e3;  ///< Pa

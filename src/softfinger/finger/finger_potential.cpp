@@ -40,7 +40,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       map_(make_unknown_map(model.node_is_rigid, bone == Bone::kCoupled)),
       elastic_(model.mesh, elastic_materials(model), model.tetrahedron_material,
                model.node_is_rigid, strain_limit(model, options.strain_limits), model.dilatation,
-               options.instruction_set),
+               model.relaxation, options.instruction_set),
       assembly_(elastic_, map_, options.instruction_set),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),
       contact_(model.sample_rest_areas, obstacle_count, options.contact),
@@ -70,6 +70,11 @@ void FingerPotential::forget() {
 void FingerPotential::begin(const Step& step) {
   step_ = step;
   contact_.begin(step.obstacles, step.anchors);
+  if (step.relaxed) {
+    elastic_.begin_relaxed(work_);
+  } else if (step.history != nullptr) {
+    elastic_.begin_step(*step.history, step.time_step, work_);
+  }
   if (step.time_step > 0.0) {
     for (std::size_t n = 0; n < predicted_.size(); ++n) {
       predicted_[n] = step.old_positions[n] + step.time_step * step.velocities[n];

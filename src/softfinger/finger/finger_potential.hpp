@@ -39,6 +39,8 @@ class FingerPotential {
     Pose X_WFt;      ///< tracked pose, or the prescribed one
     std::span<const Obstacle> obstacles;
     std::span<const FrictionAnchor> anchors;  ///< as ContactPotential::no_anchors()
+    const StressHistory* history = nullptr;   ///< of the skin; null: has none
+    bool relaxed = false;                     ///< all that can relax has; with time step 0
   };
 
   FingerPotential(const FingerModel& model, Bone bone, std::size_t obstacle_count,

@@ -13,6 +13,10 @@ constexpr double kGoodPrediction = 2.0;
 /// often, so that rounding does not pile up.
 constexpr std::uint64_t kRenewalSteps = 10000;
 
+void add(Hash& hash, const ElementStress& stress) {
+  for (const auto& part : stress.part) hash.add(std::span<const double>(part));
+}
+
 }  // namespace
 
 struct FingerSimulation::Implementation {
@@ -26,6 +30,7 @@ struct FingerSimulation::Implementation {
         anchors(potential.contact().no_anchors()),
         positions(model->mesh.nodes),
         velocities(model->mesh.nodes.size(), Vector3::Zero()),
+        history(potential.elastic().make_history()),
         old_velocities(velocities),
         extrapolated(velocities),
         contact(make_contact_set(*model)) {
@@ -52,6 +57,7 @@ struct FingerSimulation::Implementation {
     step.X_WFt = X_WFt;
     step.obstacles = obstacles;
     step.anchors = anchors;
+    step.history = &history;
     potential.begin(step);
   }
 
@@ -89,6 +95,7 @@ struct FingerSimulation::Implementation {
     bone.X_WF = X_WF;
     tracked = X_WFt;
     potential.settle();
+    potential.elastic().end_step(potential.elastic_work(), time_step, history);
     potential.contact().update_anchors(potential.sample_positions(), anchors);
     report_contact(*model, potential, contact);
   }
@@ -100,6 +107,7 @@ struct FingerSimulation::Implementation {
   std::vector<Obstacle> obstacles;
   std::vector<FrictionAnchor> anchors;
   std::vector<Vector3> positions, velocities;
+  StressHistory history;
   BoneState bone;
   // Only for the start of the next step.
   std::vector<Vector3> old_velocities, extrapolated;
@@ -131,6 +139,7 @@ void FingerSimulation::reset(const Pose& X_WFt, double time) {
     self.old_velocities[n].setZero();
   }
   for (FrictionAnchor& anchor : self.anchors) anchor = FrictionAnchor{};
+  forget(self.history);
   self.place_obstacles(time);
   self.potential.forget();
   self.begin(X_WFt);
@@ -170,6 +179,10 @@ std::uint64_t FingerSimulation::state_hash() const {
   for (const FrictionAnchor& anchor : self.anchors) {
     hash.add(anchor.anchor_O);
     hash.add(anchor.limit);
+  }
+  for (const ElementStress& stress : self.history.elastic) add(hash, stress);
+  for (const auto& term : self.history.relaxing) {
+    for (const ElementStress& stress : term) add(hash, stress);
   }
   return hash.value();
 }

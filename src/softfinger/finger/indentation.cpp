@@ -64,6 +64,7 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
   obstacle.friction_coefficient = options.friction ? model.friction_coefficient : 0.0;
   std::vector<FrictionAnchor> anchors = potential.contact().no_anchors();
   ContactSet contact = make_contact_set(model);
+  StressHistory history = potential.elastic().make_history();
 
   Pose X_WF{exp_rotation(Vector3(0.0, options.pitch, 0.0)), Vector3::Zero()};
   const double touch = touching_height(model, obstacle, X_WF.rotation);
@@ -92,6 +93,8 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
       step.X_WFt = X_WF;
       step.obstacles = {&obstacle, 1};
       step.anchors = anchors;
+      step.history = &history;
+      step.relaxed = options.relaxed;
       potential.begin(step);
       row.converged = false;
       for (int pass = 0; pass < kFrictionPasses; ++pass) {
@@ -108,6 +111,7 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
         if (step.time_step > 0.0) velocities[n] = moved / step.time_step;
         positions[n] += moved;
       }
+      potential.elastic().end_step(potential.elastic_work(), step.time_step, history);
       if (j == increments) {
         report_contact(model, potential, contact);
         row.residual = potential.largest_free_force();

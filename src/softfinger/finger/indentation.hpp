@@ -26,7 +26,8 @@ struct IndentationOptions {
   double pitch = 0.0;  ///< turn of the finger about its y axis, rad; positive: distal end down
   bool strain_limits = true;
   bool friction = true;
-  double speed = 0.0;  ///< bone speed, m/s; 0: quasi-static
+  double speed = 0.0;    ///< bone speed, m/s; 0: quasi-static
+  bool relaxed = false;  ///< long-time moduli; only quasi-static
 };
 
 /// One row: equilibrium at one depth.
