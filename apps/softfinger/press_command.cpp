@@ -194,8 +194,7 @@ void add_press_command(CLI::App& app) {
   command->add_option("--angle-deg", flags->angle_deg, "Pitch of the finger, distal end down");
   command->add_flag("--no-strain-limits", flags->no_strain_limits, "Linear corotated skin only");
   command->add_flag("--no-friction", flags->no_friction, "Frictionless contact");
-  command->add_flag("--relaxed", flags->relaxed,
-                    "Long-time moduli: all stress that can relax has");
+  command->add_flag("--relaxed", flags->relaxed, "Long-time moduli: all stress that can relax has");
   command->add_option("--speed-mm-per-s", flags->speed_mm_per_s, "Step in time at this speed");
   command->add_option("--export", flags->export_directory, "Write nodes.csv and contact.csv there");
   command->add_flag("--json", flags->json, "One JSON array of rows");
