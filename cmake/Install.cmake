@@ -17,6 +17,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/softfingerConfigVersion.c
 install(FILES ${PROJECT_BINARY_DIR}/softfingerConfig.cmake
   ${PROJECT_BINARY_DIR}/softfingerConfigVersion.cmake DESTINATION ${softfinger_cmake_dir})
 
-# What a newcomer runs: fingers, devices and scenes as files.
-install(DIRECTORY fingers devices scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/softfinger
-  FILES_MATCHING PATTERN "*.toml" PATTERN "*.msh")
+# What a newcomer runs: fingers, devices, scenes and objects as files.
+install(DIRECTORY fingers devices scenes objects DESTINATION ${CMAKE_INSTALL_DATADIR}/softfinger
+  FILES_MATCHING PATTERN "*.toml" PATTERN "*.msh" PATTERN "*.ply" PATTERN "*.obj" PATTERN "*.stl")

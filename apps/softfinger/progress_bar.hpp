@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <string>
 
+#include "softfinger/geometry/mesh_shape.hpp"
+
 /// A bar on stderr for work that takes longer than a second; nothing unless stderr is a terminal.
 class ProgressBar {
  public:
@@ -42,3 +44,20 @@ class ProgressBar {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point drawn_{};
 };
+
+/// Shows on `bar`, which must outlive it, how far the loading of meshes is.
+inline softfinger::LoadObserver load_observer(ProgressBar& bar) {
+  return {.progress =
+              [&bar](double fraction) {
+                if (fraction < 1.0) {
+                  bar.show(fraction);
+                } else {
+                  bar.clear();
+                }
+              },
+          .message =
+              [&bar](const std::string& message) {
+                bar.clear();
+                fmt::print(stderr, "softfinger: {}\n", message);
+              }};
+}

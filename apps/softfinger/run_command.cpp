@@ -77,6 +77,7 @@ void run(RunFlags flags) {
   stop_on_signals();
 
   ProgressBar bar;
+  flags.options.load_observer = load_observer(bar);
   RunObserver observer;
   observer.message = [&bar](const std::string& message) {
     bar.clear();

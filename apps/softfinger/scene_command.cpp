@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,9 +10,11 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "progress_bar.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/engine/run_setup.hpp"
+#include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
 namespace {
@@ -40,6 +43,17 @@ Json describe(const RoundedCylinder& cylinder) {
           {"radius_mm", in_mm(cylinder.radius)},
           {"length_mm", in_mm(2.0 * cylinder.half_length)},
           {"edge_radius_mm", in_mm(cylinder.edge_radius)}};
+}
+
+Json describe(const MeshShape& mesh) {
+  const auto& content = mesh->content();
+  const Vector3 size = content.bounds.sizes();
+  return {{"shape", "mesh"},
+          {"file", mesh->source().lexically_normal().string()},
+          {"triangles", content.triangle_count},
+          {"size_mm", {in_mm(size.x()), in_mm(size.y()), in_mm(size.z())}},
+          {"edge_rounding_mm", in_mm(content.levels.front().spacing)},
+          {"grid_memory_MB", mesh->memory() >> 20}};
 }
 
 Json describe(const VirtualObject& object) {
@@ -73,6 +87,8 @@ Json describe(const SceneFinger& finger, const FingerModel& model, const Device*
 Json check(const std::string& file) {
   RunOptions options;
   options.scene = file;
+  ProgressBar bar;
+  options.load_observer = load_observer(bar);
   const std::shared_ptr<const RunSetup> setup = load_setup(options);
   const Scene& scene = setup->scene;
   Json fingers = Json::array();
@@ -101,6 +117,11 @@ std::string sizes(const Json& object) {
     return fmt::format(", {} mm, edge radius {} mm",
                        fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "),
                        number("edge_radius_mm"));
+  }
+  if (shape == "mesh") {
+    return fmt::format(" {}, {} triangles, {:.4g} mm", object.at("file").get<std::string>(),
+                       object.at("triangles").get<std::uint64_t>(),
+                       fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "));
   }
   if (shape == "cylinder") {
     return fmt::format(", radius {} mm, length {} mm, edge radius {} mm", number("radius_mm"),

@@ -56,7 +56,7 @@ fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexical
 
 std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   auto setup = std::make_shared<RunSetup>();
-  setup->scene = load_scene(options.scene, !options.trackers.empty());
+  setup->scene = load_scene(options.scene, !options.trackers.empty(), options.load_observer);
   Scene& scene = setup->scene;
   setup->tracker_directories.assign(scene.fingers.size(), scene.file.parent_path());
   apply_overrides(options.devices, "--device", scene,

@@ -26,6 +26,7 @@ struct RunOptions {
   bool wait_for_device = false;      ///< an absent port is no error
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
+  LoadObserver load_observer;
 };
 
 /// A scene with all it names loaded; what a run, a replay and the library start from.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/geometry/signed_distance_grid.hpp"
+
 namespace softfinger {
 
 namespace {
@@ -87,6 +89,10 @@ SignedDistance distance_to(const RoundedCylinder& cylinder, const Vector3& p) {
     result.hessian = (Matrix3::Identity() - axial * axial.transpose()) / norm;
   }
   return result;
+}
+
+SignedDistance distance_to(const MeshShape& mesh, const Vector3& p) {
+  return mesh->signed_distance(p);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <variant>
 
 #include "softfinger/geometry/pose.hpp"
@@ -34,11 +35,16 @@ struct RoundedCylinder {
   double edge_radius;
 };
 
-using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder>;
+class SignedDistanceGrid;
+/// The solid a closed triangle mesh encloses, about its own origin; never null.
+using MeshShape = std::shared_ptr<const SignedDistanceGrid>;
+
+using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder, MeshShape>;
 
 /// Signed distance of the point p_O, all in the shape's own frame O. The gradient is continuous
 /// outside the solid and inside it as far as the edge radius (C1 distance, so Newton does not
-/// cycle).
+/// cycle). A mesh's gradient is that of its grid: of unit length up to the error of interpolation,
+/// shorter where an edge is rounded.
 [[nodiscard]] SignedDistance signed_distance(const Shape& shape, const Vector3& p_O);
 
 }  // namespace softfinger

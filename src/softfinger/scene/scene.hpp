@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/geometry/mesh_shape.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
 #include "softfinger/geometry/trajectory.hpp"
 
@@ -36,9 +37,11 @@ struct Scene {
   double simulation_rate = 1000.0;  ///< Hz
 };
 
-/// Reads and checks a scene file; the finger, device and pose files it names are not opened.
+/// Reads and checks a scene file with the meshes of its objects, whose distance grids may take time
+/// to build; the finger, device and pose files it names are not opened.
 /// `trackers_given`: trackers are named elsewhere (`--tracker`), so a finger with tracker "script"
 /// may do without waypoints. Throws InputError with file, line and key.
-[[nodiscard]] Scene load_scene(const std::filesystem::path& file, bool trackers_given = false);
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file, bool trackers_given = false,
+                               const LoadObserver& observer = {});
 
 }  // namespace softfinger

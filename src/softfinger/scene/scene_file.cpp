@@ -9,6 +9,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/geometry/mesh_import.hpp"
 #include "softfinger/scene/scene.hpp"
 
 namespace softfinger {
@@ -25,7 +26,10 @@ const Range kFriction = Range::between(0.0, 10.0);
 const Range kSimulationRate = Range::between(100.0, 20000.0);  // Hz
 constexpr double kDefaultEdgeRadius = 1.0 * mm;
 
-const std::vector<std::string> kShapes{"plane", "sphere", "box", "cylinder"};
+const Range kEdgeRounding = Range::between(0.02, 10.0);  // mm
+constexpr double kDefaultEdgeRounding = 0.25 * mm;
+
+const std::vector<std::string> kShapes{"plane", "sphere", "box", "cylinder", "mesh"};
 
 /// rotation_vector_deg may be left out, and position_mm where `fallback` has one.
 Pose read_pose(const ConfigTable& table, const Pose* fallback) {
@@ -72,7 +76,68 @@ double read_edge_radius(const ConfigTable& table, double limit) {
   return std::min(radius, limit);
 }
 
+/// A mesh that an object names; loaded once the scene file is known to be right.
+struct NamedMesh {
+  ConfigTable table;
+  std::size_t object;
+  std::filesystem::path file;
+  MeshShapeOptions options;
+};
+
+double read_unit(const ConfigTable& table, const std::filesystem::path& file) {
+  MeshFormat format;
+  try {
+    format = mesh_format(file);
+  } catch (const InputError& error) {
+    table.fail("file", error.what());
+  }
+  if (format == MeshFormat::kGltf || format == MeshFormat::kGlb) {
+    (void)table.choice("unit", {"m"}, "m");  // by definition
+    return 1.0;
+  }
+  const std::string unit = table.choice("unit", {"mm", "cm", "m", "inch"});
+  if (unit == "mm") return mm;
+  if (unit == "cm") return 10.0 * mm;
+  if (unit == "inch") return 25.4 * mm;
+  return 1.0;
+}
+
+NamedMesh read_mesh(const ConfigTable& table, std::size_t object) {
+  const std::filesystem::path file = table.path("file");
+  return {.table = table,
+          .object = object,
+          .file = file,
+          .options = {.unit = read_unit(table, file),
+                      .edge_rounding =
+                          table.number("edge_rounding_mm", kEdgeRounding, kDefaultEdgeRounding)}};
+}
+
+/// Objects of the same mesh share it.
+void load_meshes(const std::vector<NamedMesh>& meshes, Scene& scene, const LoadObserver& observer) {
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const NamedMesh& mesh = meshes[i];
+    Shape& shape = scene.objects[mesh.object].shape;
+    const auto same =
+        std::find_if(meshes.begin(), meshes.begin() + static_cast<std::ptrdiff_t>(i),
+                     [&](const NamedMesh& other) {
+                       return other.file == mesh.file && other.options.unit == mesh.options.unit &&
+                              other.options.edge_rounding == mesh.options.edge_rounding;
+                     });
+    if (same != meshes.begin() + static_cast<std::ptrdiff_t>(i)) {
+      shape = scene.objects[same->object].shape;
+      continue;
+    }
+    try {
+      shape = load_mesh_shape(mesh.file, mesh.options, observer);
+    } catch (const InputError& error) {
+      mesh.table.fail("file", error.what());
+    }
+  }
+}
+
+/// A mesh is loaded later; until then its object is a plane.
 Shape read_shape(const ConfigTable& table, const std::string& shape) {
+  if (shape == "mesh") return HalfSpace{};
   if (shape == "plane") return HalfSpace{};
   if (shape == "sphere") return Ball{table.number("radius_mm", kSize)};
   if (shape == "box") {
@@ -140,7 +205,8 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& file, bool trackers_given) {
+Scene load_scene(const std::filesystem::path& file, bool trackers_given,
+                 const LoadObserver& observer) {
   const ConfigFile config(file);
   const ConfigTable root = config.root();
   Scene scene;
@@ -172,12 +238,15 @@ Scene load_scene(const std::filesystem::path& file, bool trackers_given) {
       table.fail("name", fmt::format("two objects are named '{}'", name));
     }
   }
+  std::vector<NamedMesh> meshes;
   for (const ConfigTable& table : objects) {
     const std::string shape = table.choice("shape", kShapes);
+    if (shape == "mesh") meshes.push_back(read_mesh(table, scene.objects.size()));
     scene.objects.push_back(read_object(table, free_name(shape, names)));
     names.insert(scene.objects.back().name);
   }
   root.finish();
+  load_meshes(meshes, scene, observer);
   return scene;
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/geometry/signed_distance_grid.hpp"
 
 namespace softfinger {
 namespace {
@@ -12,6 +13,22 @@ using Json = nlohmann::ordered_json;
 
 // A drawing needs no more than a micrometre; fewer digits make the message a third as long.
 double rounded_mm(double metres) { return std::round(metres / mm * 1e3) / 1e3; }
+
+Json flat(const std::vector<Vector3>& points) {
+  Json array = Json::array();
+  for (const Vector3& point : points) {
+    for (const double coordinate : point) array.push_back(rounded_mm(coordinate));
+  }
+  return array;
+}
+
+Json flat(const std::vector<std::array<int, 3>>& triangles) {
+  Json array = Json::array();
+  for (const auto& triangle : triangles) {
+    for (const int index : triangle) array.push_back(index);
+  }
+  return array;
+}
 
 struct ShapeToJson {
   Json operator()(const HalfSpace&) const { return {{"kind", "plane"}}; }
@@ -30,23 +47,13 @@ struct ShapeToJson {
             {"length_mm", 2 * cylinder.half_length / mm},
             {"edge_radius_mm", cylinder.edge_radius / mm}};
   }
+  Json operator()(const MeshShape& mesh) const {
+    const TriangleMesh& drawing = mesh->content().drawing;
+    return {{"kind", "mesh"},
+            {"positions_mm", flat(drawing.positions)},
+            {"triangles", flat(drawing.triangles)}};
+  }
 };
-
-Json flat(const std::vector<Vector3>& points) {
-  Json array = Json::array();
-  for (const Vector3& point : points) {
-    for (const double coordinate : point) array.push_back(rounded_mm(coordinate));
-  }
-  return array;
-}
-
-Json flat(const std::vector<std::array<int, 3>>& triangles) {
-  Json array = Json::array();
-  for (const auto& triangle : triangles) {
-    for (const int index : triangle) array.push_back(index);
-  }
-  return array;
-}
 
 Json to_json(const SceneDescription::Finger& finger) {
   return {{"name", finger.name},

@@ -1,7 +1,8 @@
 import {
-  BoxGeometry, BufferGeometry, Color, CylinderGeometry, DoubleSide, Group, LatheGeometry, Mesh,
-  PlaneGeometry, ShaderMaterial, SphereGeometry, Vector2, Vector3,
+  BoxGeometry, BufferGeometry, Color, CylinderGeometry, DoubleSide, Float32BufferAttribute, Group,
+  LatheGeometry, Mesh, PlaneGeometry, ShaderMaterial, SphereGeometry, Vector2, Vector3,
 } from "three";
+import { toCreasedNormals } from "three/addons/utils/BufferGeometryUtils.js";
 import { palette } from "./palette";
 import type { Shape } from "./wire";
 
@@ -42,7 +43,19 @@ function geometryOf(shape: Shape): BufferGeometry {
       return roundedBox(shape.size_mm, shape.edge_radius_mm);
     case "cylinder":
       return roundedCylinder(shape.radius_mm, shape.length_mm, shape.edge_radius_mm);
+    case "mesh":
+      return triangles(shape.positions_mm, shape.triangles);
   }
+}
+
+/** Edges sharper than 30 degrees are drawn sharp. */
+function triangles(positions: number[], indices: number[]): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new Float32BufferAttribute(positions, 3));
+  geometry.setIndex(indices);
+  const creased = toCreasedNormals(geometry, Math.PI / 6);
+  geometry.dispose();
+  return creased;
 }
 
 /** A finely divided cube pushed onto the rounded box. */

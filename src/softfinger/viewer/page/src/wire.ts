@@ -5,7 +5,8 @@ export type Shape =
   | { kind: "plane" }
   | { kind: "sphere"; radius_mm: number }
   | { kind: "box"; size_mm: [number, number, number]; edge_radius_mm: number }
-  | { kind: "cylinder"; radius_mm: number; length_mm: number; edge_radius_mm: number };
+  | { kind: "cylinder"; radius_mm: number; length_mm: number; edge_radius_mm: number }
+  | { kind: "mesh"; positions_mm: number[]; triangles: number[] };
 
 export interface FingerDescription {
   name: string;

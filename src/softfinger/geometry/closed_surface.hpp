@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "softfinger/geometry/triangle_mesh.hpp"
+
+namespace softfinger {
+
+/// The boundary of a solid: every edge belongs to two triangles that run along it in opposite
+/// directions. May consist of several separate surfaces.
+struct ClosedSurface {
+  TriangleMesh mesh;
+  /// Per triangle (v0, v1, v2) the triangles across its edges v0 v1, v1 v2, v2 v0.
+  std::vector<std::array<int, 3>> neighbours;
+  /// Per triangle, which connected part of the surface it belongs to: 0, 1, ...
+  std::vector<int> part;
+  std::vector<double> part_volume;  ///< m^3, negative for cavities
+
+  [[nodiscard]] const Vector3& corner(int triangle, int k) const {
+    const auto vertex =
+        mesh.triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)];
+    return mesh.positions[static_cast<std::size_t>(vertex)];
+  }
+};
+
+/// Takes a welded mesh. Throws InputError, one line that begins with `source`, where the surface is
+/// open, branches, changes its orientation, encloses no volume or is inside out; places are in mm.
+[[nodiscard]] ClosedSurface closed_surface(TriangleMesh mesh, const std::string& source);
+
+}  // namespace softfinger

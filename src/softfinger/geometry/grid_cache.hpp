@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "softfinger/geometry/signed_distance_grid.hpp"
+
+namespace softfinger {
+
+/// What a cached grid was made from: a grid is used only where all of this is the same.
+struct GridKey {
+  std::uint64_t source_hash = 0;  ///< of the mesh file's content
+  double unit = 0.0;              ///< of its coordinates, m
+  double spacing = 0.0;           ///< m
+  double margin = 0.0;            ///< m
+};
+
+/// Where the grid of a mesh file is kept: `.softfinger-cache` beside it, by name and key.
+[[nodiscard]] std::filesystem::path grid_cache_file(const std::filesystem::path& mesh_file,
+                                                    const GridKey& key);
+
+/// A grid kept for this key; empty where there is none, or what is there is damaged or another's.
+[[nodiscard]] std::optional<SignedDistanceGrid::Content> read_grid_cache(
+    const std::filesystem::path& file, const GridKey& key);
+
+/// Writes it in one go: whoever reads at the same time sees the old file or the new one. False
+/// where it cannot be written.
+[[nodiscard]] bool write_grid_cache(const std::filesystem::path& file, const GridKey& key,
+                                    const SignedDistanceGrid::Content& content);
+
+}  // namespace softfinger

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstddef>
+
+#include "softfinger/geometry/triangle_mesh.hpp"
+
+namespace softfinger {
+
+/// The mesh, or where it has more than `most` triangles one with fewer for drawing: vertices in the
+/// same cell of a grid become one, their mean (Rossignac and Borrel 1993).
+[[nodiscard]] TriangleMesh drawing_of(const TriangleMesh& mesh, std::size_t most);
+
+}  // namespace softfinger
