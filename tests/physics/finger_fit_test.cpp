@@ -20,11 +20,16 @@ constexpr double kTrueFactor = 1.3;
 constexpr double kTrueMin = 0.42;
 constexpr double kTrueMax = 1.36;
 
-/// The finger for real time with limits whose width leaves room on both sides.
+/// The finger for real time, its constants fixed here: limits whose width leaves room on both
+/// sides.
 std::shared_ptr<const FingerModel> finger() {
   static const auto model = [] {
     auto copy = std::make_shared<FingerModel>(*FingerModel::load(
         std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / "index.toml"));
+    for (FingerModel::Material& material : copy->materials) {
+      material.youngs_modulus = 25e3;
+      material.poissons_ratio = 0.4;
+    }
     copy->strain_limits = {0.38, 1.42, 80e3, 0.3, true};
     return copy;
   }();
