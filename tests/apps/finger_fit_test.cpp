@@ -104,6 +104,23 @@ TEST_F(FingerFitCommand, NeverOverwrites) {
   EXPECT_EQ(place_.read("fitted.toml"), "precious");
 }
 
+TEST_F(FingerFitCommand, KeepsTheTermsOfRelaxation) {
+  place_.write("curve.csv", curve_with_modulus("40.0", 0.4));
+  place_.write("fingers/index.toml",
+               place_.read("fingers/index.toml") +
+                   "\n[[material.relaxation]]\ntime_ms = 70.0\nfraction = 0.25\n"
+                   "\n[[material.relaxation]]\ntime_ms = 1400.0\nfraction = 0.2\n");
+  const ProgramRun run = fit({"--parameters", "youngs_modulus_kPa"});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  const auto relaxation = [&](const std::string& file) {
+    const ProgramRun shown = run_program({"finger", "show", file, "--json"});
+    EXPECT_EQ(shown.status, 0) << shown.errors;
+    return json::parse(shown.output)["material"]["relaxation"];
+  };
+  EXPECT_EQ(relaxation(finger()).size(), 2u);
+  EXPECT_EQ(relaxation(place_.path("fitted.toml")), relaxation(finger()));
+}
+
 TEST_F(FingerFitCommand, ScalesEveryLayer) {
   // The mesh has one volume; its own table is a layer like any other.
   const json shown = json::parse(run_program({"finger", "show", finger(), "--json"}).output);

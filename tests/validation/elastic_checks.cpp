@@ -19,8 +19,8 @@ ElasticModel solid(const TetrahedralMesh& mesh, double poissons_ratio, const Str
   const ElasticMaterial material{kModulus, poissons_ratio, 1000.0};
   const std::vector<int> element_material(mesh.tetrahedra.size(), 0);
   const std::vector<bool> tied(mesh.nodes.size(), false);
-  return {mesh,  {&material, 1},       element_material,        tied,
-          limit, Dilatation::kElement, active_instruction_set()};
+  return {mesh, {&material, 1},          element_material, tied, limit, Dilatation::kElement,
+          {},   active_instruction_set()};
 }
 
 /// Equilibrium of some nodes under given forces, from gradients alone: Newton's method whose linear

@@ -40,6 +40,11 @@ std::string relative_path(const std::filesystem::path& from_file, const std::str
   return (relative.empty() ? mesh : relative).generic_string();
 }
 
+/// An array of tables, [[name]].
+bool is_tables(const Json& value) {
+  return value.is_array() && !value.empty() && value.front().is_object();
+}
+
 class Writer {
  public:
   explicit Writer(const std::map<std::string, std::string>& remarks) : remarks_(remarks) {}
@@ -47,16 +52,18 @@ class Writer {
   void table(const Json& table, const std::string& path, const std::string& header) {
     if (!path.empty()) text_ += fmt::format("\n[{}]\n", header);
     for (const auto& [key, value] : table.items()) {
-      if (value.is_object()) continue;
+      if (value.is_object() || is_tables(value)) continue;
       text_ += fmt::format("{} = {}", key_text(key), value.dump());
       const auto remark = remarks_.find(path.empty() ? key : path + "." + key);
       if (remark != remarks_.end()) text_ += "  # " + remark->second;
       text_ += '\n';
     }
     for (const auto& [key, value] : table.items()) {
-      if (!value.is_object()) continue;
-      this->table(value, path.empty() ? key : path + "." + key,
-                  header.empty() ? key_text(key) : header + "." + key_text(key));
+      const std::string inner_path = path.empty() ? key : path + "." + key;
+      const std::string inner = header.empty() ? key_text(key) : header + "." + key_text(key);
+      if (value.is_object()) this->table(value, inner_path, inner);
+      if (!is_tables(value)) continue;
+      for (const Json& element : value) this->table(element, inner_path, "[" + inner + "]");
     }
   }
   [[nodiscard]] const std::string& text() const { return text_; }
