@@ -181,8 +181,11 @@ TEST(SceneFile, NamesLineAndKeyOfFingerErrors) {
 }
 
 TEST(SceneFile, NamesLineAndKeyOfObjectErrors) {
+  EXPECT_THAT(
+      error_of(with_object("shape = \"prism\"\n")),
+      AllOf(HasSubstr(":8: object[0].shape"), HasSubstr("plane, sphere, box, cylinder, mesh")));
   EXPECT_THAT(error_of(with_object("shape = \"mesh\"\nfile = \"a.stl\"\n")),
-              AllOf(HasSubstr(":8: object[0].shape"), HasSubstr("plane, sphere, box, cylinder")));
+              AllOf(HasSubstr("object[0].unit"), HasSubstr("one of mm, cm, m, inch")));
   EXPECT_THAT(error_of(with_object("radius_mm = 2\n")), HasSubstr("shape"));
   EXPECT_THAT(error_of(with_object("shape = \"sphere\"\nradius_mm = -2\n")),
               HasSubstr(":9: object[0].radius_mm"));
