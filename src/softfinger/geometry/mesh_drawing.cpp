@@ -31,7 +31,7 @@ TriangleMesh clustered(const TriangleMesh& mesh, const Vector3& origin, double c
   for (std::array<int, 3> t : mesh.triangles) {
     for (int& vertex : t) vertex = number[static_cast<std::size_t>(vertex)];
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    std::ranges::rotate(t, std::ranges::min_element(t));
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
     result.triangles.push_back(t);
   }
   std::ranges::sort(result.triangles);

@@ -104,30 +104,33 @@ void bound(int resource, rlim_t limit) {
 }
 
 TriangleMesh receive(int pipe, MeshFormat format) {
-  const MeshRefusal broken{fmt::format("is broken: reading it as {} failed", name_of(format))};
+  const auto broken = [&] {
+    return MeshRefusal{fmt::format("is broken: reading it as {} failed", name_of(format))};
+  };
   Header header{};
-  if (!read_all(pipe, &header, sizeof header)) throw broken;
+  if (!read_all(pipe, &header, sizeof header)) throw broken();
   TriangleMesh mesh;
   switch (header.outcome) {
     case Outcome::kMesh:
-      if (header.positions > 3 * kMostTriangles || header.triangles > kMostTriangles) throw broken;
+      if (header.positions > 3 * kMostTriangles || header.triangles > kMostTriangles)
+        throw broken();
       mesh.positions.resize(header.positions);
       mesh.triangles.resize(header.triangles);
       if (!read_all(pipe, mesh.positions.data(), mesh.positions.size() * sizeof(Vector3)) ||
           !read_all(pipe, mesh.triangles.data(),
                     mesh.triangles.size() * sizeof(mesh.triangles[0]))) {
-        throw broken;
+        throw broken();
       }
       return mesh;
     case Outcome::kRefused: {
       std::string message(std::min<std::uint64_t>(header.positions, 1000), ' ');
-      if (!read_all(pipe, message.data(), message.size())) throw broken;
+      if (!read_all(pipe, message.data(), message.size())) throw broken();
       throw MeshRefusal{message};
     }
     case Outcome::kOutOfMemory:
       throw MeshRefusal{fmt::format("needs more than {} GB to be read", kMostMemory >> 30)};
   }
-  throw broken;
+  throw broken();
 }
 
 }  // namespace
