@@ -26,6 +26,7 @@ void run(ReplayFlags flags) {
                                             : flags.simd);
   if (flags.scene) flags.options.scene = *flags.scene;
   ProgressBar bar;
+  flags.options.load_observer = load_observer(bar);
   const ReplayResult result =
       replay(flags.options, [&bar](double fraction) { bar.show(fraction); });
   bar.clear();

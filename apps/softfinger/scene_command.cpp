@@ -52,7 +52,7 @@ Json describe(const MeshShape& mesh) {
           {"file", mesh->source().lexically_normal().string()},
           {"triangles", content.triangle_count},
           {"size_mm", {in_mm(size.x()), in_mm(size.y()), in_mm(size.z())}},
-          {"edge_rounding_mm", in_mm(content.levels.front().spacing)},
+          {"grid_spacing_mm", in_mm(content.levels.front().spacing)},
           {"grid_memory_MB", mesh->memory() >> 20}};
 }
 

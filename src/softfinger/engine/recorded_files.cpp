@@ -8,6 +8,7 @@
 #include <string>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/geometry/mesh_file.hpp"
 
 namespace softfinger {
 
@@ -35,10 +36,29 @@ RecordedFiles::RecordedFiles(const RecordingInfo& info, const fs::path& recordin
       stream.close();
       if (!stream) throw OperationError(fmt::format("{}: cannot be written", copy.string()));
     }
+    for (const RecordingInfo::Mesh& mesh : info.meshes) link_mesh(mesh, recording);
   } catch (...) {
     fs::remove_all(directory_, error);
     throw;
   }
+}
+
+void RecordedFiles::link_mesh(const RecordingInfo::Mesh& mesh, const fs::path& recording) const {
+  if (!mesh.path.is_absolute() || mesh.path != mesh.path.lexically_normal()) {
+    throw InputError(
+        fmt::format("{}: is damaged: it names a mesh {}", recording.string(), mesh.path.string()));
+  }
+  if (read_mesh_source(mesh.path).hash != mesh.hash) {
+    throw InputError(
+        fmt::format("{}: was recorded with another content of {}; put that back, or "
+                    "give --scene",
+                    recording.string(), mesh.path.string()));
+  }
+  const fs::path link = copy_of(mesh.path);
+  std::error_code error;
+  fs::create_directories(link.parent_path(), error);
+  fs::create_symlink(mesh.path, link, error);
+  if (error) throw OperationError(fmt::format("{}: cannot be written", link.string()));
 }
 
 RecordedFiles::~RecordedFiles() {

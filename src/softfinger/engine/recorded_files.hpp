@@ -21,6 +21,8 @@ class RecordedFiles {
   [[nodiscard]] RunOptions run_options() const;
 
  private:
+  /// A mesh stays where it is, if it is still the same.
+  void link_mesh(const RecordingInfo::Mesh& mesh, const std::filesystem::path& recording) const;
   [[nodiscard]] std::filesystem::path copy_of(const std::filesystem::path& file) const;
 
   const RecordingInfo& info_;

@@ -17,6 +17,12 @@ struct RecordingInfo {
     std::filesystem::path path;  ///< absolute
     std::string content;
   };
+  /// A mesh that objects of the scene were made of: too large to carry, so a replay needs it where
+  /// it was, unchanged.
+  struct Mesh {
+    std::filesystem::path path;  ///< absolute
+    std::uint64_t hash = 0;      ///< of its content, see MeshSource
+  };
   struct Finger {
     std::string name;
     std::filesystem::path model;                   ///< absolute
@@ -35,6 +41,7 @@ struct RecordingInfo {
   bool with_state = false;       ///< nodes and samples of every step
   std::vector<Finger> fingers;
   std::vector<File> files;
+  std::vector<Mesh> meshes;
 };
 
 }  // namespace softfinger

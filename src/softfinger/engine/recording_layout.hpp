@@ -36,6 +36,9 @@ create table states(step integer not null, finger integer not null, nodes blob n
   samples blob not null, primary key(step, finger)) without rowid;
 )sql";
 
+/// Keys of `meta` that name a mesh file after it; the value is its content's hash in hexadecimal.
+inline const std::string kMeshKey = "mesh:";
+
 inline constexpr int kStepColumns = 39;
 inline constexpr int kTickColumns = 15;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -63,6 +64,14 @@ DeviceState state_of(std::string_view name) {
   throw SqliteFailure{true};
 }
 
+std::uint64_t hash_of(const std::string& hexadecimal) {
+  std::uint64_t hash = 0;
+  const char* end = hexadecimal.data() + hexadecimal.size();
+  const auto [stopped, error] = std::from_chars(hexadecimal.data(), end, hash, 16);
+  if (error != std::errc() || stopped != end) throw SqliteFailure{true};
+  return hash;
+}
+
 }  // namespace
 
 struct RecordingReader::Database {
@@ -99,6 +108,10 @@ struct RecordingReader::Database {
       if (key == "simulation_rate_Hz") info.simulation_rate = meta.number(1);
       if (key == "live") info.live = meta.integer(1) != 0;
       if (key == "with_state") info.with_state = meta.integer(1) != 0;
+      if (key.starts_with(recording_layout::kMeshKey)) {
+        info.meshes.push_back(
+            {key.substr(recording_layout::kMeshKey.size()), hash_of(meta.text(1))});
+      }
     }
     if (!(info.simulation_rate > 0.0)) throw SqliteFailure{true};
     SqliteStatement fingers(connection, "select * from fingers order by finger");

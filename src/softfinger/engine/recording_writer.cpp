@@ -106,6 +106,9 @@ struct RecordingWriter::Database {
       insert_file.bind_blob(1, file.content.data(), file.content.size());
       insert_file.run();
     }
+    for (const RecordingInfo::Mesh& mesh : info.meshes) {
+      meta(recording_layout::kMeshKey + mesh.path.string(), fmt::format("{:016x}", mesh.hash));
+    }
     SqliteStatement insert_finger(connection, recording_layout::insert_into("fingers", 8));
     for (std::size_t i = 0; i < info.fingers.size(); ++i) {
       const RecordingInfo::Finger& finger = info.fingers[i];

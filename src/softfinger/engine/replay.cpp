@@ -107,6 +107,7 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
     files = std::make_unique<RecordedFiles>(info, options.recording);
     run = files->run_options();
   }
+  run.load_observer = options.load_observer;
   const std::shared_ptr<const RunSetup> setup = load_setup(run);
   if (setup->scene.fingers.size() != info.fingers.size()) {
     throw InputError(fmt::format("{}: has {} fingers, the recording {} has {}",

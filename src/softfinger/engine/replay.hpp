@@ -7,12 +7,15 @@
 #include <optional>
 #include <string>
 
+#include "softfinger/geometry/mesh_shape.hpp"
+
 namespace softfinger {
 
 struct ReplayOptions {
   std::filesystem::path recording;
   /// Run this scene with the recorded input; empty: the scene, fingers and devices as recorded.
   std::optional<std::filesystem::path> scene;
+  LoadObserver load_observer;
 };
 
 struct ReplayResult {

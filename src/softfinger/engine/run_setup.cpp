@@ -9,6 +9,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/geometry/signed_distance_grid.hpp"
 
 namespace softfinger {
 namespace {
@@ -106,6 +107,11 @@ RecordingInfo recording_info(const RunSetup& setup) {
       add_file(*scene_finger.device);
     }
     info.fingers.push_back(std::move(finger));
+  }
+  for (const VirtualObject& object : setup.scene.objects) {
+    if (const auto* mesh = std::get_if<MeshShape>(&object.shape)) {
+      info.meshes.push_back({absolute_path((*mesh)->source()), (*mesh)->source_hash()});
+    }
   }
   return info;
 }
