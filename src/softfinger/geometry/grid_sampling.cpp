@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "softfinger/base/error.hpp"
@@ -28,6 +29,9 @@ constexpr int kProbe = 2;
 /// Spacings from the surface beyond which a sample may come from the next level: none that matters
 /// within the band is that far.
 constexpr double kExact = 5.0;
+
+/// Spacings by which the distance of the next level may be off without a second search.
+constexpr double kSlack = 0.02;
 
 /// Samples one level; those coarser than it are complete.
 class LevelSampler {
@@ -94,14 +98,16 @@ class LevelSampler {
   /// Distance at grid point `at` of this level; exact where it matters.
   [[nodiscard]] float distance(const Place& at, int& near) const {
     const Vector3 p = level_.spacing * vector(at);
-    if (l_ + 1 < content_.levels.size()) {
-      const Eigen::AlignedBox3d inside(Vector3::Zero(), content_.domain.sizes());
-      if (inside.contains(p)) {
-        const double rough = coarser(p);
-        if (std::abs(rough) > kExact * level_.spacing) return static_cast<float>(rough);
-      }
+    const Vector3 p_O = content_.domain.min() + p;
+    TriangleTree::Closest closest{.distance = std::numeric_limits<double>::infinity()};
+    if (l_ + 1 < content_.levels.size() &&
+        Eigen::AlignedBox3d(Vector3::Zero(), content_.domain.sizes()).contains(p)) {
+      const double rough = coarser(p);
+      if (std::abs(rough) > kExact * level_.spacing) return static_cast<float>(rough);
+      // Right nearly everywhere, and the narrower the search the shorter.
+      closest = tree_.closest(p_O, near, std::abs(rough) + kSlack * level_.spacing);
     }
-    const TriangleTree::Closest closest = tree_.closest(content_.domain.min() + p, near);
+    if (!std::isfinite(closest.distance)) closest = tree_.closest(p_O, near);
     near = closest.triangle;
     return static_cast<float>(closest.distance);
   }

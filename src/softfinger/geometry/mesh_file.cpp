@@ -82,11 +82,13 @@ MeshSource read_mesh_source(const fs::path& file) {
     check_announced_sizes(source.format, content);
     add(content);
     if (source.format == MeshFormat::kGltf) {
+      std::error_code error;
+      const fs::path real = fs::canonical(file, error);  // buffers lie beside it, not beside a link
       for (const std::string& buffer : buffer_files(content)) {
         const auto [entry, is_new] = source.files.try_emplace(buffer);
         if (!is_new) continue;
         entry->second =
-            read_text_file(file.parent_path() / percent_decoded(buffer), kMostMeshBytes);
+            read_text_file(real.parent_path() / percent_decoded(buffer), kMostMeshBytes);
         add(entry->second);
       }
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <assimp/BaseImporter.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/IOStream.hpp>
@@ -10,7 +11,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <memory>
+#include <set>
 #include <vector>
 
 namespace softfinger {
@@ -21,7 +22,7 @@ class MemoryStream : public Assimp::IOStream {
   explicit MemoryStream(const std::string& content) : content_(content) {}
 
   size_t Read(void* out, size_t size,
-              size_t count) override {  // NOLINT(readability-identifier-naming)
+              size_t count) override {  // NOLINT
     if (size == 0) return 0;
     count = std::min(count, (content_.size() - at_) / size);
     std::memcpy(out, content_.data() + at_, size * count);
@@ -85,14 +86,14 @@ const char* extension_of(MeshFormat format) {
   return "";
 }
 
-/// Leaves the one importer that may look at the file.
-void keep_importer(Assimp::Importer& importer, MeshFormat format) {
+/// Leaves the importers of the format; glTF has two, for versions 1 and 2.
+void keep_importers(Assimp::Importer& importer, MeshFormat format) {
   const std::string wanted = extension_of(format);
-  Assimp::BaseImporter* keep =
-      importer.GetImporter(importer.GetImporterIndex(("." + wanted).c_str()));
   std::vector<Assimp::BaseImporter*> others;
   for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
-    if (importer.GetImporter(i) != keep) others.push_back(importer.GetImporter(i));
+    std::set<std::string> extensions;
+    importer.GetImporter(i)->GetExtensionList(extensions);
+    if (!extensions.contains(wanted)) others.push_back(importer.GetImporter(i));
   }
   for (Assimp::BaseImporter* other : others) importer.UnregisterLoader(other);
 }
@@ -159,7 +160,7 @@ TriangleMesh import_mesh(MeshFormat format, const std::string& name, const MeshF
   TriangleMesh mesh;
   Assimp::Importer importer;
   importer.SetIOHandler(new MemoryFiles(files));  // the importer deletes it
-  keep_importer(importer, format);
+  keep_importers(importer, format);
   const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw MeshRefusal{fmt::format("cannot be read as {}", name_of(format))};

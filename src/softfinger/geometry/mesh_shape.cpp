@@ -17,6 +17,9 @@ namespace {
 
 /// Of the domain beyond the mesh.
 constexpr double kMargin = 6.0 * mm;
+/// Of the grid's spacing: with two, edges of up to 140 degrees are rounded by less than an arc of
+/// that radius would.
+constexpr double kSpacingsPerRounding = 2.0;
 constexpr std::size_t kMostDrawn = 60'000;
 
 /// The stretch [begin, end] of the whole work.
@@ -43,7 +46,8 @@ std::shared_ptr<const SignedDistanceGrid> load_mesh_shape(const std::filesystem:
                                                           const MeshShapeOptions& options,
                                                           const LoadObserver& observer) {
   const MeshSource source = read_mesh_source(file);
-  const GridKey key{source.hash, options.unit, options.edge_rounding, kMargin};
+  const GridKey key{source.hash, options.unit, options.edge_rounding / kSpacingsPerRounding,
+                    kMargin};
   const std::filesystem::path cache = grid_cache_file(file, key);
   if (options.use_cache) {
     if (auto kept = read_grid_cache(cache, key)) {

@@ -23,7 +23,8 @@ double volume(const Vector3& a, const Vector3& b, const Vector3& c, const Vector
   return (b - a).cross(c - a).dot(d - a);
 }
 
-/// Whether the segment p q passes through the inside of the triangle.
+/// Whether the segment p q passes from one side of the triangle to the other; through its border
+/// counts, as where a mesh meets its mirror image.
 bool passes_through(const Corners& t, const Vector3& p, const Vector3& q, double rounding) {
   const double before = volume(t[0], t[1], t[2], p);
   const double after = volume(t[0], t[1], t[2], q);
@@ -32,8 +33,8 @@ bool passes_through(const Corners& t, const Vector3& p, const Vector3& q, double
   const double u = volume(p, q, t[0], t[1]);
   const double v = volume(p, q, t[1], t[2]);
   const double w = volume(p, q, t[2], t[0]);
-  return (u > rounding && v > rounding && w > rounding) ||
-         (u < -rounding && v < -rounding && w < -rounding);
+  return (u >= -rounding && v >= -rounding && w >= -rounding) ||
+         (u <= rounding && v <= rounding && w <= rounding);
 }
 
 /// Middle of a side of one that passes through the other.

@@ -73,15 +73,16 @@ Vector3 TriangleTree::pseudo_normal(const Candidate& candidate) const {
   return face_normals_[t];
 }
 
-TriangleTree::Closest TriangleTree::closest(const Vector3& p, int near) const {
+TriangleTree::Closest TriangleTree::closest(const Vector3& p, int near, double within) const {
   Candidate best{.point = p,
-                 .squared_distance = std::numeric_limits<double>::infinity(),
-                 .triangle = 0,
+                 .squared_distance = within * within,
+                 .triangle = -1,
                  .feature = Feature::kFace,
                  .k = 0};
   if (near >= 0) {
-    best = closest_on(
+    const Candidate candidate = closest_on(
         {surface_->corner(near, 0), surface_->corner(near, 1), surface_->corner(near, 2), near}, p);
+    if (candidate.squared_distance < best.squared_distance) best = candidate;
   }
   struct Waiting {
     std::int32_t node;
@@ -115,6 +116,7 @@ TriangleTree::Closest TriangleTree::closest(const Vector3& p, int near) const {
     index = stack[waiting].node;
     squared_distance = stack[waiting].squared_distance;
   }
+  if (best.triangle < 0) return {p, std::numeric_limits<double>::infinity(), -1};
   const double distance = std::sqrt(best.squared_distance);
   const bool inside = pseudo_normal(best).dot(p - best.point) < 0.0;
   return {best.point, inside ? -distance : distance, best.triangle};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "softfinger/geometry/closed_surface.hpp"
@@ -20,8 +21,11 @@ class TriangleTree {
   };
   /// Exact; the sign is that of the angle-weighted pseudo-normal of the face, edge or vertex
   /// nearest to p (Baerentzen and Aanaes, "Signed distance computation using the angle weighted
-  /// pseudonormal", IEEE TVCG 2005). `near`: a triangle that may be close, which saves time.
-  [[nodiscard]] Closest closest(const Vector3& p, int near = -1) const;
+  /// pseudonormal", IEEE TVCG 2005). Two hints save time: `near`, a triangle that may be close, and
+  /// `within` (m), beyond which nothing is searched; the distance is infinite where nothing is
+  /// found.
+  [[nodiscard]] Closest closest(const Vector3& p, int near = -1,
+                                double within = std::numeric_limits<double>::infinity()) const;
 
   /// How often the rest of the surface, without one of its parts, winds around p: 0 outside, 1
   /// inside.
