@@ -5,12 +5,29 @@
 #include <limits>
 
 namespace softfinger {
+namespace {
+
+/// Greatest slope of an interpolated distance; the true one has 1.
+constexpr double kSteepest = 1.5;
+
+/// An interpolated distance has no gradient of unit length near its edges. Where it has none at all
+/// any direction is as good.
+Vector3 unit(const Vector3& gradient) {
+  const double length = gradient.norm();
+  return length > 0.0 ? Vector3(gradient / length) : Vector3::UnitZ();
+}
+
+}  // namespace
 
 ContactPotential::ContactPotential(std::vector<double> rest_areas, std::size_t obstacle_count,
                                    Options options)
     : rest_areas_(std::move(rest_areas)), obstacle_count_(obstacle_count), options_(options) {
   pairs_.resize(rest_areas_.size() * obstacle_count_);
+  sightings_.resize(pairs_.size());
+  X_OW_.resize(obstacle_count_);
 }
+
+void ContactPotential::forget() { std::fill(sightings_.begin(), sightings_.end(), Sighting{}); }
 
 std::vector<FrictionAnchor> ContactPotential::no_anchors() const {
   return std::vector<FrictionAnchor>(pairs_.size());
@@ -20,6 +37,7 @@ void ContactPotential::begin(std::span<const Obstacle> obstacles,
                              std::span<const FrictionAnchor> anchors) {
   obstacles_ = obstacles;
   anchors_ = anchors;
+  for (std::size_t o = 0; o < obstacle_count_; ++o) X_OW_[o] = obstacles[o].X_WO.inverse();
 }
 
 double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
@@ -44,16 +62,22 @@ double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
 double ContactPotential::evaluate(std::size_t i, std::size_t o, const Vector3& position,
                                   Pair& pair) const {
   const Obstacle& obstacle = obstacles_[o];
-  const SignedDistance d = signed_distance(*obstacle.shape, obstacle.X_WO.inverse() * position);
-  pair.gap = d.distance;
-  pair.normal = obstacle.X_WO.rotation * d.gradient;
-  pair.normal_force = 0.0;
+  const Sighting& sighting = sightings_[i * obstacle_count_ + o];
+  pair.position_O = X_OW_[o] * position;
+  pair.gap = sighting.gap - kSteepest * (pair.position_O - sighting.position_O).norm();
+  pair.far = pair.gap > 0.0;
+  pair.pressing = 0.0;
   pair.friction_force.setZero();
   double energy = 0.0;
-  if (d.distance < 0.0) {
-    pair.curvature = obstacle.X_WO.rotation * d.hessian * obstacle.X_WO.rotation.transpose();
-    pair.normal_force = -normal_stiffness(i) * d.distance;
-    energy += 0.5 * pair.normal_force * -d.distance;
+  if (!pair.far) {
+    const SignedDistance d = signed_distance(*obstacle.shape, pair.position_O);
+    pair.gap = d.distance;
+    pair.gradient = obstacle.X_WO.rotation * d.gradient;
+    if (d.distance < 0.0) {
+      pair.curvature = obstacle.X_WO.rotation * d.hessian * obstacle.X_WO.rotation.transpose();
+      pair.pressing = -normal_stiffness(i) * d.distance;
+      energy += 0.5 * pair.pressing * -d.distance;
+    }
   }
   const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
   pair.friction_limit = anchor.limit;
@@ -69,7 +93,8 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       Pair& pair = pairs_[i * obstacle_count_ + o];
       energy += evaluate(i, o, positions[i], pair);
-      const Vector3 force = pair.normal_force * pair.normal + pair.friction_force;
+      if (!pair.far) sightings_[i * obstacle_count_ + o] = {pair.position_O, pair.gap};
+      const Vector3 force = pair.pressing * pair.gradient + pair.friction_force;
       gradient[i] -= force;
       force_squared += force.squaredNorm();
     }
@@ -83,8 +108,8 @@ bool ContactPotential::add_hessian(std::size_t i, std::size_t o, const Pair& pai
   bool any = false;
   if (pair.gap < 0.0) {
     any = true;
-    block += normal_stiffness(i) * pair.normal * pair.normal.transpose();
-    if (with_curvature) block -= pair.normal_force * pair.curvature;
+    block += normal_stiffness(i) * pair.gradient * pair.gradient.transpose();
+    if (with_curvature) block -= pair.pressing * pair.curvature;
   }
   const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
   if (anchor.limit > 0.0) {
@@ -115,7 +140,7 @@ ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector
   Pair pair;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     evaluate(i, o, position, pair);
-    response.gradient -= pair.normal_force * pair.normal + pair.friction_force;
+    response.gradient -= pair.pressing * pair.gradient + pair.friction_force;
     add_hessian(i, o, pair, true, response.hessian);
   }
   return response;
@@ -137,20 +162,21 @@ double ContactPotential::update_anchors(std::span<const Vector3> positions,
       const Obstacle& obstacle = obstacles_[o];
       const Pair& pair = pairs_[i * obstacle_count_ + o];
       FrictionAnchor& anchor = anchors[i * obstacle_count_ + o];
-      const double limit = obstacle.friction_coefficient * pair.normal_force;
+      const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       change = std::max(change, std::abs(limit - anchor.limit));
       if (limit > 0.0) {
+        const Vector3 normal = unit(pair.gradient);
         // What is left of the displacement after sliding; none where contact is new.
         Vector3 u = Vector3::Zero();
         if (anchor.limit > 0.0) {
           u = positions[i] - obstacle.X_WO * anchor.anchor_O;
-          u -= pair.normal * pair.normal.dot(u);
+          u -= normal * normal.dot(u);
           const double longest = std::min(limit, anchor.limit) / tangential_stiffness(i);
           const double length = u.norm();
           if (length > longest) u *= longest / length;
         }
         anchor.anchor_O = obstacle.X_WO.inverse() * Vector3(positions[i] - u);
-        anchor.normal_O = obstacle.X_WO.rotation.transpose() * pair.normal;
+        anchor.normal_O = obstacle.X_WO.rotation.transpose() * normal;
       }
       anchor.limit = limit;
     }
@@ -166,11 +192,11 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
       const Pair& pair = pairs_[i * obstacle_count_ + o];
       FrictionAnchor& anchor = anchors[i * obstacle_count_ + o];
       if (anchor.limit <= 0.0) continue;  // it touches for the first time: no history to slide from
-      const double limit = obstacle.friction_coefficient * pair.normal_force;
+      const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       change = std::max(change, std::abs(limit - anchor.limit));
       if (limit <= 0.0) continue;
       anchor.limit = limit;
-      anchor.normal_O = obstacle.X_WO.rotation.transpose() * pair.normal;
+      anchor.normal_O = obstacle.X_WO.rotation.transpose() * unit(pair.gradient);
     }
   }
   return change;
@@ -187,15 +213,20 @@ void ContactPotential::report(std::size_t i, ContactSample& sample) const {
   Vector3 normal_sum = Vector3::Zero();
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     const Pair& pair = pairs_[i * obstacle_count_ + o];
-    normal_sum += pair.normal_force * pair.normal;
+    normal_sum += pair.pressing * pair.gradient;
     sample.tangential_force_F += pair.friction_force;
     sample.friction_limit += pair.friction_limit;
     sample.slides = sample.slides || (pair.friction_limit > 0.0 && pair.slides);
-    if (pair.gap < sample.gap) {
-      sample.gap = pair.gap;
-      sample.object = static_cast<int>(o);
-      sample.normal_F = pair.normal;
+    if (pair.gap >= sample.gap) continue;
+    SignedDistance d{.distance = pair.gap, .gradient = pair.gradient};
+    if (pair.far) {
+      d = signed_distance(*obstacles_[o].shape, pair.position_O);
+      d.gradient = obstacles_[o].X_WO.rotation * d.gradient;
+      if (d.distance >= sample.gap) continue;
     }
+    sample.gap = d.distance;
+    sample.object = static_cast<int>(o);
+    sample.normal_F = unit(d.gradient);
   }
   sample.normal_force = normal_sum.norm();
 }

@@ -59,8 +59,11 @@ class ContactPotential {
     Matrix3 hessian = Matrix3::Zero();
   };
   [[nodiscard]] Response respond(std::size_t i, const Vector3& position) const;
-  /// Least gap of sample i at the positions last evaluated, m.
+  /// Lower bound of the least gap of sample i at the positions last evaluated, m; exact where it
+  /// touches.
   [[nodiscard]] double gap(std::size_t i) const;
+  /// Forgets where gaps were looked up: the obstacles have other shapes from now on.
+  void forget();
   /// Norm of all contact forces last evaluated, N.
   [[nodiscard]] double force_norm() const { return force_norm_; }
 
@@ -79,16 +82,23 @@ class ContactPotential {
 
  private:
   struct Pair {
-    double gap = 0.0;
-    Vector3 normal = Vector3::UnitZ();
-    Matrix3 curvature = Matrix3::Zero();
-    double normal_force = 0.0;
-    double friction_limit = 0.0;               ///< N, the anchor's
+    double gap = 0.0;  ///< where `far`, only a lower bound
+    Vector3 position_O = Vector3::Zero();
+    bool far = false;                     ///< cannot touch: neither gap nor gradient were looked up
+    Vector3 gradient = Vector3::UnitZ();  ///< of the gap
+    Matrix3 curvature = Matrix3::Zero();  ///< its Hessian, 1/m
+    double pressing = 0.0;                ///< k times depth, N: the force over |gradient|
+    double friction_limit = 0.0;          ///< N, the anchor's
     Vector3 friction_force = Vector3::Zero();  ///< on the skin
     Vector3 friction_normal = Vector3::UnitZ();
     double slip = 0.0;  ///< |u|, m
     Vector3 slip_direction = Vector3::Zero();
     bool slides = false;  ///< meaningless without a friction limit
+  };
+  /// A gap once looked up: no sample touches before it has come that far from there.
+  struct Sighting {
+    Vector3 position_O = Vector3::Zero();
+    double gap = 0.0;
   };
   [[nodiscard]] double normal_stiffness(std::size_t i) const {
     return options_.stiffness_per_area * rest_areas_[i];
@@ -108,7 +118,9 @@ class ContactPotential {
   Options options_;
   std::span<const Obstacle> obstacles_;
   std::span<const FrictionAnchor> anchors_;
+  std::vector<Pose> X_OW_;
   std::vector<Pair> pairs_;
+  std::vector<Sighting> sightings_;
   double force_norm_ = 0.0;
 };
 

@@ -64,6 +64,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
 void FingerPotential::forget() {
   has_factor_ = false;
   elastic_.reset(work_);
+  contact_.forget();
   cache_is_current_ = false;
 }
 
