@@ -43,6 +43,9 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
   constexpr double kEnergySlack = 1e-13;
   constexpr double kEnergyRounding = 1e-12;
   constexpr int kMaxHalvings = 24;
+  constexpr double kConcave = 0.75;  // of the slope; a quadratic's minimum has 1/2
+  constexpr double kStretch = 4.0;
+  constexpr double kLongestStep = 256.0;
 
   NewtonSummary summary;
   bool reuse = problem.has_factor();
@@ -80,6 +83,19 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
         accepted = true;
         break;
       }
+    }
+    // A decrease as steep as the slope all the way: the energy is concave along the direction, near
+    // a saddle that unit steps would leave slowly.
+    if (accepted && kind != HessianKind::kFull && t == 1.0 && !reuse) {
+      double lowest = problem.trial_energy();
+      double longest = t;
+      while (longest < kLongestStep && lowest - energy < kConcave * longest * slope) {
+        problem.evaluate_trial(kStretch * longest);
+        if (!(problem.trial_energy() < lowest)) break;
+        lowest = problem.trial_energy();
+        longest *= kStretch;
+      }
+      if (problem.trial_energy() != lowest) problem.evaluate_trial(longest);
     }
     if (accepted) {
       problem.accept_trial();
