@@ -19,9 +19,13 @@ Vector3 unit(const Vector3& gradient) {
 
 }  // namespace
 
-ContactPotential::ContactPotential(std::vector<double> rest_areas, std::size_t obstacle_count,
-                                   Options options)
-    : rest_areas_(std::move(rest_areas)), obstacle_count_(obstacle_count), options_(options) {
+ContactPotential::ContactPotential(std::vector<double> rest_areas, std::size_t samples,
+                                   std::size_t obstacle_count, Options options)
+    : rest_areas_(std::move(rest_areas)),
+      samples_(samples),
+      obstacle_count_(obstacle_count),
+      options_(options) {
+  planes_.reserve(rest_areas_.size() - samples_);
   pairs_.resize(rest_areas_.size() * obstacle_count_);
   sightings_.resize(pairs_.size());
   X_OW_.resize(obstacle_count_);
@@ -37,6 +41,7 @@ void ContactPotential::begin(std::span<const Obstacle> obstacles,
                              std::span<const FrictionAnchor> anchors) {
   obstacles_ = obstacles;
   anchors_ = anchors;
+  planes_.clear();
   for (std::size_t o = 0; o < obstacle_count_; ++o) X_OW_[o] = obstacles[o].X_WO.inverse();
 }
 
@@ -59,25 +64,40 @@ double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
   return anchor.limit * (pair.slip - 0.5 * anchor.limit / stiffness);
 }
 
+bool ContactPotential::meet(std::size_t i, std::size_t o, const Vector3& position,
+                            Pair& pair) const {
+  const Obstacle& obstacle = obstacles_[o];
+  pair.position_O = X_OW_[o] * position;
+  if (i >= samples_) {
+    const ContactPlane& plane = planes_[i - samples_];
+    pair.gap = std::numeric_limits<double>::infinity();
+    if (plane.obstacle != static_cast<int>(o)) return false;
+    pair.gap = plane.normal.dot(position) + plane.offset;
+    pair.gradient = plane.normal;
+    pair.curvature.setZero();
+    return true;
+  }
+  pair.gap = gap_bound(i, o, pair.position_O);
+  if (pair.gap > 0.0) return false;
+  const SignedDistance d = signed_distance(*obstacle.shape, pair.position_O);
+  pair.gap = d.distance;
+  pair.gradient = obstacle.X_WO.rotation * d.gradient;
+  if (d.distance < 0.0) {
+    pair.curvature = obstacle.X_WO.rotation * d.hessian * obstacle.X_WO.rotation.transpose();
+  }
+  return true;
+}
+
 double ContactPotential::evaluate(std::size_t i, std::size_t o, const Vector3& position,
                                   Pair& pair) const {
   const Obstacle& obstacle = obstacles_[o];
-  const Sighting& sighting = sightings_[i * obstacle_count_ + o];
-  pair.position_O = X_OW_[o] * position;
-  pair.gap = sighting.gap - kSteepest * (pair.position_O - sighting.position_O).norm();
-  pair.far = pair.gap > 0.0;
+  pair.far = !meet(i, o, position, pair);
   pair.pressing = 0.0;
   pair.friction_force.setZero();
   double energy = 0.0;
-  if (!pair.far) {
-    const SignedDistance d = signed_distance(*obstacle.shape, pair.position_O);
-    pair.gap = d.distance;
-    pair.gradient = obstacle.X_WO.rotation * d.gradient;
-    if (d.distance < 0.0) {
-      pair.curvature = obstacle.X_WO.rotation * d.hessian * obstacle.X_WO.rotation.transpose();
-      pair.pressing = -normal_stiffness(i) * d.distance;
-      energy += 0.5 * pair.pressing * -d.distance;
-    }
+  if (pair.gap < 0.0) {
+    pair.pressing = -normal_stiffness(i) * pair.gap;
+    energy += 0.5 * pair.pressing * -pair.gap;
   }
   const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
   pair.friction_limit = anchor.limit;
@@ -89,7 +109,8 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
                                          std::span<Vector3> gradient) {
   double energy = 0.0;
   double force_squared = 0.0;
-  for (std::size_t i = 0; i < rest_areas_.size(); ++i) {
+  points_ = positions.size();
+  for (std::size_t i = 0; i < points_; ++i) {
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       Pair& pair = pairs_[i * obstacle_count_ + o];
       energy += evaluate(i, o, positions[i], pair);
@@ -154,10 +175,15 @@ double ContactPotential::gap(std::size_t i) const {
   return least;
 }
 
+double ContactPotential::gap_bound(std::size_t i, std::size_t o, const Vector3& position_O) const {
+  const Sighting& sighting = sightings_[i * obstacle_count_ + o];
+  return sighting.gap - kSteepest * (position_O - sighting.position_O).norm();
+}
+
 double ContactPotential::update_anchors(std::span<const Vector3> positions,
                                         std::span<FrictionAnchor> anchors) const {
   double change = 0.0;
-  for (std::size_t i = 0; i < rest_areas_.size(); ++i) {
+  for (std::size_t i = 0; i < points_; ++i) {
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       const Obstacle& obstacle = obstacles_[o];
       const Pair& pair = pairs_[i * obstacle_count_ + o];
@@ -186,7 +212,7 @@ double ContactPotential::update_anchors(std::span<const Vector3> positions,
 
 double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const {
   double change = 0.0;
-  for (std::size_t i = 0; i < rest_areas_.size(); ++i) {
+  for (std::size_t i = 0; i < points_; ++i) {
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       const Obstacle& obstacle = obstacles_[o];
       const Pair& pair = pairs_[i * obstacle_count_ + o];
@@ -202,33 +228,32 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
   return change;
 }
 
-void ContactPotential::report(std::size_t i, ContactSample& sample) const {
-  sample.gap = std::numeric_limits<double>::infinity();
-  sample.object = -1;
-  sample.normal_F = Vector3::UnitZ();
-  sample.normal_force = 0.0;
-  sample.tangential_force_F.setZero();
-  sample.friction_limit = 0.0;
-  sample.slides = false;
-  Vector3 normal_sum = Vector3::Zero();
+ContactPotential::Forces ContactPotential::forces(std::size_t i) const {
+  Forces sum;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     const Pair& pair = pairs_[i * obstacle_count_ + o];
-    normal_sum += pair.pressing * pair.gradient;
-    sample.tangential_force_F += pair.friction_force;
-    sample.friction_limit += pair.friction_limit;
-    sample.slides = sample.slides || (pair.friction_limit > 0.0 && pair.slides);
-    if (pair.gap >= sample.gap) continue;
-    SignedDistance d{.distance = pair.gap, .gradient = pair.gradient};
-    if (pair.far) {
-      d = signed_distance(*obstacles_[o].shape, pair.position_O);
-      d.gradient = obstacles_[o].X_WO.rotation * d.gradient;
-      if (d.distance >= sample.gap) continue;
-    }
-    sample.gap = d.distance;
-    sample.object = static_cast<int>(o);
-    sample.normal_F = unit(d.gradient);
+    sum.normal += pair.pressing * pair.gradient;
+    sum.tangential += pair.friction_force;
+    sum.friction_limit += pair.friction_limit;
+    sum.slides = sum.slides || (pair.friction_limit > 0.0 && pair.slides);
   }
-  sample.normal_force = normal_sum.norm();
+  return sum;
+}
+
+ContactPotential::Nearest ContactPotential::nearest(std::size_t i) const {
+  Nearest nearest;
+  for (std::size_t o = 0; o < obstacle_count_; ++o) {
+    const Pair& pair = pairs_[i * obstacle_count_ + o];
+    if (pair.gap >= nearest.gap) continue;
+    SignedDistance d{.distance = pair.gap, .gradient = pair.gradient};
+    if (pair.far && i < samples_) {
+      d = distance_and_gradient(*obstacles_[o].shape, pair.position_O);
+      d.gradient = obstacles_[o].X_WO.rotation * d.gradient;
+      if (d.distance >= nearest.gap) continue;
+    }
+    nearest = {d.distance, unit(d.gradient), static_cast<int>(o)};
+  }
+  return nearest;
 }
 
 }  // namespace softfinger

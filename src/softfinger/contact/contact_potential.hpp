@@ -1,9 +1,9 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
-#include "softfinger/contact/contact_set.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
 
 namespace softfinger {
@@ -15,6 +15,13 @@ struct Obstacle {
   double friction_coefficient = 0.0;
 };
 
+/// An obstacle as one point of the skin meets it: gap = normal . p + offset, in W, m.
+struct ContactPlane {
+  int obstacle = -1;
+  Vector3 normal = Vector3::UnitZ();
+  double offset = 0.0;
+};
+
 /// Memory of one sample sticking to or sliding on one obstacle, in the obstacle's frame O.
 struct FrictionAnchor {
   Vector3 anchor_O = Vector3::Zero();
@@ -22,9 +29,10 @@ struct FrictionAnchor {
   double limit = 0.0;  ///< greatest tangential force, N; 0: no contact at the end of the last step
 };
 
-/// Potential energy of skin samples against obstacles, all in W.
+/// Potential energy of points of the skin against obstacles, all in W: the samples, and after them
+/// as many points as the caller has at a time that each meet one obstacle, as a plane.
 ///
-/// Normal contact is a stiff penalty, 1/2 k gap^2 for gap < 0, with k proportional to the sample's
+/// Normal contact is a stiff penalty, 1/2 k gap^2 for gap < 0, with k proportional to the point's
 /// area. Tangential contact is Coulomb friction as a Huber potential of the displacement u from an
 /// anchor: 1/2 kt |u|^2 up to the limit force mu f_n, linear beyond; f_n and the normal are those
 /// at the end of the last step, and a sliding anchor follows so that kt |u| = mu f_n (after the
@@ -36,20 +44,21 @@ class ContactPotential {
     double stiffness_per_area = 1e10;  ///< N/m^3
     double tangential_ratio = 0.02;    ///< kt / k
   };
-  /// rest_areas: one per sample, m^2.
-  ContactPotential(std::vector<double> rest_areas, std::size_t obstacle_count, Options options);
-  explicit ContactPotential(std::vector<double> rest_areas, std::size_t obstacle_count)
-      : ContactPotential(std::move(rest_areas), obstacle_count, Options{}) {}
+  /// rest_areas: one per point that there can be, m^2; the first `samples` of them meet all
+  /// obstacles.
+  ContactPotential(std::vector<double> rest_areas, std::size_t samples, std::size_t obstacle_count,
+                   Options options);
 
-  [[nodiscard]] std::size_t samples() const { return rest_areas_.size(); }
-
-  /// Anchors, one per sample and obstacle (obstacle fastest): the state between steps.
+  /// Anchors, one per point and obstacle (obstacle fastest): the state between steps.
   [[nodiscard]] std::vector<FrictionAnchor> no_anchors() const;
 
-  /// The obstacles and anchors that evaluations see from now on; both must outlive them.
+  /// The obstacles and anchors that evaluations see from now on; both must outlive them. No planes.
   void begin(std::span<const Obstacle> obstacles, std::span<const FrictionAnchor> anchors);
+  /// One more point, behind the others, which meets this plane.
+  void add_plane(const ContactPlane& plane) { planes_.push_back(plane); }
 
-  /// Energy at sample positions (W, m), J. Adds the gradient by each sample to `gradient`, N.
+  /// Energy with the points at these positions (W, m), J; no more are considered than are given.
+  /// Adds the gradient by each to `gradient`, N.
   double energy_gradient(std::span<const Vector3> positions, std::span<Vector3> gradient);
   /// Second derivative by sample i at the positions last evaluated, N/m. Returns false if zero.
   bool hessian(std::size_t i, bool with_curvature, Matrix3& block) const;
@@ -62,6 +71,10 @@ class ContactPotential {
   /// Lower bound of the least gap of sample i at the positions last evaluated, m; exact where it
   /// touches.
   [[nodiscard]] double gap(std::size_t i) const;
+  /// Lower bound of the gap of point i to obstacle o at `position_O`, m.
+  [[nodiscard]] double gap_bound(std::size_t i, std::size_t o, const Vector3& position_O) const;
+  /// Where W is seen from obstacle o, at the end of the step.
+  [[nodiscard]] const Pose& X_OW(std::size_t o) const { return X_OW_[o]; }
   /// Forgets where gaps were looked up: the obstacles have other shapes from now on.
   void forget();
   /// Norm of all contact forces last evaluated, N.
@@ -76,9 +89,21 @@ class ContactPotential {
   /// greatest change.
   double update_limits(std::span<FrictionAnchor> anchors) const;
 
-  /// Gap, normal and forces of sample i as last evaluated, in W (fields position and areas are left
-  /// alone); the obstacle is the nearest one, the forces the sum over all.
-  void report(std::size_t i, ContactSample& sample) const;
+  /// Of all obstacles on point i as last evaluated, W, N.
+  struct Forces {
+    Vector3 normal = Vector3::Zero();
+    Vector3 tangential = Vector3::Zero();
+    double friction_limit = 0.0;
+    bool slides = false;
+  };
+  [[nodiscard]] Forces forces(std::size_t i) const;
+  /// Gap (m), normal (W, unit) and number of the obstacle nearest to point i as last evaluated.
+  struct Nearest {
+    double gap = std::numeric_limits<double>::infinity();
+    Vector3 normal = Vector3::UnitZ();
+    int obstacle = -1;
+  };
+  [[nodiscard]] Nearest nearest(std::size_t i) const;
 
  private:
   struct Pair {
@@ -107,6 +132,8 @@ class ContactPotential {
     return options_.tangential_ratio * normal_stiffness(i);
   }
   double evaluate(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
+  /// Gap and gradient; false where the two cannot touch.
+  bool meet(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
   double friction(std::size_t i, const Obstacle& obstacle, const FrictionAnchor& anchor,
                   const Vector3& position, Pair& pair) const;
   /// Adds the second derivative of one pair; returns false if zero.
@@ -114,13 +141,16 @@ class ContactPotential {
                    Matrix3& block) const;
 
   std::vector<double> rest_areas_;
+  std::size_t samples_ = 0;
   std::size_t obstacle_count_ = 0;
+  std::vector<ContactPlane> planes_;
   Options options_;
   std::span<const Obstacle> obstacles_;
   std::span<const FrictionAnchor> anchors_;
   std::vector<Pose> X_OW_;
   std::vector<Pair> pairs_;
   std::vector<Sighting> sightings_;
+  std::size_t points_ = 0;  ///< last evaluated
   double force_norm_ = 0.0;
 };
 

@@ -13,14 +13,16 @@ struct ContactSample {
   Vector3 position_F = Vector3::Zero();                  ///< deformed position, m
   Vector3 normal_F = Vector3::UnitZ();                   ///< unit, out of the object
   double gap = std::numeric_limits<double>::infinity();  ///< signed distance to the object, m
-  double normal_force = 0.0;                             ///< N, object on skin, at least 0
-  Vector3 tangential_force_F = Vector3::Zero();          ///< N, object on skin
-  double rest_area = 0.0;       ///< a third of its skin triangles at rest, m^2
-  double area = 0.0;            ///< the same, deformed, m^2
-  double friction_limit = 0.0;  ///< mu times the normal force, N
-  bool slides = false;          ///< tangential force at its limit
-  bool in_contact = false;      ///< member of C (else of N)
-  int object = -1;              ///< index of the nearest object, -1 if there is none
+  double normal_force = 0.0;                             ///< |normal_force_F|, N
+  Vector3 normal_force_F =
+      Vector3::Zero();  ///< N, object on skin, with what features near it carry
+  Vector3 tangential_force_F = Vector3::Zero();  ///< N, object on skin, likewise
+  double rest_area = 0.0;                        ///< a third of its skin triangles at rest, m^2
+  double area = 0.0;                             ///< the same, deformed, m^2
+  double friction_limit = 0.0;                   ///< mu times the normal force, N
+  bool slides = false;                           ///< tangential force at its limit
+  bool in_contact = false;                       ///< member of C (else of N)
+  int object = -1;  ///< index of the nearest object, -1 if there is none
 };
 
 /// The paper's sets C and N over all skin samples, with their sums.
@@ -30,7 +32,7 @@ struct ContactSet {
   std::vector<ContactSample> samples;
   int contact_count = 0;
   double contact_area = 0.0;      ///< deformed area of C, m^2
-  double normal_force = 0.0;      ///< sum of the normal forces' magnitudes over C, N
+  double normal_force = 0.0;      ///< sum of the normal forces' magnitudes, N
   double tangential_force = 0.0;  ///< magnitude of the sum of tangential forces, N
   /// Magnitude of the summed tangential forces over the sum of mu times the normal forces: 0
   /// nothing pulls, 1 all of C slides one way. 0 without friction.

@@ -91,7 +91,7 @@ void FingerLoop::read_simulation() {
   for (std::size_t i = 0; i < record_.samples.size() && i < contact.samples.size(); ++i) {
     const ContactSample& sample = contact.samples[i];
     record_.samples[i] = {sample.position_F, sample.gap,
-                          sample.normal_force * sample.normal_F + sample.tangential_force_F,
+                          sample.normal_force_F + sample.tangential_force_F,
                           sample.in_contact ? 1.0 : 0.0};
   }
 }

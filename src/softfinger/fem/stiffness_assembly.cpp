@@ -221,6 +221,18 @@ void StiffnessAssembly::add_node(int node, const Matrix3& block) {
   body_[2] -= arm * block * arm;
 }
 
+void StiffnessAssembly::add_point(const std::array<int, 3>& nodes,
+                                  const std::array<double, 3>& weights, const Matrix3& block) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int i = map_.block_of_node[static_cast<std::size_t>(nodes[a])];
+    for (std::size_t b = a; b < 3; ++b) {
+      const int j = map_.block_of_node[static_cast<std::size_t>(nodes[b])];
+      const Matrix3 part = weights[a] * weights[b] * block;
+      cholesky_.add(cholesky_.slot(i, j), part.data());
+    }
+  }
+}
+
 void StiffnessAssembly::add_body(const Matrix3& translation, const Matrix3& translation_rotation,
                                  const Matrix3& rotation) {
   body_[0] += translation;

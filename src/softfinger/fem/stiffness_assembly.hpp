@@ -34,6 +34,10 @@ class StiffnessAssembly {
   void add_elastic(const ElasticModel& model, const ElasticModel::Work& work, bool projected);
   /// Adds a 3 x 3 second derivative by the position of one node, free or tied; symmetric.
   void add_node(int node, const Matrix3& block);
+  /// Adds a symmetric second derivative by the position of a point that three nodes carry by these
+  /// weights. All are free, of one element.
+  void add_point(const std::array<int, 3>& nodes, const std::array<double, 3>& weights,
+                 const Matrix3& block);
   /// Adds to the body's blocks: by translation twice, translation and rotation (symmetric pair),
   /// and rotation twice.
   void add_body(const Matrix3& translation, const Matrix3& translation_rotation,

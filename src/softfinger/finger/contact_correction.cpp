@@ -7,7 +7,7 @@
 namespace softfinger {
 namespace {
 
-/// A sample is looked at where its gap is less than it moves and this, m.
+/// A point is looked at where its gap is less than it moves and this, m.
 constexpr double kReach = 1e-4;
 /// Deviations below this part of the gradient can wait for the next iteration.
 constexpr double kWorthwhile = 0.02;
@@ -18,12 +18,21 @@ constexpr double kBalanceAccuracy = 1e-5;
 constexpr int kBalanceIterations = 20;
 constexpr int kBalanceHalvings = 4;
 
+Vector3 moved(const ContactCorrection::Carrier& carrier, std::span<const double> direction) {
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t k = 0; k < 3 && carrier.blocks[k] >= 0; ++k) {
+    const auto at = static_cast<std::size_t>(3 * carrier.blocks[k]);
+    sum += carrier.weights[k] * Vector3(direction[at], direction[at + 1], direction[at + 2]);
+  }
+  return sum;
+}
+
 }  // namespace
 
-ContactCorrection::ContactCorrection(std::vector<int> sample_blocks, std::size_t unknowns)
-    : sample_blocks_(std::move(sample_blocks)),
-      held_(sample_blocks_.size(), Matrix3::Zero()),
-      start_(sample_blocks_.size(), Vector3::Zero()),
+ContactCorrection::ContactCorrection(std::vector<Carrier> carriers, std::size_t unknowns)
+    : carriers_(std::move(carriers)),
+      held_(carriers_.size(), Matrix3::Zero()),
+      start_(carriers_.size(), Vector3::Zero()),
       columns_(kMaxColumns),
       amplitudes_(kMaxColumns, 0.0),
       uncorrected_(unknowns, 0.0) {
@@ -32,12 +41,9 @@ ContactCorrection::ContactCorrection(std::vector<int> sample_blocks, std::size_t
 
 void ContactCorrection::restart(std::span<const Matrix3> blocks) {
   std::copy(blocks.begin(), blocks.end(), held_.begin());
+  std::fill(held_.begin() + static_cast<std::ptrdiff_t>(blocks.size()), held_.end(),
+            Matrix3::Zero());
   count_ = 0;
-}
-
-Vector3 ContactCorrection::moved(std::size_t sample, std::span<const double> direction) const {
-  const auto at = static_cast<std::size_t>(3 * sample_blocks_[sample]);
-  return {direction[at], direction[at + 1], direction[at + 2]};
 }
 
 ContactCorrection::Deviation ContactCorrection::deviation(const ContactPotential& contact,
@@ -53,18 +59,18 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
                                     std::span<const double> direction) {
   struct Candidate {
     double force = 0.0;
-    std::size_t sample = 0;
+    std::size_t point = 0;
     Vector3 line = Vector3::Zero();
   };
   std::array<Candidate, kColumnsARound> greatest{};
-  for (std::size_t i = 0; i < sample_blocks_.size(); ++i) {
-    if (sample_blocks_[i] < 0) continue;
-    const Vector3 d = moved(i, direction);
-    if (contact.gap(i) > d.norm() + kReach && held_[i].isZero(0.0)) continue;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (carriers_[i].is_tied()) continue;
+    const Vector3 d = moved(carriers_[i], direction);
+    if (contact.gap(i) > d.norm() + kReach && !holds(i)) continue;
     Vector3 force = deviation(contact, i, positions[i], d).force;
     for (int c = 0; c < count_; ++c) {
       const Column& column = columns_[static_cast<std::size_t>(c)];
-      if (column.sample == i) force -= column.line * column.line.dot(force);
+      if (column.point == i) force -= column.line * column.line.dot(force);
     }
     Candidate candidate{force.norm(), i, force};
     if (candidate.force <= threshold) continue;
@@ -76,12 +82,15 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
   for (const Candidate& g : greatest) {
     if (!(g.force > 0.0) || count_ == kMaxColumns) break;
     Column& column = columns_[static_cast<std::size_t>(count_)];
-    column.sample = g.sample;
+    column.point = g.point;
+    column.carrier = carriers_[g.point];
     column.line = g.line / g.force;
     std::fill(column.response.begin(), column.response.end(), 0.0);
-    const auto at = static_cast<std::size_t>(3 * sample_blocks_[g.sample]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      column.response[at + k] = column.line[static_cast<int>(k)];
+    for (std::size_t k = 0; k < 3 && column.carrier.blocks[k] >= 0; ++k) {
+      const auto at = static_cast<std::size_t>(3 * column.carrier.blocks[k]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        column.response[at + c] = column.carrier.weights[k] * column.line[static_cast<int>(c)];
+      }
     }
     assembly.solve(column.response);
     amplitudes_[static_cast<std::size_t>(count_)] = 0.0;
@@ -96,14 +105,15 @@ void ContactCorrection::balance(const ContactPotential& contact, std::span<const
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxColumns, kMaxColumns>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxColumns, 1>;
   using Moves = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxColumns>;
-  std::array<Moves, kMaxColumns> moves;  // of column c's sample, by each amplitude
+  std::array<Moves, kMaxColumns> moves;  // of column c's point, by each amplitude
   std::array<Vector3, kMaxColumns> start;
   for (int c = 0; c < count_; ++c) {
     const auto cu = static_cast<std::size_t>(c);
-    start[cu] = moved(columns_[cu].sample, uncorrected);
+    start[cu] = moved(columns_[cu].carrier, uncorrected);
     moves[cu].resize(3, count_);
     for (int k = 0; k < count_; ++k) {
-      moves[cu].col(k) = moved(columns_[cu].sample, columns_[static_cast<std::size_t>(k)].response);
+      moves[cu].col(k) =
+          moved(columns_[cu].carrier, columns_[static_cast<std::size_t>(k)].response);
     }
   }
   Matrix jacobian(count_, count_);
@@ -113,7 +123,7 @@ void ContactCorrection::balance(const ContactPotential& contact, std::span<const
     for (int c = 0; c < count_; ++c) {
       const auto cu = static_cast<std::size_t>(c);
       const Column& column = columns_[cu];
-      const Deviation beyond = deviation(contact, column.sample, positions[column.sample],
+      const Deviation beyond = deviation(contact, column.point, positions[column.point],
                                          start[cu] - moves[cu] * amplitudes);
       excess[c] = amplitudes[c] - column.line.dot(beyond.force);
       jacobian.row(c) = (beyond.stiffness.transpose() * column.line).transpose() * moves[cu];
@@ -155,7 +165,7 @@ void ContactCorrection::apply(const ContactPotential& contact, const StiffnessAs
   std::copy(direction.begin(), direction.end(), uncorrected_.begin());
   std::fill(amplitudes_.begin(), amplitudes_.end(), 0.0);
   const double threshold = kWorthwhile * gradient_norm;
-  for (std::size_t i = 0; i < start_.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     start_[i] = contact.respond(i, positions[i]).gradient;
   }
   for (int round = 0; round < kRounds; ++round) {

@@ -23,21 +23,32 @@ class ContactCorrection {
  public:
   static constexpr int kMaxColumns = 16;
 
-  /// sample_blocks: unknown block of each sample, -1 where it is tied (such samples take no part).
-  ContactCorrection(std::vector<int> sample_blocks, std::size_t unknowns);
+  /// How a point of the skin moves with the unknowns: weights of up to three blocks; none where it
+  /// is tied, and such points take no part.
+  struct Carrier {
+    std::array<int, 3> blocks{-1, -1, -1};
+    std::array<double, 3> weights{1.0, 0.0, 0.0};
+    [[nodiscard]] bool is_tied() const { return blocks[0] < 0; }
+  };
+  ContactCorrection(std::vector<Carrier> carriers, std::size_t unknowns);
+  void set_carrier(std::size_t point, const Carrier& carrier) { carriers_[point] = carrier; }
 
-  /// After a factorisation whose matrix holds `blocks[i]` for sample i.
+  /// After a factorisation whose matrix holds `blocks[i]` for point i, and nothing for those
+  /// beyond.
   void restart(std::span<const Matrix3> blocks);
+  /// Whether the factored matrix, if there is one, holds something for the point.
+  [[nodiscard]] bool holds(std::size_t point) const { return !held_[point].isZero(0.0); }
   /// Many columns have piled up since the last factorisation: a new one pays.
   [[nodiscard]] bool is_full() const { return count_ == kMaxColumns; }
-  /// Corrects `direction`. positions: of the samples where the direction starts, W, m;
+  /// Corrects `direction`. positions: of the points where the direction starts, W, m;
   /// gradient_norm: N, there; corrections much smaller are left alone.
   void apply(const ContactPotential& contact, const StiffnessAssembly& assembly,
              std::span<const Vector3> positions, double gradient_norm, std::span<double> direction);
 
  private:
   struct Column {
-    std::size_t sample = 0;
+    std::size_t point = 0;
+    Carrier carrier;                 ///< as it was
     Vector3 line = Vector3::Zero();  ///< w, unit
     std::vector<double> response;    ///< z
   };
@@ -45,22 +56,21 @@ class ContactCorrection {
     Vector3 force = Vector3::Zero();
     Matrix3 stiffness = Matrix3::Zero();
   };
-  [[nodiscard]] Vector3 moved(std::size_t sample, std::span<const double> direction) const;
-  /// What the potential says of sample i after d, beyond what the matrix holds.
+  /// What the potential says of point i after d, beyond what the matrix holds.
   [[nodiscard]] Deviation deviation(const ContactPotential& contact, std::size_t i,
                                     const Vector3& position, const Vector3& d) const;
   /// Finds the amplitudes, to `tolerance` (N).
   void balance(const ContactPotential& contact, std::span<const Vector3> positions,
                double tolerance, std::span<const double> uncorrected);
-  /// Adds columns for the samples that deviate most. False if there is nothing to add.
+  /// Adds columns for the points that deviate most. False if there is nothing to add.
   bool add_columns(const ContactPotential& contact, const StiffnessAssembly& assembly,
                    std::span<const Vector3> positions, double threshold,
                    std::span<const double> direction);
   void correct(std::span<const double> uncorrected, std::span<double> direction) const;
 
-  std::vector<int> sample_blocks_;
-  std::vector<Matrix3> held_;   ///< per sample: second derivative in the factored matrix
-  std::vector<Vector3> start_;  ///< per sample: gradient where the direction starts, N
+  std::vector<Carrier> carriers_;
+  std::vector<Matrix3> held_;   ///< per point: second derivative in the factored matrix
+  std::vector<Vector3> start_;  ///< per point: gradient where the direction starts, N
   std::vector<Column> columns_;
   int count_ = 0;
   std::vector<double> amplitudes_;

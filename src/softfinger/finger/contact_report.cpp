@@ -17,6 +17,22 @@ void add_deformed_areas(const FingerModel& model, std::span<const Vector3> posit
   }
 }
 
+/// What feature points carry, to the samples at the corners of their triangles.
+void add_features(const FingerPotential& potential, const Pose& X_FW, ContactSet& set) {
+  const std::size_t samples = set.samples.size();
+  const std::span<const FeaturePoints::Point> points = potential.features().points();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const ContactPotential::Forces forces = potential.contact().forces(samples + k);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double weight = points[k].weights[c];
+      ContactSample& sample = set.samples[static_cast<std::size_t>(points[k].samples[c])];
+      sample.normal_force_F += weight * X_FW.rotation * forces.normal;
+      sample.tangential_force_F += weight * X_FW.rotation * forces.tangential;
+      sample.friction_limit += weight * forces.friction_limit;
+    }
+  }
+}
+
 }  // namespace
 
 ContactSet make_contact_set(const FingerModel& model) {
@@ -31,6 +47,7 @@ ContactSet make_contact_set(const FingerModel& model) {
 
 void report_contact(const FingerModel& model, const FingerPotential& potential, ContactSet& set) {
   const Pose X_FW = potential.bone_pose().inverse();
+  const ContactPotential& contact = potential.contact();
   set.contact_count = 0;
   set.contact_area = 0.0;
   set.normal_force = 0.0;
@@ -41,29 +58,45 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
   Vector3 tangential_sum = Vector3::Zero();
   double friction_limit = 0.0;
   double stuck_area = 0.0;
+  const auto see = [&](double gap, const Vector3& normal_W) {
+    if (gap >= set.least_gap) return;
+    set.least_gap = gap;
+    set.nearest_normal_F = X_FW.rotation * normal_W;
+  };
   for (ContactSample& sample : set.samples) sample.area = 0.0;
-  add_deformed_areas(model, potential.sample_positions(), set);
+  add_deformed_areas(model, potential.contact_positions(), set);
   for (std::size_t i = 0; i < set.samples.size(); ++i) {
     ContactSample& sample = set.samples[i];
-    potential.contact().report(i, sample);
-    sample.position_F = X_FW * potential.sample_positions()[i];
-    sample.normal_F = X_FW.rotation * sample.normal_F;
-    sample.tangential_force_F = X_FW.rotation * sample.tangential_force_F;
+    const ContactPotential::Nearest nearest = contact.nearest(i);
+    const ContactPotential::Forces forces = contact.forces(i);
+    sample.position_F = X_FW * potential.contact_positions()[i];
+    sample.gap = nearest.gap;
+    sample.object = nearest.obstacle;
+    sample.normal_F = X_FW.rotation * nearest.normal;
+    sample.normal_force_F = X_FW.rotation * forces.normal;
+    sample.tangential_force_F = X_FW.rotation * forces.tangential;
+    sample.friction_limit = forces.friction_limit;
+    sample.slides = forces.slides;
+    see(nearest.gap, nearest.normal);
+  }
+  add_features(potential, X_FW, set);
+  for (std::size_t k = 0; k < potential.features().points().size(); ++k) {
+    const ContactPotential::Nearest nearest = contact.nearest(set.samples.size() + k);
+    see(nearest.gap - FeaturePoints::kDepth, nearest.normal);
+  }
+  for (ContactSample& sample : set.samples) {
+    sample.normal_force = sample.normal_force_F.norm();
     sample.in_contact =
         sample.gap <= model.contact_tolerance && sample.normal_force > kLeastNormalForce;
-    if (sample.gap < set.least_gap) {
-      set.least_gap = sample.gap;
-      set.nearest_normal_F = sample.normal_F;
-    }
     tangential_sum += sample.tangential_force_F;
+    friction_limit += sample.friction_limit;
+    set.normal_force += sample.normal_force;
+    set.centroid_F += sample.normal_force * sample.position_F;
+    normal_sum += sample.normal_force_F;
     if (!sample.in_contact) continue;
     ++set.contact_count;
     set.contact_area += sample.area;
-    friction_limit += sample.friction_limit;
     if (sample.friction_limit > 0.0 && !sample.slides) stuck_area += sample.area;
-    set.normal_force += sample.normal_force;
-    set.centroid_F += sample.normal_force * sample.position_F;
-    normal_sum += sample.normal_force * sample.normal_F;
   }
   set.tangential_force = tangential_sum.norm();
   set.slip_ratio = friction_limit > 0.0 ? set.tangential_force / friction_limit : 0.0;

@@ -19,10 +19,19 @@ std::vector<ElasticMaterial> elastic_materials(const FingerModel& model) {
   return materials;
 }
 
-std::vector<int> blocks_of(std::span<const int> nodes, const UnknownMap& map) {
-  std::vector<int> blocks;
-  for (const int node : nodes) blocks.push_back(map.block_of_node[static_cast<std::size_t>(node)]);
-  return blocks;
+std::vector<ContactCorrection::Carrier> carriers(const FingerModel& model, const UnknownMap& map) {
+  std::vector<ContactCorrection::Carrier> carriers;
+  for (const int node : model.sample_nodes) {
+    carriers.emplace_back().blocks[0] = map.block_of_node[static_cast<std::size_t>(node)];
+  }
+  carriers.resize(carriers.size() + FeaturePoints::kMost);
+  return carriers;
+}
+
+std::vector<double> contact_areas(const FingerModel& model) {
+  std::vector<double> areas = model.sample_rest_areas;
+  areas.resize(areas.size() + FeaturePoints::kMost, FeaturePoints::kArea);
+  return areas;
 }
 
 StrainLimit strain_limit(const FingerModel& model, bool wanted) {
@@ -43,8 +52,10 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
                model.relaxation, options.instruction_set),
       assembly_(elastic_, map_, options.instruction_set),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),
-      contact_(model.sample_rest_areas, obstacle_count, options.contact),
-      correction_(blocks_of(model.sample_nodes, map_), static_cast<std::size_t>(3 * map_.blocks())),
+      contact_(contact_areas(model), model.sample_nodes.size(), obstacle_count, options.contact),
+      correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks())),
+      features_(model, obstacle_count),
+      X_OW_old_(obstacle_count),
       work_(elastic_.make_work()) {
   const std::size_t nodes = model.mesh.nodes.size();
   const auto unknowns = static_cast<std::size_t>(3 * map_.blocks());
@@ -56,9 +67,10 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
   predicted_.assign(nodes, Vector3::Zero());
   node_gradient_.assign(nodes, Vector3::Zero());
   lever_arms_.assign(nodes, Vector3::Zero());
-  sample_positions_.assign(model.sample_nodes.size(), Vector3::Zero());
-  sample_gradient_ = sample_positions_;
-  sample_blocks_.assign(model.sample_nodes.size(), Matrix3::Zero());
+  const std::size_t contact_points = model.sample_nodes.size() + FeaturePoints::kMost;
+  contact_positions_.assign(contact_points, Vector3::Zero());
+  contact_gradient_ = contact_positions_;
+  contact_blocks_.assign(contact_points, Matrix3::Zero());
 }
 
 void FingerPotential::forget() {
@@ -70,6 +82,7 @@ void FingerPotential::forget() {
 
 void FingerPotential::begin(const Step& step) {
   step_ = step;
+  for (std::size_t o = 0; o < X_OW_old_.size(); ++o) X_OW_old_[o] = contact_.X_OW(o);
   contact_.begin(step.obstacles, step.anchors);
   if (step.relaxed) {
     elastic_.begin_relaxed(work_);
@@ -83,6 +96,39 @@ void FingerPotential::begin(const Step& step) {
   }
   if (bone_mode_ == Bone::kCoupled) {
     bone_.begin(step.old_bone, step.X_WFt_old, step.X_WFt, step.time_step);
+  }
+  choose_features();
+}
+
+void FingerPotential::choose_features() {
+  const std::size_t samples = model_.sample_nodes.size();
+  FeaturePoints::Step step;
+  step.old_positions = step_.old_positions;
+  step.positions =
+      step_.time_step > 0.0 ? std::span<const Vector3>(predicted_) : step.old_positions;
+  step.obstacles = step_.obstacles;
+  step.X_OW_old = X_OW_old_;
+  features_.choose(step, contact_, correction_,
+                   step_.anchors.subspan(samples * step_.obstacles.size()));
+  for (std::size_t k = 0; k < features_.points().size(); ++k) {
+    const FeaturePoints::Point& point = features_.points()[k];
+    ContactCorrection::Carrier carrier;
+    carrier.weights = point.weights;
+    for (std::size_t c = 0; c < 3; ++c) {
+      carrier.blocks[c] = map_.block_of_node[static_cast<std::size_t>(point.nodes[c])];
+    }
+    correction_.set_carrier(samples + k, carrier);
+    contact_.add_plane(point.plane);
+  }
+}
+
+void FingerPotential::put_contact_points(std::span<const Vector3> nodes) {
+  const std::size_t samples = model_.sample_nodes.size();
+  for (std::size_t i = 0; i < samples; ++i) {
+    contact_positions_[i] = nodes[static_cast<std::size_t>(model_.sample_nodes[i])];
+  }
+  for (std::size_t k = 0; k < features_.points().size(); ++k) {
+    contact_positions_[samples + k] = features_.position(features_.points()[k], nodes);
   }
 }
 
@@ -119,13 +165,19 @@ void FingerPotential::evaluate(Point& point) {
   point.elastic_energy = elastic_.energy_gradient(point.positions, work_, node_gradient_);
   point.energy = point.elastic_energy;
 
-  for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
-    sample_positions_[i] = point.positions[static_cast<std::size_t>(model_.sample_nodes[i])];
-    sample_gradient_[i].setZero();
+  put_contact_points(point.positions);
+  std::fill_n(contact_gradient_.begin(), contact_points(), Vector3::Zero());
+  point.energy += contact_.energy_gradient(contact_positions(), contact_gradient_);
+  const std::size_t samples = model_.sample_nodes.size();
+  for (std::size_t i = 0; i < samples; ++i) {
+    node_gradient_[static_cast<std::size_t>(model_.sample_nodes[i])] += contact_gradient_[i];
   }
-  point.energy += contact_.energy_gradient(sample_positions_, sample_gradient_);
-  for (std::size_t i = 0; i < sample_gradient_.size(); ++i) {
-    node_gradient_[static_cast<std::size_t>(model_.sample_nodes[i])] += sample_gradient_[i];
+  for (std::size_t k = 0; k < features_.points().size(); ++k) {
+    const FeaturePoints::Point& feature = features_.points()[k];
+    for (std::size_t c = 0; c < 3; ++c) {
+      node_gradient_[static_cast<std::size_t>(feature.nodes[c])] +=
+          feature.weights[c] * contact_gradient_[samples + k];
+    }
   }
 
   double inertia_squared = 0.0;
@@ -195,9 +247,14 @@ bool FingerPotential::factorise(HessianKind kind) {
   assembly_.clear(lever_arms_);
   const bool projected = kind == HessianKind::kProjected;
   assembly_.add_elastic(elastic_, work_, projected);
-  for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
-    if (contact_.hessian(i, kind == HessianKind::kFull, sample_blocks_[i])) {
-      assembly_.add_node(model_.sample_nodes[i], sample_blocks_[i]);
+  const std::size_t samples = model_.sample_nodes.size();
+  for (std::size_t i = 0; i < contact_points(); ++i) {
+    if (!contact_.hessian(i, kind == HessianKind::kFull, contact_blocks_[i])) continue;
+    if (i < samples) {
+      assembly_.add_node(model_.sample_nodes[i], contact_blocks_[i]);
+    } else {
+      const FeaturePoints::Point& point = features_.points()[i - samples];
+      assembly_.add_point(point.nodes, point.weights, contact_blocks_[i]);
     }
   }
   if (step_.time_step > 0.0) {
@@ -213,7 +270,7 @@ bool FingerPotential::factorise(HessianKind kind) {
     assembly_.add_body(h.translation, h.translation_rotation, h.rotation);
   }
   has_factor_ = assembly_.factor();
-  correction_.restart(sample_blocks_);
+  correction_.restart({contact_blocks_.data(), contact_points()});
   return has_factor_;
 }
 
@@ -225,10 +282,9 @@ double FingerPotential::solve_direction(bool refined) {
   }
   assembly_.solve(direction_);
   if (refined) {
-    for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
-      sample_positions_[i] = current_.positions[static_cast<std::size_t>(model_.sample_nodes[i])];
-    }
-    correction_.apply(contact_, assembly_, sample_positions_, std::sqrt(squared_norm), direction_);
+    put_contact_points(current_.positions);
+    correction_.apply(contact_, assembly_, contact_positions(), std::sqrt(squared_norm),
+                      direction_);
   }
   double slope = 0.0;
   for (std::size_t i = 0; i < direction_.size(); ++i) slope += direction_[i] * current_.gradient[i];

@@ -8,6 +8,7 @@
 #include "softfinger/fem/stiffness_assembly.hpp"
 #include "softfinger/finger/bone.hpp"
 #include "softfinger/finger/contact_correction.hpp"
+#include "softfinger/finger/feature_points.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/numerics/newton.hpp"
 
@@ -38,9 +39,9 @@ class FingerPotential {
     Pose X_WFt_old;  ///< tracked pose of the step before; unused where prescribed
     Pose X_WFt;      ///< tracked pose, or the prescribed one
     std::span<const Obstacle> obstacles;
-    std::span<const FrictionAnchor> anchors;  ///< as ContactPotential::no_anchors()
-    const StressHistory* history = nullptr;   ///< of the skin; null: has none
-    bool relaxed = false;                     ///< all that can relax has; with time step 0
+    std::span<FrictionAnchor> anchors;  ///< as ContactPotential::no_anchors(); features' are moved
+    const StressHistory* history = nullptr;  ///< of the skin; null: has none
+    bool relaxed = false;                    ///< all that can relax has; with time step 0
   };
 
   FingerPotential(const FingerModel& model, Bone bone, std::size_t obstacle_count,
@@ -51,6 +52,8 @@ class FingerPotential {
   void start_from(std::span<const Vector3> positions, const Pose& X_WF);
   /// Evaluates at the inertial prediction x + dt v.
   void start_from_prediction();
+  /// Nothing touches any more.
+  void forget_features() { features_.clear(); }
   /// Forgets the factor and the warm starts: the next minimisation does not depend on earlier ones.
   void forget();
   /// Makes what is cached (stretches, contact) that of the current point.
@@ -80,8 +83,12 @@ class FingerPotential {
   [[nodiscard]] const ElasticModel& elastic() const { return elastic_; }
   [[nodiscard]] const ElasticModel::Work& elastic_work() const { return work_; }
   [[nodiscard]] const ContactPotential& contact() const { return contact_; }
-  /// Positions of the skin samples at the last evaluation, W.
-  [[nodiscard]] std::span<const Vector3> sample_positions() const { return sample_positions_; }
+  [[nodiscard]] const FeaturePoints& features() const { return features_; }
+  /// Positions of the skin samples, and after them of the feature points, at the last evaluation,
+  /// W.
+  [[nodiscard]] std::span<const Vector3> contact_positions() const {
+    return {contact_positions_.data(), contact_points()};
+  }
   /// Largest absolute component of the gradient on a free node, N.
   [[nodiscard]] double largest_free_force() const;
 
@@ -94,6 +101,11 @@ class FingerPotential {
     Matrix3 moments = Matrix3::Zero();  ///< sum over tied nodes of gradient times r^T
   };
   void evaluate(Point& point);
+  void choose_features();
+  [[nodiscard]] std::size_t contact_points() const {
+    return model_.sample_nodes.size() + features_.points().size();
+  }
+  void put_contact_points(std::span<const Vector3> nodes);
   void put_tied_nodes(Point& point) const;
   void reduce_gradient(Point& point, double& squared_norm) const;
 
@@ -105,6 +117,8 @@ class FingerPotential {
   BonePotential bone_;
   ContactPotential contact_;
   ContactCorrection correction_;
+  FeaturePoints features_;
+  std::vector<Pose> X_OW_old_;
   Step step_;
 
   Point current_, trial_;
@@ -114,8 +128,8 @@ class FingerPotential {
   std::vector<double> direction_;
   std::vector<Vector3> predicted_;
   std::vector<Vector3> node_gradient_;
-  std::vector<Vector3> sample_positions_, sample_gradient_;
-  std::vector<Matrix3> sample_blocks_;
+  std::vector<Vector3> contact_positions_, contact_gradient_;
+  std::vector<Matrix3> contact_blocks_;
   std::vector<Vector3> lever_arms_;
 };
 

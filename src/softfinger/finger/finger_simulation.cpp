@@ -96,7 +96,7 @@ struct FingerSimulation::Implementation {
     tracked = X_WFt;
     potential.settle();
     potential.elastic().end_step(potential.elastic_work(), time_step, history);
-    potential.contact().update_anchors(potential.sample_positions(), anchors);
+    potential.contact().update_anchors(potential.contact_positions(), anchors);
     report_contact(*model, potential, contact);
   }
 
@@ -142,6 +142,7 @@ void FingerSimulation::reset(const Pose& X_WFt, double time) {
   forget(self.history);
   self.place_obstacles(time);
   self.potential.forget();
+  self.potential.forget_features();
   self.begin(X_WFt);
   self.potential.start_from(self.positions, X_WFt);
   report_contact(*self.model, self.potential, self.contact);

@@ -120,12 +120,11 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
         row.min_stretch = stretches.min;
         row.volume_ratio = potential.elastic().volume_ratio(potential.positions());
       }
-      potential.contact().update_anchors(potential.sample_positions(), anchors);
+      potential.contact().update_anchors(potential.contact_positions(), anchors);
     }
     Vector3 force_W = Vector3::Zero();
     for (const ContactSample& sample : contact.samples) {
-      force_W += X_WF.rotation *
-                 Vector3(sample.normal_force * sample.normal_F + sample.tangential_force_F);
+      force_W += X_WF.rotation * Vector3(sample.normal_force_F + sample.tangential_force_F);
     }
     row.normal_force = force_W.z();
     row.tangential_force = force_W.head<2>().norm();

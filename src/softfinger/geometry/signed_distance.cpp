@@ -101,4 +101,9 @@ SignedDistance signed_distance(const Shape& shape, const Vector3& p_O) {
   return std::visit([&](const auto& solid) { return distance_to(solid, p_O); }, shape);
 }
 
+SignedDistance distance_and_gradient(const Shape& shape, const Vector3& p_O) {
+  if (const auto* mesh = std::get_if<MeshShape>(&shape)) return (*mesh)->distance_and_gradient(p_O);
+  return signed_distance(shape, p_O);
+}
+
 }  // namespace softfinger

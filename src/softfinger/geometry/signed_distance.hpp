@@ -46,5 +46,7 @@ using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder, MeshSha
 /// cycle). A mesh's gradient is that of its grid: of unit length up to the error of interpolation,
 /// shorter where an edge is rounded.
 [[nodiscard]] SignedDistance signed_distance(const Shape& shape, const Vector3& p_O);
+/// The same; the Hessian may be left zero, where that is quicker.
+[[nodiscard]] SignedDistance distance_and_gradient(const Shape& shape, const Vector3& p_O);
 
 }  // namespace softfinger
