@@ -25,6 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using namespace softfinger;
 
+constexpr const char* kCommonModulus = "material.youngs_modulus_kPa";
 constexpr double kUsualSimulations = 60.0;  // for the progress bar
 
 struct FitFlags {
@@ -91,15 +92,26 @@ FitInput read_input(const FitFlags& flags, const FingerModel& model) {
   return input;
 }
 
+/// Whether the finger has a modulus for all volumes; else what is fitted is the layers' factor.
+bool has_common_modulus(const FingerModel& model) {
+  return youngs_moduli(model).front().first == kCommonModulus;
+}
+
 /// A parameter's estimate in the unit of the finger file.
 struct Told {
+  std::string name;
   double value, low, high;
 };
 
 Told told(const FingerFit::Estimate& e, const FingerModel& model) {
-  const double unit =
-      e.parameter == FitParameter::kYoungsModulus ? youngs_moduli(model).front().second / kPa : 1.0;
-  return {e.value * unit, e.ci95_low * unit, e.ci95_high * unit};
+  if (e.parameter != FitParameter::kYoungsModulus) {
+    return {name_of(e.parameter), e.value, e.ci95_low, e.ci95_high};
+  }
+  if (!has_common_modulus(model)) {
+    return {"youngs_modulus_factor", e.value, e.ci95_low, e.ci95_high};
+  }
+  const double unit = youngs_moduli(model).front().second / kPa;
+  return {name_of(e.parameter), e.value * unit, e.ci95_low * unit, e.ci95_high * unit};
 }
 
 Json to_json(const FingerFit& fit, const FingerModel& model, const FitFlags& flags) {
@@ -108,8 +120,7 @@ Json to_json(const FingerFit& fit, const FingerModel& model, const FitFlags& fla
   Json moduli = Json::object();
   for (const FingerFit::Estimate& e : fit.estimates) {
     const Told t = told(e, model);
-    parameters[name_of(e.parameter)] = {
-        {"value", t.value}, {"ci95_low", t.low}, {"ci95_high", t.high}};
+    parameters[t.name] = {{"value", t.value}, {"ci95_low", t.low}, {"ci95_high", t.high}};
   }
   for (const FingerFit::Kept& k : fit.kept) kept[name_of(k.parameter)] = k.reason;
   for (const auto& [key, value] : youngs_moduli(model)) {
@@ -148,10 +159,17 @@ std::string file_text(const FingerFit& fit, const FingerModel& model, const FitF
     return (p == FitParameter::kYoungsModulus ? "material." : "strain_limits.") + name_of(p);
   };
   for (const FingerFit::Estimate& e : fit.estimates) {
-    remarks[key_of(e.parameter)] = "fitted; " + interval_text(told(e, model));
-    if (e.parameter != FitParameter::kYoungsModulus) continue;
+    const std::string interval = interval_text(told(e, model));
+    if (e.parameter != FitParameter::kYoungsModulus) {
+      remarks[key_of(e.parameter)] = "fitted; " + interval;
+      continue;
+    }
+    const bool common = has_common_modulus(model);
+    if (common) remarks[kCommonModulus] = "fitted; " + interval;
     for (const auto& [key, value] : youngs_moduli(model)) {
-      remarks.try_emplace(key, "scaled with the modulus of [material]");
+      remarks.try_emplace(key, common ? "scaled with the modulus of [material]"
+                                      : fmt::format("fitted, one factor on all layers of {:.4g}; {}",
+                                                    e.value, interval));
     }
   }
   for (const FingerFit::Kept& k : fit.kept) {
@@ -163,21 +181,21 @@ std::string file_text(const FingerFit& fit, const FingerModel& model, const FitF
 void print(const FingerFit& fit, const FingerModel& model, const FitFlags& flags) {
   for (const FingerFit::Estimate& e : fit.estimates) {
     const Told t = told(e, model);
-    fmt::print("{:<20} {:<10.5g} {}\n", name_of(e.parameter), t.value, interval_text(t));
+    fmt::print("{:<21} {:<10.5g} {}\n", t.name, t.value, interval_text(t));
   }
   for (const FingerFit::Kept& k : fit.kept) {
-    fmt::print("{:<20} kept: {}\n", name_of(k.parameter), k.reason);
+    fmt::print("{:<21} kept: {}\n", name_of(k.parameter), k.reason);
   }
   if (fit.noise == ForceNoise::kRelative) {
-    fmt::print("noise of the forces  {:.2g} % of the force\n", 100.0 * fit.force_noise);
+    fmt::print("noise of the forces   {:.2g} % of the force\n", 100.0 * fit.force_noise);
   } else {
-    fmt::print("noise of the forces  {:.2g} N, the same for all\n", fit.force_noise);
+    fmt::print("noise of the forces   {:.2g} N, the same for all\n", fit.force_noise);
   }
-  if (!flags.area.empty()) fmt::print("noise of the areas   {:.2g} %\n", 100.0 * fit.area_noise);
-  fmt::print("deviation            {:.2g} % of the force, root mean square\n",
+  if (!flags.area.empty()) fmt::print("noise of the areas    {:.2g} %\n", 100.0 * fit.area_noise);
+  fmt::print("deviation             {:.2g} % of the force, root mean square\n",
              100.0 * fit.force_deviation);
-  fmt::print("simulations          {}\n", fit.simulations);
-  fmt::print("written to           {}\n", flags.out);
+  fmt::print("simulations           {}\n", fit.simulations);
+  fmt::print("written to            {}\n", flags.out);
 }
 
 void fit(const FitFlags& flags) {

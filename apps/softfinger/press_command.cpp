@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct PressFlags {
   bool no_friction = false;
   bool relaxed = false;
   double speed_mm_per_s = 0.0;
+  double hold_ms = 0.0;
+  bool unload = false;
   std::string export_directory;
   bool json = false;
   bool csv = false;
@@ -63,6 +66,12 @@ void check(const PressFlags& flags) {
   if (flags.relaxed && flags.speed_mm_per_s > 0.0) {
     refuse("--relaxed and --speed-mm-per-s: give one of them");
   }
+  if (!(flags.hold_ms >= 0.0 && flags.hold_ms <= 60000.0)) {
+    refuse(fmt::format("--hold-ms {}: must be from 0 to 60000", flags.hold_ms));
+  }
+  if (flags.hold_ms > 0.0 && flags.speed_mm_per_s == 0.0) {
+    refuse("--hold-ms: needs --speed-mm-per-s, for a quasi-static press knows no time");
+  }
   if (flags.json && flags.csv) refuse("--json and --csv: give one of them");
 }
 
@@ -89,20 +98,23 @@ nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
           {"iterations", row.iterations},
           {"residual_N", row.residual},
           {"slip_ratio", row.slip_ratio},
-          {"stuck_fraction", row.stuck_fraction}};
+          {"stuck_fraction", row.stuck_fraction},
+          {"time_s", row.time}};
 }
 
-/// nodes.csv and contact.csv: enough for anyone to recompute the balance of forces.
+/// nodes.csv and contact.csv, and patches.csv where dilatation is taken over patches: enough for anyone to recompute the balance of forces.
 class Export {
  public:
   explicit Export(const std::string& directory)
-      : nodes_(open(directory, "nodes.csv")), contact_(open(directory, "contact.csv")) {
+      : directory_(directory),
+        nodes_(open(directory, "nodes.csv")), contact_(open(directory, "contact.csv")) {
     nodes_.print("row,node,x_mm,y_mm,z_mm\n");
     contact_.print("row,sample,gap_mm,force_x_N,force_y_N,force_z_N,in_contact\n");
   }
 
   void write(int row, const softfinger::IndentationState& state) {
     using softfinger::mm;
+    if (row == 1 && !state.patches.empty()) write_patches(state.patches);
     for (std::size_t n = 0; n < state.positions.size(); ++n) {
       const softfinger::Vector3 p = state.positions[n] / mm;
       nodes_.print("{},{},{},{},{}\n", row, n, p.x(), p.y(), p.z());
@@ -128,6 +140,16 @@ class Export {
       throw softfinger::OperationError("press: cannot write " + file.string());
     }
   }
+  /// Tetrahedra in the order of the mesh file; those that do not deform are in no patch.
+  void write_patches(std::span<const int> patches) const {
+    fmt::ostream file = open(directory_, "patches.csv");
+    file.print("tetrahedron,patch\n");
+    for (std::size_t t = 0; t < patches.size(); ++t) {
+      if (patches[t] >= 0) file.print("{},{}\n", t, patches[t]);
+    }
+  }
+
+  std::string directory_;
   fmt::ostream nodes_, contact_;
 };
 
@@ -143,6 +165,8 @@ void press(const PressFlags& flags) {
   options.friction = !flags.no_friction;
   options.relaxed = flags.relaxed;
   options.speed = flags.speed_mm_per_s * mm;
+  options.hold = flags.hold_ms * ms;
+  options.unload = flags.unload;
   std::optional<Export> files;
   if (!flags.export_directory.empty()) files.emplace(flags.export_directory);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -196,7 +220,10 @@ void add_press_command(CLI::App& app) {
   command->add_flag("--no-friction", flags->no_friction, "Frictionless contact");
   command->add_flag("--relaxed", flags->relaxed, "Long-time moduli: all stress that can relax has");
   command->add_option("--speed-mm-per-s", flags->speed_mm_per_s, "Step in time at this speed");
-  command->add_option("--export", flags->export_directory, "Write nodes.csv and contact.csv there");
+  command->add_option("--hold-ms", flags->hold_ms, "Then hold for this long: N rows more");
+  command->add_flag("--unload", flags->unload, "Then back to first touch: N rows more");
+  command->add_option("--export", flags->export_directory,
+                      "Write nodes.csv, contact.csv and patches.csv there");
   command->add_flag("--json", flags->json, "One JSON array of rows");
   command->add_flag("--csv", flags->csv, "Comma-separated rows");
   command->callback([flags] { press(*flags); });

@@ -59,7 +59,9 @@ ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticM
   // Last, so that few groups have anything to do with the body.
   first_body_group_ = elements_ / kLaneCount;
   for (const std::size_t e : beside_body) add(e);
-  if (!patches_.empty()) number_patch_nodes();
+  if (patches_.empty()) return;
+  number_patch_nodes();
+  patch_of_tetrahedron_ = std::move(patch);
 }
 
 void ElasticModel::add_element(const TetrahedralMesh& mesh, std::size_t e,

@@ -93,6 +93,8 @@ class ElasticModel {
   [[nodiscard]] Stretches stretches(const Work& work) const;
 
   [[nodiscard]] std::span<const Patch> patches() const { return patches_; }
+  /// -1: in none. Empty without patches.
+  [[nodiscard]] std::span<const int> patch_of_tetrahedron() const { return patch_of_tetrahedron_; }
   /// Derivative of V times the mean dilatation of each patch by its nodes, m^2, patch after patch
   /// in the order of Patch::nodes, at the positions last evaluated with `work`.
   void patch_gradients(const Work& work, std::span<Vector3> gradients) const;
@@ -124,6 +126,7 @@ class ElasticModel {
   std::size_t elements_ = 0;
   std::size_t first_body_group_ = 0;
   std::vector<Patch> patches_;
+  std::vector<int> patch_of_tetrahedron_;
   std::vector<Membership> memberships_;  ///< per element; empty without patches
   std::vector<double> masses_;
   Relaxation relaxation_;

@@ -83,6 +83,7 @@ std::string finger_file_text(const FingerModel& model, const FingerConstants& co
   keys["mesh"]["file"] =
       relative_path(model.file, keys["mesh"]["file"].get<std::string>(), new_file);
   const auto scale = [&](Json& material) {
+    if (!material.contains(kModulus)) return;
     material[kModulus] =
         rounded(material[kModulus].get<double>() * constants.youngs_modulus_factor);
   };
@@ -104,7 +105,10 @@ std::string finger_file_text(const FingerModel& model, const FingerConstants& co
 std::vector<std::pair<std::string, double>> youngs_moduli(const FingerModel& model) {
   const Json material = Json::parse(model.as_read)["material"];
   std::vector<std::pair<std::string, double>> moduli;
-  moduli.emplace_back(fmt::format("material.{}", kModulus), material[kModulus].get<double>() * kPa);
+  if (material.contains(kModulus)) {
+    moduli.emplace_back(fmt::format("material.{}", kModulus),
+                        material[kModulus].get<double>() * kPa);
+  }
   for (const auto& [name, value] : material.items()) {
     if (!value.is_object()) continue;
     moduli.emplace_back(fmt::format("material.{}.{}", name, kModulus),

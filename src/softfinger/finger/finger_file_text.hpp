@@ -18,8 +18,9 @@ namespace softfinger {
                                            const std::vector<std::string>& head,
                                            const std::map<std::string, std::string>& remarks);
 
-/// Young's moduli by the key they stand under, Pa: "material.youngs_modulus_kPa" first, then those
-/// of layers with one of their own ("material.NAME.youngs_modulus_kPa").
+/// Young's moduli by the key they stand under, Pa: "material.youngs_modulus_kPa" first where there
+/// is one for all volumes, then those of layers with their own
+/// ("material.NAME.youngs_modulus_kPa").
 [[nodiscard]] std::vector<std::pair<std::string, double>> youngs_moduli(const FingerModel& model);
 
 }  // namespace softfinger

@@ -32,13 +32,59 @@ void read_mesh(const ConfigTable& table, FingerModel& model) {
   }
 }
 
-FingerModel::Material read_material(const ConfigTable& table, FingerModel::Material fallback) {
-  const Range below_half{.min = 0.0, .max = 0.5, .open_max = true};
-  fallback.youngs_modulus =
-      table.number("youngs_modulus_kPa", Range::positive(), fallback.youngs_modulus);
-  fallback.poissons_ratio = table.number("poissons_ratio", below_half, fallback.poissons_ratio);
-  fallback.density = table.number("density_kg_per_m3", Range::positive(), fallback.density);
-  return fallback;
+std::ptrdiff_t soft_volume_count(const TetrahedralMesh& mesh) {
+  return std::count_if(mesh.volume_names.begin(), mesh.volume_names.end(),
+                       [](const std::string& name) { return name != kBoneGroup; });
+}
+
+/// What a volume has where it gives no constants of its own. Nothing stands in for Young's modulus
+/// and Poisson's ratio of one among several volumes.
+struct CommonMaterial {
+  std::optional<double> youngs_modulus, poissons_ratio;
+  double density = FingerModel::Material{}.density;
+};
+
+constexpr Range kBelowHalf{.min = 0.0, .max = 0.5, .open_max = true};
+
+CommonMaterial read_common_material(const ConfigTable& table, bool is_of_several) {
+  CommonMaterial common;
+  if (is_of_several) {
+    common.youngs_modulus = table.optional_number("youngs_modulus_kPa", Range::positive());
+    common.poissons_ratio = table.optional_number("poissons_ratio", kBelowHalf);
+  } else {
+    const FingerModel::Material usual;
+    common.youngs_modulus =
+        table.number("youngs_modulus_kPa", Range::positive(), usual.youngs_modulus);
+    common.poissons_ratio = table.number("poissons_ratio", kBelowHalf, usual.poissons_ratio);
+  }
+  common.density = table.number("density_kg_per_m3", Range::positive(), common.density);
+  return common;
+}
+
+/// Constants of one volume: its own table `material.volume`, else those of [material].
+FingerModel::Material read_material(const ConfigTable& table, const std::string& volume,
+                                    const CommonMaterial& common) {
+  const auto own = volume.empty() ? std::nullopt : table.optional_table(volume);
+  if (!own) {
+    if (common.youngs_modulus && common.poissons_ratio) {
+      return {volume, *common.youngs_modulus, *common.poissons_ratio, common.density};
+    }
+    const std::string missing =
+        common.youngs_modulus ? "poissons_ratio" : "youngs_modulus_kPa";
+    if (volume.empty()) {
+      table.fail(missing, "missing; some tetrahedra are in no physical volume, so that nothing "
+                          "else can give it");
+    }
+    table.fail(volume, fmt::format("missing; one of several physical volumes of the mesh, it needs "
+                                   "{} here or in [material]",
+                                   missing));
+  }
+  const auto number = [&](std::string_view key, Range range, std::optional<double> fallback) {
+    return fallback ? own->number(key, range, *fallback) : own->number(key, range);
+  };
+  return {volume, number("youngs_modulus_kPa", Range::positive(), common.youngs_modulus),
+          number("poissons_ratio", kBelowHalf, common.poissons_ratio),
+          number("density_kg_per_m3", Range::positive(), common.density)};
 }
 
 Relaxation read_relaxation(const ConfigTable& material) {
@@ -60,7 +106,7 @@ Relaxation read_relaxation(const ConfigTable& material) {
 
 void read_materials(const ConfigTable& table, FingerModel& model) {
   const TetrahedralMesh& mesh = model.mesh;
-  const FingerModel::Material common = read_material(table, {});
+  const CommonMaterial common = read_common_material(table, soft_volume_count(mesh) > 1);
   const std::vector<std::string> own_keys{"youngs_modulus_kPa", "poissons_ratio",
                                           "density_kg_per_m3", "dilatation", "relaxation"};
   model.relaxation = read_relaxation(table);
@@ -72,11 +118,12 @@ void read_materials(const ConfigTable& table, FingerModel& model) {
                            mesh.volume_names.end();
     if (is_volume && key == kBoneGroup) table.fail(key, "the volume 'bone' is rigid: no material");
     const bool is_own = std::find(own_keys.begin(), own_keys.end(), key) != own_keys.end();
-    // A misspelt key is left to the check for unknown keys, which names the right one.
-    if (!is_volume && !is_own && nearest_word(key, own_keys).empty()) {
-      table.fail(key, fmt::format("the mesh has no physical volume of this name; it has: {}",
-                                  fmt::join(mesh.volume_names, ", ")));
-    }
+    if (is_volume || is_own) continue;
+    const std::string meant = nearest_word(key, own_keys);
+    table.fail(key, meant.empty()
+                        ? fmt::format("the mesh has no physical volume of this name; it has: {}",
+                                      fmt::join(mesh.volume_names, ", "))
+                        : fmt::format("unknown key '{}'; did you mean '{}'?", key, meant));
   }
   std::vector<int> material_of_volume;
   for (const std::string& volume : mesh.volume_names) {
@@ -85,9 +132,7 @@ void read_materials(const ConfigTable& table, FingerModel& model) {
       continue;
     }
     material_of_volume.push_back(static_cast<int>(model.materials.size()));
-    const auto own = volume.empty() ? std::nullopt : table.optional_table(volume);
-    model.materials.push_back(own ? read_material(*own, common) : common);
-    model.materials.back().volume = volume;
+    model.materials.push_back(read_material(table, volume, common));
   }
   for (const int volume : mesh.tetrahedron_volume) {
     model.tetrahedron_material.push_back(material_of_volume[static_cast<std::size_t>(volume)]);
@@ -159,6 +204,11 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
   model->file = file;
   const ConfigTable mesh = root.table("mesh");
   read_mesh(mesh, *model);
+  if (soft_volume_count(model->mesh) > 1 && !root.has("material")) {
+    mesh.fail("file", fmt::format("{} has several physical volumes, {}: give each its constants in "
+                                  "[material.NAME], or all of them in [material]",
+                                  mesh.text("file"), fmt::join(model->mesh.volume_names, ", ")));
+  }
   read_materials(root.table_or_empty("material"), *model);
   if (const auto limits = root.optional_table("strain_limits")) {
     read_strain_limits(*limits, model->strain_limits);

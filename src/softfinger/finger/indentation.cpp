@@ -11,6 +11,8 @@ namespace {
 
 /// Quasi-static increments are no longer than this, so that friction sees the path, m.
 constexpr double kLongestIncrement = 0.1e-3;
+/// Time steps are no longer than this, s.
+constexpr double kLongestStep = 1e-3;
 /// Equilibria are solved tighter than steps: others recompute the balance from what is exported.
 constexpr double kStaticTolerance = 1e-9;
 /// Lagged friction limits are renewed until they change by less than this, N.
@@ -18,6 +20,34 @@ constexpr double kFrictionTolerance = 1e-7;
 constexpr int kFrictionPasses = 40;
 /// Larger than any finger, so that an edge has one face on top and one on its side only, m.
 constexpr double kBlock = 0.5;
+
+/// Way from one row to the next; depths in rows.
+struct Stretch {
+  int from, to;
+  double duration;  ///< s; 0: quasi-static
+  int increments;
+};
+
+std::vector<Stretch> course(const IndentationOptions& options) {
+  const double length = options.depth / options.rows;
+  const double duration = options.speed > 0.0 ? length / options.speed : 0.0;
+  const auto parts = [](double whole, double longest) {
+    return std::max(1, static_cast<int>(std::ceil(whole / longest - 1e-9)));
+  };
+  const int increments =
+      duration > 0.0 ? parts(duration, kLongestStep) : parts(length, kLongestIncrement);
+  std::vector<Stretch> course;
+  for (int k = 0; k < options.rows; ++k) course.push_back({k, k + 1, duration, increments});
+  if (options.hold > 0.0) {
+    const double pause = options.hold / options.rows;
+    const Stretch still{options.rows, options.rows, pause, parts(pause, kLongestStep)};
+    course.insert(course.end(), static_cast<std::size_t>(options.rows), still);
+  }
+  for (int k = options.rows; options.unload && k > 0; --k) {
+    course.push_back({k, k - 1, duration, increments});
+  }
+  return course;
+}
 
 /// Where F's origin is when the resting skin first touches the obstacle: the height z of F above
 /// which nothing touches, found on the signed distance (monotone in z for these obstacles).
@@ -74,20 +104,22 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
   std::vector<Vector3> velocities(positions.size(), Vector3::Zero());
 
   const double row_length = options.depth / options.rows;
-  const double wanted = options.speed > 0.0 ? options.speed * 1e-3 : kLongestIncrement;
-  const int increments = std::max(1, static_cast<int>(std::ceil(row_length / wanted - 1e-9)));
   NewtonOptions newton;
   newton.tolerance = kStaticTolerance;
   newton.max_iterations = 200;
 
-  for (int k = 1; k <= options.rows; ++k) {
+  double time = 0.0;
+  for (const Stretch& stretch : course(options)) {
     IndentationRow row;
-    row.indentation = options.depth * k / options.rows;
-    for (int j = 1; j <= increments; ++j) {
-      const double depth = row_length * (k - 1 + static_cast<double>(j) / increments);
-      X_WF.translation.z() = touch - depth;
+    row.indentation = options.depth * stretch.to / options.rows;
+    time += stretch.duration;
+    row.time = time;
+    for (int j = 1; j <= stretch.increments; ++j) {
+      const double part = static_cast<double>(j) / stretch.increments;
+      X_WF.translation.z() =
+          touch - row_length * (stretch.from + (stretch.to - stretch.from) * part);
       FingerPotential::Step step;
-      step.time_step = options.speed > 0.0 ? row_length / increments / options.speed : 0.0;
+      step.time_step = stretch.duration / stretch.increments;
       step.old_positions = positions;
       step.velocities = velocities;
       step.X_WFt = X_WF;
@@ -112,7 +144,7 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
         positions[n] += moved;
       }
       potential.elastic().end_step(potential.elastic_work(), step.time_step, history);
-      if (j == increments) {
+      if (j == stretch.increments) {
         report_contact(model, potential, contact);
         row.residual = potential.largest_free_force();
         const auto stretches = potential.elastic().stretches(potential.elastic_work());
@@ -132,7 +164,7 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
     row.slip_ratio = contact.slip_ratio;
     row.stuck_fraction = contact.stuck_fraction;
     row.contact_samples = contact.contact_count;
-    visit({row, positions, contact, X_WF});
+    visit({row, positions, contact, X_WF, potential.elastic().patch_of_tetrahedron()});
   }
 }
 

@@ -27,12 +27,15 @@ struct IndentationOptions {
   bool strain_limits = true;
   bool friction = true;
   double speed = 0.0;    ///< bone speed, m/s; 0: quasi-static
+  double hold = 0.0;     ///< then s at the greatest depth, in as many rows again; needs a speed
+  bool unload = false;   ///< then back to first touch, in as many rows again
   bool relaxed = false;  ///< long-time moduli; only quasi-static
 };
 
 /// One row: equilibrium at one depth.
 struct IndentationRow {
   double indentation = 0.0;       ///< m
+  double time = 0.0;              ///< s since first touch; 0 where quasi-static
   double normal_force = 0.0;      ///< N, along the world's z
   double tangential_force = 0.0;  ///< N, perpendicular to z
   double contact_area = 0.0;      ///< m^2
@@ -52,6 +55,7 @@ struct IndentationState {
   std::span<const Vector3> positions;  ///< all nodes, W, m
   const ContactSet& contact;           ///< in F
   Pose X_WF;
+  std::span<const int> patches;  ///< see ElasticModel::patch_of_tetrahedron
 };
 
 /// Presses the finger along -z of the world on a fixed obstacle, bone and nail prescribed, no
