@@ -167,9 +167,10 @@ std::string file_text(const FingerFit& fit, const FingerModel& model, const FitF
     const bool common = has_common_modulus(model);
     if (common) remarks[kCommonModulus] = "fitted; " + interval;
     for (const auto& [key, value] : youngs_moduli(model)) {
-      remarks.try_emplace(key, common ? "scaled with the modulus of [material]"
-                                      : fmt::format("fitted, one factor on all layers of {:.4g}; {}",
-                                                    e.value, interval));
+      remarks.try_emplace(key, common
+                                   ? "scaled with the modulus of [material]"
+                                   : fmt::format("fitted, one factor on all layers of {:.4g}; {}",
+                                                 e.value, interval));
     }
   }
   for (const FingerFit::Kept& k : fit.kept) {

@@ -102,12 +102,14 @@ nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
           {"time_s", row.time}};
 }
 
-/// nodes.csv and contact.csv, and patches.csv where dilatation is taken over patches: enough for anyone to recompute the balance of forces.
+/// nodes.csv and contact.csv, and patches.csv where dilatation is taken over patches: enough for
+/// anyone to recompute the balance of forces.
 class Export {
  public:
   explicit Export(const std::string& directory)
       : directory_(directory),
-        nodes_(open(directory, "nodes.csv")), contact_(open(directory, "contact.csv")) {
+        nodes_(open(directory, "nodes.csv")),
+        contact_(open(directory, "contact.csv")) {
     nodes_.print("row,node,x_mm,y_mm,z_mm\n");
     contact_.print("row,sample,gap_mm,force_x_N,force_y_N,force_z_N,in_contact\n");
   }

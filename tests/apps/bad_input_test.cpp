@@ -388,6 +388,8 @@ TEST(BadInput, WrongUsage) {
   expect_refused({"press", finger, "--to-mm", "-1"}, {"--to-mm"});
   expect_refused({"press", finger, "--steps", "0"}, {"--steps"});
   expect_refused({"press", finger, "--sphere-mm", "nan"}, {"--sphere-mm"});
+  expect_refused({"press", finger, "--hold-ms", "-1"}, {"--hold-ms"});
+  expect_refused({"press", finger, "--hold-ms", "5"}, {"--hold-ms", "--speed-mm-per-s"});
   expect_refused({"device", "solve", device, "--configuration", "yaw_deg=5"},
                  {"--configuration", "yaw_deg"});
   expect_refused({"device", "pose", device, "--joints-deg", "1,2"}, {"--joints-deg"});

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -139,6 +140,47 @@ TEST_F(FingerFitCommand, ScalesEveryLayer) {
   const double own = fitted["material"][volume]["youngs_modulus_kPa"];
   EXPECT_NEAR(own, 50.0, 1.5);
   EXPECT_NEAR(common / own, shown["material"]["youngs_modulus_kPa"].get<double>() / 20.0, 1e-4);
+}
+
+TEST_F(FingerFitCommand, FitsOneFactorOnAllLayersAndKeepsThem) {
+  const std::filesystem::path fingers = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers";
+  for (const char* file : {"index-layered.toml", "index-layered.msh"}) {
+    std::filesystem::copy(fingers / file, place_.path("fingers"));
+  }
+  // Measured on the same finger, a tenth stiffer in all layers: the fit's own curve says how much.
+  const std::string layered = place_.path("fingers/index-layered.toml");
+  const ProgramRun press =
+      run_program({"press", layered, "--to-mm", "0.4", "--steps", "12", "--json"});
+  std::string curve = "indentation_mm,force_N\n";
+  for (const json& row : json::parse(press.output)) {
+    const double noise = curve.size() % 2 == 0 ? 0.01 : -0.01;
+    curve += row["indentation_mm"].dump() + "," +
+             std::to_string(1.1 * (1.0 + noise) * row["normal_force_N"].get<double>()) + "\n";
+  }
+  place_.write("curve.csv", curve);
+  const ProgramRun run =
+      run_program({"finger", "fit", layered, "--data", place_.path("curve.csv"), "--out",
+                   place_.path("fitted.toml"), "--parameters", "youngs_modulus_kPa", "--json"});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  const json answer = json::parse(run.output);
+  const double factor = answer["parameters"]["youngs_modulus_factor"]["value"];
+  EXPECT_NEAR(factor, 1.1, 0.03);
+  const auto material = [](const std::string& file) {
+    return json::parse(run_program({"finger", "show", file, "--json"}).output)["material"];
+  };
+  json before = material(layered);
+  json after = material(place_.path("fitted.toml"));
+  for (const char* layer : {"epidermis", "dermis", "subcutaneous"}) {
+    const double was = before[layer]["youngs_modulus_kPa"];
+    const double is = after[layer]["youngs_modulus_kPa"];
+    EXPECT_NEAR(is / was, factor, 1e-4) << layer;
+    EXPECT_NEAR(answer["moduli_kPa"]["material." + std::string(layer) + ".youngs_modulus_kPa"], is,
+                1e-3);
+    before[layer].erase("youngs_modulus_kPa");
+    after[layer].erase("youngs_modulus_kPa");
+  }
+  EXPECT_EQ(before, after);
+  EXPECT_THAT(place_.read("fitted.toml"), HasSubstr("one factor on all layers"));
 }
 
 TEST_F(FingerFitCommand, NamesWhatIsWrongWithTheData) {

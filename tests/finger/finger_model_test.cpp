@@ -117,7 +117,7 @@ TEST_F(FingerModelTest, MaterialsByVolume) {
   mesh.names = "4\n2 1 \"skin\"\n2 2 \"bone\"\n3 1 \"fat\"\n3 2 \"dermis\"\n";
   mesh.elements[5] = "6 4 2 2 1 2 4 3 5";
   const auto model = load(
-      "[material]\npoissons_ratio = 0.3\n"
+      "[material]\nyoungs_modulus_kPa = 45\npoissons_ratio = 0.3\n"
       "[material.dermis]\nyoungs_modulus_kPa = 80\n",
       mesh);
   EXPECT_THAT(model->tetrahedron_material, ElementsAre(0, 1));
@@ -131,6 +131,50 @@ TEST_F(FingerModelTest, MaterialsByVolume) {
             "fat, dermis");
   EXPECT_THAT(error("[material]\nyoung_modulus_kPa = 3\n", mesh),
               HasSubstr("unknown key 'young_modulus_kPa'; did you mean 'youngs_modulus_kPa'?"));
+}
+
+TEST_F(FingerModelTest, EachOfSeveralVolumesNeedsConstants) {
+  MeshText mesh;
+  mesh.names = "4\n2 1 \"skin\"\n2 2 \"bone\"\n3 1 \"fat\"\n3 2 \"dermis\"\n";
+  mesh.elements[5] = "6 4 2 2 1 2 4 3 5";
+  const std::string fat = "[material.fat]\nyoungs_modulus_kPa = 30\npoissons_ratio = 0.4\n";
+  EXPECT_EQ(error("", mesh),
+            "tip.toml:2: mesh.file: tip.msh has several physical volumes, fat, dermis: give each "
+            "its constants in [material.NAME], or all of them in [material]");
+  EXPECT_EQ(error("[material]\nyoungs_modulus_kPa = 30\n" + fat, mesh),
+            "tip.toml:3: material.dermis: missing; one of several physical volumes of the mesh, it "
+            "needs poissons_ratio here or in [material]");
+  EXPECT_THAT(error(fat, mesh), HasSubstr("material.dermis: missing; one of several physical "
+                                          "volumes of the mesh, it needs youngs_modulus_kPa"));
+  EXPECT_THAT(error(fat + "[material.dermis]\nyoungs_modulus_kPa = 80\n", mesh),
+              HasSubstr("tip.toml:6: material.dermis.poissons_ratio: missing"));
+  EXPECT_THAT(
+      error(fat + "[material.dermis]\nyoungs_modulus_kPa = 80\npoissons_ratio = 0.5\n", mesh),
+      HasSubstr("tip.toml:8: material.dermis.poissons_ratio: must be at least 0 and less "
+                "than 0.5, found 0.5"));
+  EXPECT_THAT(error("[material]\nyoung_modulus_kPa = 3\n", mesh),
+              HasSubstr("did you mean 'youngs_modulus_kPa'?"));
+  const auto model =
+      load(fat + "[material.dermis]\nyoungs_modulus_kPa = 80\npoissons_ratio = 0.45\n", mesh);
+  EXPECT_DOUBLE_EQ(model->materials[0].youngs_modulus, 30e3);
+  EXPECT_DOUBLE_EQ(model->materials[1].poissons_ratio, 0.45);
+  EXPECT_DOUBLE_EQ(model->materials[1].density, 1000.0);
+  // What no volume has is not told as if it had a meaning.
+  EXPECT_FALSE(nlohmann::json::parse(model->as_read)["material"].contains("youngs_modulus_kPa"));
+}
+
+TEST_F(FingerModelTest, Relaxation) {
+  const std::string term = "[[material.relaxation]]\ntime_ms = 70\nfraction = 0.6\n";
+  const auto model = load(term);
+  ASSERT_EQ(model->relaxation.terms.size(), 1u);
+  EXPECT_DOUBLE_EQ(model->relaxation.terms[0].time, 70e-3);
+  EXPECT_DOUBLE_EQ(model->relaxation.long_time_fraction(), 0.4);
+  EXPECT_THAT(error(term + term), HasSubstr("tip.toml:8: material.relaxation[1].fraction: the "
+                                            "fractions of all [[material.relaxation]] must sum"));
+  EXPECT_THAT(error("[[material.relaxation]]\ntime_ms = 0\nfraction = 0.6\n"),
+              HasSubstr("time_ms: must be"));
+  EXPECT_THAT(error("[[material.relaxation]]\ntime_ms = 4\nfraction = 0\n"),
+              HasSubstr("fraction: must be"));
 }
 
 TEST_F(FingerModelTest, VolumeNamedBoneIsRigid) {

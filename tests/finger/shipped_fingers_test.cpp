@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/geometry/tetrahedron_faces.hpp"
@@ -17,6 +19,8 @@ namespace {
 struct Expected {
   std::string name;
   std::size_t least_tetrahedra, most_tetrahedra;
+  double least_angle_deg = 12.0;
+  bool is_one_of_the_sizes = true;
 };
 
 std::ostream& operator<<(std::ostream& stream, const Expected& expected) {
@@ -106,6 +110,7 @@ TEST_P(ShippedFinger, NailIsDorsalAndPulpIsSkin) {
 }
 
 TEST_P(ShippedFinger, SharesOneSetOfConstants) {
+  if (!GetParam().is_one_of_the_sizes) GTEST_SKIP() << "has its own";
   auto own = nlohmann::json::parse(model_->as_read);
   auto first = nlohmann::json::parse(FingerModel::load(folder() / "index.toml")->as_read);
   own.erase("mesh");
@@ -134,11 +139,59 @@ TEST_P(ShippedFinger, ElementsAreWellShaped) {
       }
     }
   }
-  EXPECT_GT(least * 57.29577951308232, 12.0);
+  EXPECT_GT(least * 57.29577951308232, GetParam().least_angle_deg);
+}
+
+TEST(LayeredFinger, HasLayersOfTheThicknessItsFileSays) {
+  const auto model = FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
+                                       "index-layered.toml");
+  const TetrahedralMesh& mesh = model->mesh;
+  ASSERT_EQ(mesh.volume_names, (std::vector<std::string>{"epidermis", "dermis", "subcutaneous"}));
+  std::array<std::set<int>, 3> nodes;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    nodes[static_cast<std::size_t>(mesh.tetrahedron_volume[t])].insert(mesh.tetrahedra[t].begin(),
+                                                                       mesh.tetrahedra[t].end());
+  }
+  const auto between = [&](std::size_t a, std::size_t b) {
+    std::vector<int> shared;
+    std::ranges::set_intersection(nodes[a], nodes[b], std::back_inserter(shared));
+    return shared;
+  };
+  // The surface lies on a thickness along its normal: the nearest node of it is as far away.
+  const std::vector<int> under_epidermis = between(0, 1);
+  std::set<int> surface = nodes[0];
+  for (const int n : under_epidermis) surface.erase(n);
+  const auto expect_depth = [&](const std::vector<int>& interface, double depth) {
+    ASSERT_FALSE(interface.empty());
+    for (const int n : interface) {
+      double nearest = 1.0;
+      for (const int s : surface) {
+        nearest = std::min(nearest, (mesh.nodes[static_cast<std::size_t>(s)] -
+                                     mesh.nodes[static_cast<std::size_t>(n)])
+                                        .norm());
+      }
+      EXPECT_NEAR(nearest, depth, 2e-7);  // coordinates have six digits
+    }
+  };
+  expect_depth(under_epidermis, 0.6e-3);
+  expect_depth(between(1, 2), 1.6e-3);
+  EXPECT_TRUE(between(0, 2).empty());
+}
+
+TEST(ViscoelasticFinger, IsTheDefaultFingerWithRelaxation) {
+  const std::filesystem::path folder = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers";
+  auto viscous =
+      nlohmann::json::parse(FingerModel::load(folder / "index-viscoelastic.toml")->as_read);
+  const auto plain = nlohmann::json::parse(FingerModel::load(folder / "index.toml")->as_read);
+  EXPECT_EQ(viscous["material"]["relaxation"].size(), 3u);
+  viscous["material"].erase("relaxation");
+  EXPECT_EQ(viscous, plain);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, ShippedFinger,
                          ::testing::Values(Expected{"index", 340, 480},
+                                           // Layers are thin: 0.6 mm under elements of 4 mm.
+                                           Expected{"index-layered", 1500, 2500, 5.0, false},
                                            Expected{"index-medium", 1200, 1400},
                                            Expected{"index-fine", 4000, 6500},
                                            Expected{"index-reference", 20000, 30000}),

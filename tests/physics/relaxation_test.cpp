@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "../support/box_finger.hpp"
 #include "softfinger/finger/indentation.hpp"
 
@@ -45,6 +48,50 @@ TEST(SkinRelaxation, AFastPressMeetsTheInstantaneousSkinASlowOneTheRelaxed) {
     EXPECT_GT(force, last) << speed;
     last = force;
   }
+}
+
+TEST(SkinRelaxation, HeldSkinRelaxesAsItsTermsSay) {
+  const auto model = relaxing_finger();
+  IndentationOptions options;
+  options.depth = 1e-3;
+  options.rows = 4;
+  options.friction = false;
+  double instantaneous = 0.0;
+  indent(*model, Indenter::plane(), options,
+         [&](const IndentationState& state) { instantaneous = state.row.normal_force; });
+  options.speed = 0.5;  // 2 ms to the depth
+  options.hold = 200e-3;
+  std::vector<IndentationRow> rows;
+  indent(*model, Indenter::plane(), options,
+         [&](const IndentationState& state) { rows.push_back(state.row); });
+  ASSERT_EQ(rows.size(), 8u);
+  EXPECT_DOUBLE_EQ(rows[3].time, 2e-3);
+  EXPECT_DOUBLE_EQ(rows[7].time, 202e-3);
+  for (std::size_t k = 4; k < rows.size(); ++k) {
+    EXPECT_EQ(rows[k].indentation, options.depth);
+    // The first term is long gone; of the second, what has relaxed since the middle of the way.
+    const double left = 0.3 + 0.3 * std::exp(-(rows[k].time - 1e-3) / 70e-3);
+    EXPECT_NEAR(rows[k].normal_force / instantaneous, left, 0.01) << rows[k].time;
+  }
+}
+
+TEST(SkinRelaxation, ElasticSkinUnloadsAsItWasLoaded) {
+  const auto model = testing_support::box_finger();
+  IndentationOptions options;
+  options.depth = 1e-3;
+  options.rows = 4;
+  options.unload = true;
+  options.friction = false;
+  std::vector<IndentationRow> rows;
+  indent(*model, Indenter::plane(), options,
+         [&](const IndentationState& state) { rows.push_back(state.row); });
+  ASSERT_EQ(rows.size(), 8u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_DOUBLE_EQ(rows[6 - k].indentation, rows[k].indentation);
+    EXPECT_NEAR(rows[6 - k].normal_force, rows[k].normal_force, 1e-7);
+  }
+  EXPECT_EQ(rows[7].indentation, 0.0);
+  EXPECT_NEAR(rows[7].normal_force, 0.0, 1e-9);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 FINGER = ROOT / "fingers/index.toml"
+LAYERED = ROOT / "fingers/index-layered.toml"  # several materials, dilatation over patches
 PROGRAM = sys.argv.pop()
 
 
@@ -23,11 +24,11 @@ class CheckBalance(unittest.TestCase):
     def tearDown(self):
         self.temporary.cleanup()
 
-    def press(self, *options):
-        subprocess.run([PROGRAM, "press", FINGER, "--export", self.folder, *options], check=True, capture_output=True)
+    def press(self, *options, finger=FINGER):
+        subprocess.run([PROGRAM, "press", finger, "--export", self.folder, *options], check=True, capture_output=True)
 
-    def status(self, *options):
-        run = subprocess.run([sys.executable, ROOT / "tools/check_balance", FINGER, self.folder, *options],
+    def status(self, *options, finger=FINGER):
+        run = subprocess.run([sys.executable, ROOT / "tools/check_balance", finger, self.folder, *options],
                              capture_output=True, text=True)
         self.assertEqual(run.stderr, "")
         return run.returncode
@@ -37,6 +38,16 @@ class CheckBalance(unittest.TestCase):
                         ["--to-mm", "1.5", "--steps", "2", "--sphere-mm", "6", "--angle-deg", "25"]):
             self.press(*options)
             self.assertEqual(self.status("--within", "1e-8"), 0, options)
+
+    def test_layers_are_in_balance(self):
+        self.press("--to-mm", "2", "--steps", "2", finger=LAYERED)
+        self.assertEqual(self.status("--within", "1e-8", finger=LAYERED), 0)
+        # Over other patches they would not be.
+        file = self.folder / "patches.csv"
+        header, *lines = file.read_text().splitlines()
+        alone = [f"{line.split(',')[0]},{k}" for k, line in enumerate(lines)]
+        file.write_text("\n".join([header, *alone]) + "\n")
+        self.assertEqual(self.status(finger=LAYERED), 1)
 
     def test_without_limits(self):
         self.press("--to-mm", "1.5", "--steps", "2", "--no-strain-limits")

@@ -69,11 +69,11 @@ FingerModel::Material read_material(const ConfigTable& table, const std::string&
     if (common.youngs_modulus && common.poissons_ratio) {
       return {volume, *common.youngs_modulus, *common.poissons_ratio, common.density};
     }
-    const std::string missing =
-        common.youngs_modulus ? "poissons_ratio" : "youngs_modulus_kPa";
+    const std::string missing = common.youngs_modulus ? "poissons_ratio" : "youngs_modulus_kPa";
     if (volume.empty()) {
-      table.fail(missing, "missing; some tetrahedra are in no physical volume, so that nothing "
-                          "else can give it");
+      table.fail(missing,
+                 "missing; some tetrahedra are in no physical volume, so that nothing "
+                 "else can give it");
     }
     table.fail(volume, fmt::format("missing; one of several physical volumes of the mesh, it needs "
                                    "{} here or in [material]",
