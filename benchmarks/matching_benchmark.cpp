@@ -27,6 +27,8 @@ std::shared_ptr<const Device> thimble() {
   return device;
 }
 
+constexpr int kSamples = 120;
+
 struct Frame {
   std::vector<Vector3> points;
   std::vector<std::uint8_t> in_contact;
@@ -37,8 +39,7 @@ struct Frame {
 
 /// A ball of 12 mm rolls over an ellipsoidal pad, up to `tilt` (rad) off its lowest point: frames
 /// of one motion, each near the one before.
-std::vector<Frame> rolling_ball(double tilt, int frames) {
-  constexpr int kSamples = 120;
+std::vector<Frame> rolling_ball(double tilt, int frames, int samples = kSamples) {
   constexpr double kRadius = 12.0 * mm;
   std::vector<Frame> motion;
   for (int f = 0; f < frames; ++f) {
@@ -47,9 +48,9 @@ std::vector<Frame> rolling_ball(double tilt, int frames) {
     const Vector3 normal(std::sin(angle) * std::cos(phase), std::sin(angle) * std::sin(phase),
                          std::cos(angle));
     Frame frame;
-    for (int i = 0; i < kSamples; ++i) {
+    for (int i = 0; i < samples; ++i) {
       const double azimuth = 2.39996323 * i;
-      const double down = 1.0 - 0.95 * (i + 0.5) / kSamples;
+      const double down = 1.0 - 0.95 * (i + 0.5) / samples;
       const double across = std::sqrt(1.0 - down * down);
       frame.points.emplace_back(12.5 * mm * across * std::cos(azimuth),
                                 8.0 * mm * across * std::sin(azimuth), -7.3 * mm * down);
@@ -139,30 +140,37 @@ struct Motion {
   std::vector<Configuration> before;  ///< the answer of the frame before: warm start
 };
 
+/// Where MINPACK starts from q.
+Eigen::VectorXd scaled(const Configuration& q) {
+  Eigen::VectorXd start(3);
+  for (int k = 0; k < 3; ++k) {
+    start[k] = q[k] * thimble()->axes()[static_cast<std::size_t>(k)].metric / mm;
+  }
+  return start;
+}
+
 /// Frames for which both find the same minimum of E; the others are of no use for a race.
-const Motion& shared_motion() {
-  static const Motion motion = [] {
-    Motion chosen;
-    const std::vector<Frame> frames = rolling_ball(15.0 * deg, 400);
-    ContactSurfaceMatching matching(thimble(), 120);
-    MatchingOptions options;
-    options.limits = MatchingLimits::kNone;
-    Configuration warm = matching.solve(frames.back().view(), options).configuration;
-    for (const Frame& frame : frames) {
-      const MatchingResult ours = matching.solve(frame.view(), options, &warm);
-      Eigen::VectorXd start(3);
-      for (int k = 0; k < 3; ++k) {
-        start[k] = warm[k] * thimble()->axes()[static_cast<std::size_t>(k)].metric / mm;
-      }
-      const BaselineAnswer theirs = baseline(frame, start);
-      if (std::abs(theirs.deviation - ours.deviation) < 1e-3 * ours.deviation + 1e-14) {
-        chosen.frames.push_back(frame);
-        chosen.before.push_back(warm);
-      }
-      warm = ours.configuration;
+Motion motion_with_one_minimum(int samples, int count) {
+  Motion chosen;
+  const std::vector<Frame> frames = rolling_ball(15.0 * deg, count, samples);
+  ContactSurfaceMatching matching(thimble(), samples);
+  MatchingOptions options;
+  options.limits = MatchingLimits::kNone;
+  Configuration warm = matching.solve(frames.back().view(), options).configuration;
+  for (const Frame& frame : frames) {
+    const MatchingResult ours = matching.solve(frame.view(), options, &warm);
+    const BaselineAnswer theirs = baseline(frame, scaled(warm));
+    if (std::abs(theirs.deviation - ours.deviation) < 1e-3 * ours.deviation + 1e-14) {
+      chosen.frames.push_back(frame);
+      chosen.before.push_back(warm);
     }
-    return chosen;
-  }();
+    warm = ours.configuration;
+  }
+  return chosen;
+}
+
+const Motion& shared_motion() {
+  static const Motion motion = motion_with_one_minimum(kSamples, 400);
   return motion;
 }
 
@@ -191,7 +199,7 @@ void matching(benchmark::State& state, MatchingLimits limits, bool warm, double 
     motion.frames = rolling_ball(tilt_deg * deg, 400);
     motion.before.assign(motion.frames.size(), thimble()->home());
   }
-  ContactSurfaceMatching solver(thimble(), 120);
+  ContactSurfaceMatching solver(thimble(), kSamples);
   MatchingOptions options;
   options.limits = limits;
   Configuration last = thimble()->home();
@@ -212,41 +220,50 @@ void matching(benchmark::State& state, MatchingLimits limits, bool warm, double 
 void minpack(benchmark::State& state) {
   const Motion& motion = shared_motion();
   over_motion(state, motion, [&](std::size_t f) {
-    Eigen::VectorXd start(3);
-    for (int k = 0; k < 3; ++k) {
-      start[k] = motion.before[f][k] * thimble()->axes()[static_cast<std::size_t>(k)].metric / mm;
-    }
-    benchmark::DoNotOptimize(baseline(motion.frames[f], start));
+    benchmark::DoNotOptimize(baseline(motion.frames[f], scaled(motion.before[f])));
   });
 }
 
-/// Both on the same frames in the same run.
-void ratio_to_minpack(benchmark::State& state) {
-  const Motion& motion = shared_motion();
-  ContactSurfaceMatching solver(thimble(), 120);
+/// Both on the same frames in the same run, an iteration once over the motion.
+void race_minpack(benchmark::State& state, const Motion& motion, int samples) {
+  if (motion.frames.empty()) {
+    state.SkipWithError("no frame has one minimum for both");
+    return;
+  }
+  ContactSurfaceMatching solver(thimble(), samples);
   MatchingOptions options;
   options.limits = MatchingLimits::kNone;
   std::vector<double> ours;
   std::vector<double> theirs;
+  double iterations = 0.0;
   for ([[maybe_unused]] auto unused : state) {
     for (std::size_t f = 0; f < motion.frames.size(); ++f) {
-      Eigen::VectorXd start(3);
-      for (int k = 0; k < 3; ++k) {
-        start[k] = motion.before[f][k] * thimble()->axes()[static_cast<std::size_t>(k)].metric / mm;
-      }
       const double t0 = thread_cpu_time();
-      benchmark::DoNotOptimize(baseline(motion.frames[f], start));
+      benchmark::DoNotOptimize(baseline(motion.frames[f], scaled(motion.before[f])));
       const double t1 = thread_cpu_time();
-      benchmark::DoNotOptimize(solver.solve(motion.frames[f].view(), options, &motion.before[f]));
+      iterations += solver.solve(motion.frames[f].view(), options, &motion.before[f]).iterations;
       theirs.push_back(t1 - t0);
       ours.push_back(thread_cpu_time() - t1);
     }
   }
   std::sort(ours.begin(), ours.end());
   std::sort(theirs.begin(), theirs.end());
-  state.counters["ours_us"] = ours[ours.size() / 2] / us;
-  state.counters["minpack_us"] = theirs[theirs.size() / 2] / us;
-  state.counters["ratio"] = theirs[theirs.size() / 2] / ours[ours.size() / 2];
+  const std::size_t count = ours.size();
+  state.counters["samples"] = samples;
+  state.counters["frames"] = static_cast<double>(motion.frames.size());
+  state.counters["iterations"] = iterations / static_cast<double>(count);
+  state.counters["median_us"] = ours[count / 2] / us;
+  state.counters["p99_us"] = ours[count * 99 / 100] / us;
+  state.counters["minpack_us"] = theirs[count / 2] / us;
+  state.counters["minpack_p99_us"] = theirs[count * 99 / 100] / us;
+  state.counters["ratio"] = theirs[count / 2] / ours[count / 2];
+}
+
+void ratio_to_minpack(benchmark::State& state) { race_minpack(state, shared_motion(), kSamples); }
+
+void matching_samples(benchmark::State& state) {
+  const auto samples = static_cast<int>(state.range(0));
+  race_minpack(state, motion_with_one_minimum(samples, 100), samples);
 }
 
 std::vector<Configuration> poses() {
@@ -293,6 +310,7 @@ BENCHMARK_CAPTURE(matching, warm_inside_at_limits, MatchingLimits::kInside, true
 BENCHMARK_CAPTURE(matching, cold_inside_at_limits, MatchingLimits::kInside, false, 40.0);
 BENCHMARK(minpack);
 BENCHMARK(ratio_to_minpack)->Iterations(3);
+BENCHMARK(matching_samples)->ArgsProduct({{120, 250, 500, 1000, 2500, 5000, 10000}})->Iterations(2);
 BENCHMARK(inverse_kinematics);
 BENCHMARK(forward_kinematics);
 

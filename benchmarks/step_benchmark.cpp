@@ -1,61 +1,201 @@
-// One step of the finger in the shipped scenes: thread CPU time, median and 99th percentile.
+// One step of the finger in the shipped scenes: thread CPU time, median and 99th percentile, and
+// the ratio to the plain step, whose answer is compared with ours before either is timed.
 
 #include <benchmark/benchmark.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <filesystem>
+#include <string>
 #include <vector>
 
+#include "plain_step.hpp"
+#include "scenario.hpp"
 #include "softfinger/base/thread_clock.hpp"
-#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
-#include "softfinger/scene/scene.hpp"
 
+namespace softfinger {
 namespace {
 
-using namespace softfinger;
-
-double quantile(std::vector<double>& values, double q) {
+double quantile(std::vector<double> values, double q) {
   const auto at = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + static_cast<long>(at), values.end());
   return values[at];
 }
 
-/// Runs a scene's script from start to end, a step an iteration of the benchmark.
-void step_scene(benchmark::State& state, const char* scene_name, const char* finger_name) {
-  const std::filesystem::path root = SOFTFINGER_SOURCE_DIR;
-  const Scene scene = load_scene(root / "scenes" / (std::string(scene_name) + ".toml"));
-  const auto model = FingerModel::load(root / "fingers" / (std::string(finger_name) + ".toml"));
-  const double time_step = 1.0 / scene.simulation_rate;
-  const Trajectory script(scene.fingers.front().waypoints);
-  FingerSimulation finger(model, scene.objects, time_step);
-  const auto steps = static_cast<int>(script.end_time() / time_step);
-  std::vector<double> times;
-  double iterations = 0.0;
-  double unconverged = 0.0;
-  int k = 0;
-  for (auto _ : state) {
-    if (k == 0) finger.reset(script.sample(0.0));
-    k = k % steps + 1;
-    const Pose X_WFt = script.sample(k * time_step);
+/// A scenario run over and over, a step at a time.
+class TimedRun {
+ public:
+  explicit TimedRun(const Scenario& scenario)
+      : scenario_(scenario), finger_(scenario.model, scenario.objects, scenario.time_step) {}
+
+  void step() {
+    if (at_ == scenario_.steps()) at_ = 0;
+    if (at_ == 0) finger_.reset(scenario_.path[0]);
+    ++at_;
+    const double time = static_cast<double>(at_) * scenario_.time_step;
     const double start = thread_cpu_time();
-    const StepSummary summary = finger.step(X_WFt, k * time_step);
-    times.push_back(thread_cpu_time() - start);
-    iterations += summary.iterations;
-    unconverged += summary.converged ? 0.0 : 1.0;
-    if (k == steps) k = 0;
+    const StepSummary summary = finger_.step(scenario_.path[at_], time);
+    times_.push_back((thread_cpu_time() - start) / us);
+    iterations_ += summary.iterations;
+    unconverged_ += summary.converged ? 0 : 1;
   }
-  state.counters["median_us"] = 1e6 * quantile(times, 0.5);
-  state.counters["p99_us"] = 1e6 * quantile(times, 0.99);
-  state.counters["max_us"] = 1e6 * quantile(times, 1.0);
-  state.counters["iterations"] = iterations / static_cast<double>(times.size());
-  state.counters["unconverged"] = unconverged;
+  [[nodiscard]] double median() const { return quantile(times_, 0.5); }
+  [[nodiscard]] double mean() const {
+    double sum = 0.0;
+    for (const double t : times_) sum += t;
+    return sum / static_cast<double>(times_.size());
+  }
+  [[nodiscard]] const std::vector<double>& times() const { return times_; }  ///< us
+  [[nodiscard]] const FingerSimulation& finger() const { return finger_; }
+
+  void report(benchmark::State& state) const {
+    state.counters["tetrahedra"] = static_cast<double>(std::ranges::count_if(
+        scenario_.model->tetrahedron_material, [](int material) { return material >= 0; }));
+    state.counters["time_step_us"] = scenario_.time_step / us;
+    state.counters["median_us"] = median();
+    state.counters["mean_us"] = mean();
+    state.counters["p99_us"] = quantile(times_, 0.99);
+    state.counters["max_us"] = quantile(times_, 1.0);
+    state.counters["iterations"] = iterations_ / static_cast<double>(times_.size());
+    state.counters["unconverged"] = unconverged_;
+  }
+
+ private:
+  const Scenario& scenario_;
+  FingerSimulation finger_;
+  std::size_t at_ = 0;
+  std::vector<double> times_;
+  double iterations_ = 0.0, unconverged_ = 0.0;
+};
+
+/// The plain step on some steps of a scenario, each from the engine's own state.
+struct Comparison {
+  std::vector<std::size_t> steps;  ///< where it ran, from 0
+  std::vector<double> times;       ///< us
+  double iterations = 0.0, unconverged = 0.0;
+  /// Greatest distance of a node between our answer and the plain step's, which is carried on to a
+  /// hundredth of the tolerance for this; over the length of the finger.
+  double difference = 0.0;
+  /// Greatest residual of our answer as the plain step has it.
+  double residual = 0.0;
+
+  [[nodiscard]] bool agrees() const {
+    return !times.empty() && unconverged == 0.0 && difference <= 1e-6 && residual <= 1.01e-6;
+  }
+};
+
+Comparison compare(const Scenario& scenario, std::size_t stride) {
+  FingerSimulation finger(scenario.model, scenario.objects, scenario.time_step);
+  PlainStep plain(scenario.model, scenario.objects, scenario.time_step);
+  finger.reset(scenario.path[0]);
+  plain.reset(scenario.path[0]);
+  Comparison comparison;
+  for (std::size_t k = 1; k <= scenario.steps(); ++k) {
+    const double time = static_cast<double>(k) * scenario.time_step;
+    finger.step(scenario.path[k], time);
+    if (k % stride == 0) {
+      const double start = thread_cpu_time();
+      const StepSummary summary = plain.solve(scenario.path[k], time);
+      comparison.times.push_back((thread_cpu_time() - start) / us);
+      comparison.steps.push_back(k - 1);
+      comparison.iterations += summary.iterations;
+      if (!summary.converged || !plain.refine()) comparison.unconverged += 1.0;
+      for (std::size_t n = 0; n < plain.positions().size(); ++n) {
+        const double apart = (plain.positions()[n] - finger.positions()[n]).norm();
+        comparison.difference = std::max(comparison.difference, apart);
+      }
+      comparison.residual =
+          std::max(comparison.residual, plain.residual_at(finger.positions(), finger.bone_pose()));
+    }
+    plain.advance(finger.positions(), finger.bone_pose(), scenario.path[k], time);
+  }
+  Eigen::AlignedBox3d extent;
+  for (const Vector3& x : scenario.model->mesh.nodes) extent.extend(x);
+  comparison.difference /= extent.sizes().maxCoeff();
+  return comparison;
 }
 
-BENCHMARK_CAPTURE(step_scene, S_plane, "plane", "index")->Iterations(8000);
-BENCHMARK_CAPTURE(step_scene, S_edge, "edge", "index")->Iterations(8000);
-BENCHMARK_CAPTURE(step_scene, S_sphere, "sphere", "index")->Iterations(8000);
-BENCHMARK_CAPTURE(step_scene, M_plane, "plane", "index-medium")->Iterations(8000);
-BENCHMARK_CAPTURE(step_scene, M_sphere, "sphere", "index-medium")->Iterations(8000);
+/// A step of the finger and, unless stride is 0, of the plain step on every stride-th state.
+void time_steps(benchmark::State& state, const Scenario& scenario, std::size_t stride) {
+  Comparison comparison;
+  if (stride > 0) {
+    comparison = compare(scenario, stride);
+    if (!comparison.agrees()) {
+      state.SkipWithError(("the plain step has another answer: difference " +
+                           std::to_string(1e6 * comparison.difference) + "e-6, residual " +
+                           std::to_string(1e6 * comparison.residual) + "e-6, unconverged " +
+                           std::to_string(comparison.unconverged))
+                              .c_str());
+      return;
+    }
+  }
+  TimedRun run(scenario);
+  for ([[maybe_unused]] auto unused : state) run.step();
+  run.report(state);
+  if (stride == 0) return;
+  std::vector<double> ours;
+  for (const std::size_t k : comparison.steps) {
+    if (k < run.times().size()) ours.push_back(run.times()[k]);
+  }
+  const auto count = static_cast<double>(comparison.times.size());
+  state.counters["plain_us"] = quantile(comparison.times, 0.5);
+  state.counters["plain_iterations"] = comparison.iterations / count;
+  state.counters["plain_steps"] = count;
+  state.counters["difference"] = comparison.difference;
+  state.counters["ratio"] = quantile(comparison.times, 0.5) / quantile(ours, 0.5);
+}
+
+void step(benchmark::State& state, const char* scene, const char* finger, double time_step,
+          std::size_t stride) {
+  time_steps(state, scripted(scene, finger, time_step), stride);
+}
+
+BENCHMARK_CAPTURE(step, S_plane, "plane", "index", 1e-3, 60)->Iterations(9000);
+BENCHMARK_CAPTURE(step, S_sphere, "sphere", "index", 1e-3, 60)->Iterations(9000);
+BENCHMARK_CAPTURE(step, S_edge, "edge", "index", 1e-3, 60)->Iterations(9000);
+BENCHMARK_CAPTURE(step, S_plane_5kHz, "plane", "index", 2e-4, 450)->Iterations(45000);
+BENCHMARK_CAPTURE(step, S_sphere_5kHz, "sphere", "index", 2e-4, 450)->Iterations(45000);
+BENCHMARK_CAPTURE(step, S_edge_5kHz, "edge", "index", 2e-4, 450)->Iterations(45000);
+BENCHMARK_CAPTURE(step, M_plane, "plane", "index-medium", 1e-3, 300)->Iterations(9000);
+BENCHMARK_CAPTURE(step, M_sphere, "sphere", "index-medium", 1e-3, 300)->Iterations(9000);
+BENCHMARK_CAPTURE(step, L_plane_16ms, "plane", "index-fine", 16e-3, 80)->Iterations(562);
+
+void step_violent(benchmark::State& state) {
+  time_steps(state, violent_on_edge("index", 1e-3, 9000), 60);
+}
+BENCHMARK(step_violent)->Name("step/S_violent_edge")->Iterations(9000);
+
+/// The same path with and without friction, by turns.
+void friction(benchmark::State& state, const char* scene) {
+  const Scenario rough = scripted(scene, "index", 1e-3);
+  const Scenario smooth = frictionless(rough);
+  TimedRun with(rough);
+  TimedRun without(smooth);
+  for ([[maybe_unused]] auto unused : state) {
+    without.step();
+    with.step();
+  }
+  with.report(state);
+  state.counters["frictionless_us"] = without.median();
+  state.counters["extra_percent"] = 100.0 * (with.median() / without.median() - 1.0);
+  state.counters["extra_mean_percent"] = 100.0 * (with.mean() / without.mean() - 1.0);
+}
+BENCHMARK_CAPTURE(friction, S_plane, "plane")->Iterations(9000);
+BENCHMARK_CAPTURE(friction, S_sphere, "sphere")->Iterations(9000);
+BENCHMARK_CAPTURE(friction, S_edge, "edge")->Iterations(9000);
+
+/// Step time against mesh size: a press of the pad on a plane, from 2 mm above it, held and let go.
+void press(benchmark::State& state, const char* finger, double time_step) {
+  time_steps(state, scripted("plane", finger, time_step, 0.9, 2.5), 0);
+}
+BENCHMARK_CAPTURE(press, S_1ms, "index", 1e-3)->Iterations(1600);
+BENCHMARK_CAPTURE(press, M_1ms, "index-medium", 1e-3)->Iterations(1600);
+BENCHMARK_CAPTURE(press, L_1ms, "index-fine", 1e-3)->Iterations(1600);
+BENCHMARK_CAPTURE(press, S_16ms, "index", 16e-3)->Iterations(100);
+BENCHMARK_CAPTURE(press, M_16ms, "index-medium", 16e-3)->Iterations(100);
+BENCHMARK_CAPTURE(press, L_16ms, "index-fine", 16e-3)->Iterations(100);
+BENCHMARK_CAPTURE(press, R_16ms, "index-reference", 16e-3)->Iterations(100);
 
 }  // namespace
+}  // namespace softfinger
