@@ -310,7 +310,7 @@ BENCHMARK_CAPTURE(matching, warm_inside_at_limits, MatchingLimits::kInside, true
 BENCHMARK_CAPTURE(matching, cold_inside_at_limits, MatchingLimits::kInside, false, 40.0);
 BENCHMARK(minpack);
 BENCHMARK(ratio_to_minpack)->Iterations(3);
-BENCHMARK(matching_samples)->ArgsProduct({{120, 250, 500, 1000, 2500, 5000, 10000}})->Iterations(2);
+BENCHMARK(matching_samples)->ArgsProduct({{120, 250, 500, 1000, 2500, 5000, 10000}})->Iterations(5);
 BENCHMARK(inverse_kinematics);
 BENCHMARK(forward_kinematics);
 
