@@ -16,7 +16,7 @@ namespace softfinger {
 /// One implicit Euler step as one would write it first; what FingerSimulation is measured against.
 ///
 /// The same potential and the same tolerance: elasticity, strain limits, contact, friction, bone
-/// and coupling. Minimised by a projected Newton's method: every element's Hessian made positive
+/// and coupling. Minimised by projected Newton: every element's Hessian made positive
 /// semidefinite, a sparse matrix of triplets factored anew in each iteration, and a line search on
 /// the energy. The contact potential and the bone's terms are the library's; elasticity and solver
 /// are not.

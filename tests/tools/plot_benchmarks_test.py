@@ -1,0 +1,61 @@
+"""tools/plot_benchmarks must write what a run says, and nothing where a run lacks something."""
+
+import importlib.machinery
+import importlib.util
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+TOOL = pathlib.Path(__file__).resolve().parents[2] / "tools" / "plot_benchmarks"
+loader = importlib.machinery.SourceFileLoader("plot_benchmarks", str(TOOL))
+tool = importlib.util.module_from_spec(importlib.util.spec_from_loader("plot_benchmarks", loader))
+loader.exec_module(tool)
+
+
+def run_of(*rows):
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder, "run.json")
+        file.write_text(json.dumps({"context": {}, "benchmarks": rows}))
+        return tool.Run(file)
+
+
+def press(name, **counters):
+    row = {"name": f"press/{name}/iterations:100", "tetrahedra": 411, "median_us": 1234.5, "mean_us": 99.94,
+           "p99_us": 1.0, "iterations": 2.0, "unconverged": 0}
+    return {**row, **counters}
+
+
+class PlotBenchmarks(unittest.TestCase):
+    def test_page_has_a_place_for_every_part(self):
+        page = tool.PAGE.read_text()
+        for name in tool.PARTS:
+            self.assertEqual(page.count(f"<!-- {name} -->"), 1, name)
+        self.assertEqual(page.count("<!-- end -->"), len(tool.PARTS))
+
+    def test_times_have_three_digits(self):
+        self.assertEqual([tool.micro(t) for t in (0.1234, 12.34, 99.94, 1234.5, 1234567.0)],
+                         ["0.123", "12.3", "99.9", "1,230", "1,230,000"])
+
+    def test_aims_are_judged_by_median_and_tail(self):
+        self.assertEqual(tool.reached((60, 150), 60, 150)[1], "yes")
+        self.assertEqual(tool.reached((60, 150), 60, 151)[1], "median")
+        self.assertEqual(tool.reached((60, 150), 61, 150)[1], "no")
+        self.assertEqual(tool.reached(None, 61, 150), ["", ""])
+
+    def test_rows_are_those_of_the_run(self):
+        text = tool.growth(run_of(press("S_16ms"), press("L_1ms", tetrahedra=5283)))
+        self.assertIn("| S (`index`) | 411 | 16 ms | 1,230 | 99.9 | 1 | 2.0 | 0 |", text)
+        self.assertIn("| L (`index-fine`) | 5,283 | 1 ms |", text)
+
+    def test_refuses_what_is_missing_or_failed(self):
+        with self.assertRaisesRegex(SystemExit, "step/S_plane is not in this run"):
+            tool.steps(run_of(press("S_16ms")))
+        with self.assertRaisesRegex(SystemExit, "press/S_16ms: another answer"):
+            run_of(press("S_16ms", error_occurred=True, error_message="another answer"))
+
+
+if __name__ == "__main__":
+    unittest.main()
