@@ -159,7 +159,7 @@ BENCHMARK_CAPTURE(step, S_sphere_5kHz, "sphere", "index", 2e-4, 450)->Iterations
 BENCHMARK_CAPTURE(step, S_edge_5kHz, "edge", "index", 2e-4, 450)->Iterations(45000);
 BENCHMARK_CAPTURE(step, M_plane, "plane", "index-medium", 1e-3, 300)->Iterations(9000);
 BENCHMARK_CAPTURE(step, M_sphere, "sphere", "index-medium", 1e-3, 300)->Iterations(9000);
-BENCHMARK_CAPTURE(step, L_plane_16ms, "plane", "index-fine", 16e-3, 80)->Iterations(562);
+BENCHMARK_CAPTURE(step, L_plane_16ms, "plane", "index-fine", 16e-3, 40)->Iterations(562);
 
 void step_violent(benchmark::State& state) {
   time_steps(state, violent_on_edge("index", 1e-3, 9000), 60);
