@@ -18,8 +18,8 @@ namespace softfinger {
 /// The same potential and the same tolerance: elasticity, strain limits, contact, friction, bone
 /// and coupling. Minimised by projected Newton: every element's Hessian made positive
 /// semidefinite, a sparse matrix of triplets factored anew in each iteration, and a line search on
-/// the energy. The contact potential and the bone's terms are the library's; elasticity and solver
-/// are not.
+/// the energy. It meets obstacles at the samples only. The contact potential and the bone's terms
+/// are the library's; elasticity and solver are not.
 class PlainStep {
  public:
   /// `objects` must outlive it.

@@ -66,6 +66,13 @@ Scenario violent_on_edge(const std::string& finger, double time_step, int steps)
   return scenario;
 }
 
+Scenario without_features(Scenario scenario) {
+  auto model = std::make_shared<FingerModel>(*scenario.model);
+  model->feature_contact = false;
+  scenario.model = std::move(model);
+  return scenario;
+}
+
 Scenario frictionless(Scenario scenario) {
   for (VirtualObject& object : scenario.objects) object.friction_coefficient = 0.0;
   return scenario;

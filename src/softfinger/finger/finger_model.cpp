@@ -221,6 +221,7 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
       contact.number("tolerance_mm", Range::between(0.0, 5.0), model->contact_tolerance);
   model->friction_coefficient = contact.number("friction_coefficient", Range::between(0.0, 10.0),
                                                model->friction_coefficient);
+  model->feature_contact = contact.boolean("features", model->feature_contact);
   const auto size = root.optional_table("size");
 
   FingerGroups groups = group_nodes(model->mesh);

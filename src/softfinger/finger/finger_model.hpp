@@ -50,6 +50,7 @@ class FingerModel {
   Coupling coupling;
   double contact_tolerance = 5e-5;  ///< m
   double friction_coefficient = 0.5;
+  bool feature_contact = true;  ///< between samples too, see FeaturePoints
   std::filesystem::path file;
   std::string as_read;  ///< the file as JSON, defaults filled in
 };

@@ -101,6 +101,7 @@ void FingerPotential::begin(const Step& step) {
 }
 
 void FingerPotential::choose_features() {
+  if (!model_.feature_contact) return;
   const std::size_t samples = model_.sample_nodes.size();
   FeaturePoints::Step step;
   step.old_positions = step_.old_positions;
