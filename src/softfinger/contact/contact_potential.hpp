@@ -74,7 +74,7 @@ class ContactPotential {
   /// Lower bound of the gap of point i to obstacle o at `position_O`, m.
   [[nodiscard]] double gap_bound(std::size_t i, std::size_t o, const Vector3& position_O) const;
   /// Where W is seen from obstacle o, at the end of the step.
-  [[nodiscard]] const Pose& X_OW(std::size_t o) const { return X_OW_[o]; }
+  [[nodiscard]] const Pose& obstacle_view(std::size_t o) const { return X_OW_[o]; }
   /// Forgets where gaps were looked up: the obstacles have other shapes from now on.
   void forget();
   /// Norm of all contact forces last evaluated, N.

@@ -55,7 +55,7 @@ void FeaturePoints::place_corners(const Step& step, const ContactPotential& cont
                                   std::size_t o) {
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const auto node = static_cast<std::size_t>(model_.sample_nodes[i]);
-    corners_[i].position_O = contact.X_OW(o) * step.positions[node];
+    corners_[i].position_O = contact.obstacle_view(o) * step.positions[node];
     corners_[i].bound = contact.gap_bound(i, o, corners_[i].position_O);
     corners_[i].known = false;
   }
@@ -106,7 +106,7 @@ FeaturePoints::Found FeaturePoints::find(const Step& step, const ContactPotentia
   for (Vector3& corner : corners) corner += offset_O;
   const TrianglePoint point = deepest_point(shape, corners, start);
   found.weights = point.weights;
-  const Pose& X_OW = contact.X_OW(o);
+  const Pose& X_OW = contact.obstacle_view(o);
   const Matrix3 R_WO = X_OW.rotation.transpose();
   found.offset = R_WO * offset_O;
   const Vector3 p_O =

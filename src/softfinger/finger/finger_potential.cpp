@@ -82,7 +82,7 @@ void FingerPotential::forget() {
 
 void FingerPotential::begin(const Step& step) {
   step_ = step;
-  for (std::size_t o = 0; o < X_OW_old_.size(); ++o) X_OW_old_[o] = contact_.X_OW(o);
+  for (std::size_t o = 0; o < X_OW_old_.size(); ++o) X_OW_old_[o] = contact_.obstacle_view(o);
   contact_.begin(step.obstacles, step.anchors);
   if (step.relaxed) {
     elastic_.begin_relaxed(work_);
