@@ -37,6 +37,7 @@ std::vector<Stretch> course(const IndentationOptions& options) {
   const int increments =
       duration > 0.0 ? parts(duration, kLongestStep) : parts(length, kLongestIncrement);
   std::vector<Stretch> course;
+  course.reserve(3 * static_cast<std::size_t>(options.rows));
   for (int k = 0; k < options.rows; ++k) course.push_back({k, k + 1, duration, increments});
   if (options.hold > 0.0) {
     const double pause = options.hold / options.rows;
