@@ -23,7 +23,7 @@ class FeaturePoints {
  public:
   static constexpr std::size_t kMost = 64;
   static constexpr double kDepth = 5e-5;  ///< under the skin, m
-  static constexpr double kArea = 5e-6;   ///< counts as this area where stiffness goes by area, m^2
+  static constexpr double kArea = 2e-6;   ///< counts as this area where stiffness goes by area, m^2
 
   struct Point {
     int triangle = -1;  ///< of FingerModel::skin_triangles
