@@ -124,8 +124,7 @@ class Export {
     for (std::size_t i = 0; i < state.contact.samples.size(); ++i) {
       const softfinger::ContactSample& s = state.contact.samples[i];
       const softfinger::Vector3 f =
-          state.X_WF.rotation *
-          softfinger::Vector3(s.normal_force_F + s.tangential_force_F);
+          state.X_WF.rotation * softfinger::Vector3(s.normal_force_F + s.tangential_force_F);
       contact_.print("{},{},{},{},{},{},{}\n", row, i, s.gap / mm, f.x(), f.y(), f.z(),
                      s.in_contact ? 1 : 0);
     }
