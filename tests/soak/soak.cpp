@@ -1,6 +1,9 @@
 // A long violent run of the whole way from pose to command, in the three named scenes by turns,
-// with no wall clock in it. Says how the steps converged and what they took; status 1 when a state
-// was not finite, a command left its bounds, or more than one step in a thousand did not converge.
+// with and without the limit on the tracked pose's speed that a run has, and no wall clock in it;
+// then fingers whose nodes are scrambled, and presses to 4 mm. Says how the steps converged and
+// what they took; status 1 when a state was not finite, a command left its bounds, more than one
+// step in a thousand did not converge, an element was left inside out, or a finger did not come
+// back to where it was.
 //
 //   softfinger_soak [--steps N] [--seed N]
 #include <fmt/core.h>
@@ -15,11 +18,14 @@
 #include <string>
 #include <vector>
 
+#include "recovery.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/histogram.hpp"
 #include "softfinger/base/thread_clock.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/engine/finger_loop.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
@@ -28,6 +34,8 @@
 
 namespace softfinger {
 namespace {
+
+constexpr int kScrambles = 20;
 
 struct Tally {
   long steps = 0;
@@ -104,7 +112,7 @@ class RenderedDevice {
   double last_time_ = 0.0;
 };
 
-Tally explore(const std::filesystem::path& file, long steps, std::uint64_t seed) {
+Tally explore(const std::filesystem::path& file, long steps, std::uint64_t seed, bool limited) {
   const Scene scene = load_scene(file);
   const SceneFinger& finger = scene.fingers.front();
   const double time_step = 1.0 / scene.simulation_rate;
@@ -114,12 +122,15 @@ Tally explore(const std::filesystem::path& file, long steps, std::uint64_t seed)
   if (finger.device) {
     device.emplace(*finger.device, static_cast<int>(simulation.contact().samples.size()));
   }
-  simulation.reset(motion.sample(0.0));
+  Pose X_WFt = motion.sample(0.0);
+  simulation.reset(X_WFt);
+  const double furthest = limited ? kMaxTrackedSpeed * time_step : 1e9;
+  const double greatest_turn = limited ? kMaxTrackedAngularSpeed * time_step : 1e9;
 
   Tally tally;
   for (long k = 1; k <= steps; ++k) {
     const double time = static_cast<double>(k) * time_step;
-    const Pose& X_WFt = motion.sample(time);
+    X_WFt = moved_towards(X_WFt, motion.sample(time), furthest, greatest_turn);
     const double began = thread_cpu_time();
     const StepSummary step = simulation.step(X_WFt, time);
     tally.step_time.add(thread_cpu_time() - began);
@@ -145,6 +156,15 @@ void print(const std::string& name, const Tally& tally) {
       tally.iterations_at(0.5), tally.iterations_at(0.99), tally.iterations_at(1.0),
       tally.step_time.percentile(50) * 1e3, tally.step_time.percentile(99) * 1e3,
       tally.step_time.max() * 1e3, tally.max_normal_force, tally.commands, tally.out_of_bounds);
+}
+
+void print(const std::string& what, const Recovery& recovery) {
+  fmt::print(
+      "{}: {} trials {} unconverged {} not finite {} elements inside out  iterations to {}  "
+      "ends within {:.1e} mm{}\n",
+      what, recovery.trials, recovery.unconverged, recovery.not_finite, recovery.inverted,
+      recovery.iterations, recovery.apart / mm,
+      recovery.max_force > 0.0 ? fmt::format("  force to {:.1f} N", recovery.max_force) : "");
 }
 
 /// The number that follows the flag `name`.
@@ -174,12 +194,25 @@ int soak(int argc, char** argv) {
   const auto seed = static_cast<std::uint64_t>(number_after(argc, argv, "--seed", 1));
   fmt::print("iterations and step times: median / 99 % / most; seed {}\n", seed);
   bool sound = true;
-  for (const std::string name : {"plane", "edge", "sphere"}) {
-    const auto file = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes" / (name + ".toml");
-    const Tally tally = explore(file, std::max(1L, steps / 3), seed);
-    print(name, tally);
-    sound = sound && tally.not_finite == 0 && tally.out_of_bounds == 0 &&
-            tally.unconverged * 1000 <= tally.steps;
+  const std::filesystem::path root = SOFTFINGER_SOURCE_DIR;
+  for (const bool limited : {true, false}) {
+    fmt::print("tracked pose {}\n",
+               limited ? "held to the speed that a run allows" : "as it comes");
+    for (const std::string name : {"plane", "edge", "sphere"}) {
+      const Tally tally =
+          explore(root / "scenes" / (name + ".toml"), std::max(1L, steps / 6), seed, limited);
+      print(name, tally);
+      sound = sound && tally.not_finite == 0 && tally.out_of_bounds == 0 &&
+              tally.unconverged * 1000 <= tally.steps;
+    }
+  }
+  for (const std::string name : {"index", "index-medium"}) {
+    const auto model = FingerModel::load(root / "fingers" / (name + ".toml"));
+    const Recovery scrambled = scramble(*model, kScrambles, seed);
+    print(name + ", nodes scrambled by 5 mm", scrambled);
+    const Recovery pressed = press_hard(*model);
+    print(name + ", pressed to 4 mm", pressed);
+    sound = sound && scrambled.sound() && pressed.sound();
   }
   fmt::print("{}\n", sound ? "sound" : "NOT SOUND");
   return sound ? 0 : 1;
