@@ -84,7 +84,8 @@ TEST(MeshObject, RefusesWithFileLineAndKey) {
               AllOf(HasSubstr("scene.toml:10: object[0].unit"), HasSubstr("inch")));
   EXPECT_THAT(error_of(folder, kCube + "unit = \"mm\"\nedge_rounding_mm = 0.0\n"),
               HasSubstr("edge_rounding_mm"));
-  EXPECT_THAT(error_of(folder, kCube + "unit = \"mm\"\nradius_mm = 3.0\n"), HasSubstr("radius_mm"));
+  EXPECT_THAT(error_of(folder, kCube + "edge_rounding_mm = 2\nunit = \"mm\"\nradius_mm = 3.0\n"),
+              HasSubstr("radius_mm"));
   EXPECT_THAT(error_of(folder, "[[object]]\nshape = \"mesh\"\nunit = \"mm\"\n"), HasSubstr("file"));
   EXPECT_THAT(
       error_of(folder, "[[object]]\nshape = \"mesh\"\nfile = \"none.stl\"\nunit = \"mm\"\n"),
