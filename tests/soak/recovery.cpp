@@ -62,7 +62,7 @@ Recovery scramble(const FingerModel& model, int trials, std::uint64_t seed) {
     potential.forget();
     potential.begin(step);
     potential.start_from(from, Pose{});
-    return minimise(potential, options);
+    return untangle_and_minimise(potential, options);
   };
 
   (void)settle(model.mesh.nodes);

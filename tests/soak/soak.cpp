@@ -35,7 +35,7 @@
 namespace softfinger {
 namespace {
 
-constexpr int kScrambles = 20;
+constexpr int kScrambles = 100;
 
 struct Tally {
   long steps = 0;

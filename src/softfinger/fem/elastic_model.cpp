@@ -181,10 +181,12 @@ double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& w
                                      std::span<Vector3> gradient) const {
   double energy = 0.0;
   ElementForces forces;
+  ElementLimits limits = limits_;
+  if (!work.limited) limits.stiffness = 0.0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const ElementGroup& group = groups_[g];
-    energy += kernels_->energy_gradient(group, limits_, viscosity(work, g),
-                                        positions.data()->data(), &work.decompositions[g], &forces,
+    energy += kernels_->energy_gradient(group, limits, viscosity(work, g), positions.data()->data(),
+                                        &work.decompositions[g], &forces,
                                         patches_.empty() ? nullptr : &work.dilatations[g]);
     const std::size_t lanes = std::min(kLaneCount, elements_ - g * kLaneCount);
     for (std::size_t lane = 0; lane < lanes; ++lane) {

@@ -39,6 +39,7 @@ class ElasticModel {
     // Empty unless dilatation is averaged over patches.
     std::vector<ElementDilatation> dilatations;
     std::vector<double> pressures;  ///< per patch, Pa
+    bool limited = true;            ///< false: as if there were no strain limits
     // Of the step under way, see begin_step().
     double factor = 1.0;
     std::vector<ElementStress> memory;  ///< per group; empty for elastic solids

@@ -320,6 +320,9 @@ inline Doubles principal_stress(const ElementLimits& limits, Doubles s, Doubles 
     p += b.first;
     store(decomposition->limit_stress[axis] + first, b.first);
     store(decomposition->limit_stiffness[axis] + first, b.second);
+  } else {
+    store(decomposition->limit_stress[axis] + first, 0.0 * s);
+    store(decomposition->limit_stiffness[axis] + first, 0.0 * s);
   }
   return p;
 }

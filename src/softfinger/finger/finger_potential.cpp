@@ -155,6 +155,15 @@ void FingerPotential::start_from_prediction() {
   start_from(predicted_, X_WF);
 }
 
+void FingerPotential::limit_strain(bool limited) {
+  work_.limited = limited;
+  has_factor_ = false;
+  evaluate(current_);
+  cache_is_current_ = true;
+}
+
+bool FingerPotential::is_tangled() const { return elastic_.stretches(work_).min < 0.0; }
+
 void FingerPotential::settle() {
   if (cache_is_current_) return;
   evaluate(current_);
@@ -317,6 +326,22 @@ double FingerPotential::largest_free_force() const {
     largest = std::max(largest, std::abs(current_.gradient[static_cast<std::size_t>(i)]));
   }
   return largest;
+}
+
+NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOptions& options) {
+  int iterations = 0;
+  int factorisations = 0;
+  if (potential.is_tangled()) {
+    potential.limit_strain(false);
+    const NewtonSummary untangled = minimise(potential, options);
+    potential.limit_strain(true);
+    iterations = untangled.iterations;
+    factorisations = untangled.factorisations;
+  }
+  NewtonSummary summary = minimise(potential, options);
+  summary.iterations += iterations;
+  summary.factorisations += factorisations;
+  return summary;
 }
 
 }  // namespace softfinger

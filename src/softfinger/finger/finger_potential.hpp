@@ -56,6 +56,10 @@ class FingerPotential {
   void forget_features() { features_.clear(); }
   /// Forgets the factor and the warm starts: the next minimisation does not depend on earlier ones.
   void forget();
+  /// Leaves the strain limits out, or in again, and evaluates the current point anew.
+  void limit_strain(bool limited);
+  /// Whether an element is inside out at the last evaluation.
+  [[nodiscard]] bool is_tangled() const;
   /// Makes what is cached (stretches, contact) that of the current point.
   void settle();
 
@@ -132,5 +136,10 @@ class FingerPotential {
   std::vector<Matrix3> contact_blocks_;
   std::vector<Vector3> lever_arms_;
 };
+
+/// Minimises from where the potential stands. Strain limits turn states with elements inside out
+/// into minima of their own; from such a start the minimum without limits is sought first, from
+/// which the wanted one is near.
+NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOptions& options);
 
 }  // namespace softfinger

@@ -133,7 +133,7 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
       for (int pass = 0; pass < kFrictionPasses; ++pass) {
         potential.start_from(
             pass == 0 ? std::span<const Vector3>(positions) : potential.positions(), X_WF);
-        const NewtonSummary summary = minimise(potential, newton);
+        const NewtonSummary summary = untangle_and_minimise(potential, newton);
         row.iterations += summary.iterations;
         row.converged = summary.converged;
         potential.settle();
