@@ -43,7 +43,8 @@ class MeshShapeFile : public testing::Test {
   /// Loads, and says whether the grid had to be built.
   bool builds() {
     bool built = false;
-    shape_ = load_mesh_shape(file_, {}, {.progress = [&](double) { built = true; }, .message = {}});
+    shape_ = load_mesh_shape(file_, {.edge_rounding = kRounding},
+                             {.progress = [&](double) { built = true; }, .message = {}});
     return built;
   }
   std::vector<double> distances() const {
@@ -58,6 +59,7 @@ class MeshShapeFile : public testing::Test {
     return all;
   }
 
+  static constexpr double kRounding = 1e-3;
   fs::path folder_;
   fs::path file_;
   MeshShape shape_;
@@ -79,9 +81,9 @@ TEST_F(MeshShapeFile, AnotherContentUnitOrRoundingIsAnotherGrid) {
   write_mesh(file_, sphere_mesh(0.006, 10), 1e-3);
   EXPECT_TRUE(builds());
   EXPECT_NEAR(shape_->signed_distance({0, 0, 0.008}).distance, before - 0.001, 2e-5);
-  const MeshShape finer = load_mesh_shape(file_, {.edge_rounding = 0.2e-3});
+  const MeshShape finer = load_mesh_shape(file_, {.edge_rounding = 0.7e-3});
   EXPECT_EQ(kept().size(), 3u);
-  const MeshShape inches = load_mesh_shape(file_, {.unit = 2e-3});
+  const MeshShape inches = load_mesh_shape(file_, {.unit = 2e-3, .edge_rounding = kRounding});
   EXPECT_EQ(kept().size(), 4u);
   EXPECT_NEAR(inches->content().bounds.max().z(), 0.012, 2e-5);
 }
@@ -119,7 +121,8 @@ TEST_F(MeshShapeFile, SaysOnceWhereNothingCanBeKept) {
   write_file(folder_ / ".softfinger-cache", "a file where the folder should be");
   std::vector<std::string> messages;
   const MeshShape shape = load_mesh_shape(
-      file_, {}, {.progress = {}, .message = [&](const std::string& m) { messages.push_back(m); }});
+      file_, {.edge_rounding = kRounding},
+      {.progress = {}, .message = [&](const std::string& m) { messages.push_back(m); }});
   EXPECT_NEAR(shape->signed_distance({0, 0, 0.008}).distance, 0.003, 5e-5);
   EXPECT_THAT(messages, ElementsAre(HasSubstr("cannot be written")));
 }

@@ -57,10 +57,11 @@ TEST(MeshObject, IsReadInItsUnitBesideTheScene) {
   const struct {
     const char* name;
     double metres;
-  } units[] = {{"mm", 1e-3}, {"cm", 1e-2}, {"inch", 25.4e-3}};
+    const char* rounding_mm;
+  } units[] = {{"mm", 1e-3, "2"}, {"cm", 1e-2, "10"}, {"inch", 25.4e-3, "10"}};
   for (const auto& unit : units) {
-    const Scene scene =
-        load(folder, kCube + "edge_rounding_mm = 2\nunit = \"" + unit.name + "\"\n");
+    const Scene scene = load(folder, kCube + "edge_rounding_mm = " + unit.rounding_mm +
+                                         "\nunit = \"" + unit.name + "\"\n");
     const auto& mesh = std::get<MeshShape>(scene.objects.at(0).shape);
     EXPECT_NEAR(mesh->content().bounds.max().x(), 10.0 * unit.metres, 1e-9) << unit.name;
     EXPECT_EQ(scene.objects[0].name, "mesh");

@@ -22,6 +22,8 @@ constexpr int kOwnSamples = kCells * kCells * kCells;
 
 /// About 640 MB of coefficients.
 constexpr std::size_t kMostBlocks = 120'000;
+/// As many times too many as coarse levels let expect are refused before they are sampled.
+constexpr double kFarTooMany = 10.0;
 /// The last level has every block, so it is the first with at most this many.
 constexpr double kLastLevelBlocks = 100;
 /// A block belongs to the band where a cube of this many cells may.
@@ -243,7 +245,8 @@ SignedDistanceGrid::Content sample_distance(const ClosedSurface& surface, const 
     // The next level would have about four times as many.
     const double finest =
         static_cast<double>(places.size()) * std::pow(4.0, static_cast<double>(l));
-    if (places.size() > kMostBlocks || static_cast<double>(level.places()) > 2e8) {
+    if (places.size() > kMostBlocks || static_cast<double>(level.places()) > 2e8 ||
+        finest > kFarTooMany * static_cast<double>(kMostBlocks)) {
       throw InputError(fmt::format(
           "{}: too large for a distance grid of {:.3g} mm; about {:.2g} mm or more would do",
           source, spacing / mm,
