@@ -16,7 +16,7 @@ constexpr double kBulge = 3e-5;
 constexpr double kSharp = 1e-4;
 /// A point further from the obstacle than this is left out, m: one may come as near within a step
 /// when skin that was balanced on an edge slips off.
-constexpr double kReach = 1e-4;
+constexpr double kWithin = 1e-4;
 /// No point of a triangle is further from a corner than this, of its longest edge.
 constexpr double kFarthest = 0.58;
 /// Part of the way to the deepest point that a known one goes in a step: all of it, and the skin,
@@ -89,7 +89,7 @@ FeaturePoints::Found FeaturePoints::find(const Step& step, const ContactPotentia
   }
   const double least = std::min({at[0].distance, at[1].distance, at[2].distance});
   const double bulge = deepest_bulge(corners, at);
-  if (!std::holds_alternative<MeshShape>(shape) && least - bulge > kReach - kDepth) return found;
+  if (!std::holds_alternative<MeshShape>(shape) && least - bulge > kWithin - kDepth) return found;
   TrianglePoint start = least_of_few(shape, corners);
   if (known != nullptr) {
     start.weights = known->weights;
@@ -117,7 +117,7 @@ FeaturePoints::Found FeaturePoints::find(const Step& step, const ContactPotentia
   const Vector3 p_W = R_WO * (p_O - X_OW.translation);
   found.plane.offset = point.gap - found.plane.normal.dot(p_W);
   found.known = true;
-  found.near = point.gap < kReach;
+  found.near = point.gap < kWithin;
   return found;
 }
 

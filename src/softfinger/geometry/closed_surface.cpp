@@ -22,10 +22,6 @@ struct Side {
   bool forward;  ///< the triangle runs from low to high
 };
 
-std::string place(const Vector3& p) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g}) mm", p.x() / mm, p.y() / mm, p.z() / mm);
-}
-
 std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
   std::vector<Side> sides;
   sides.reserve(3 * mesh.triangles.size());
@@ -78,19 +74,19 @@ void link_neighbours(ClosedSurface& surface, const std::string& source) {
     fail(fmt::format(
         "the surface is open: {} boundary edges, one at {}; only closed surfaces have an "
         "inside",
-        open, place(at[0])));
+        open, place_in_mm(at[0])));
   }
   if (branching > 0) {
     fail(
         fmt::format("the surface branches: {} edges belong to more than two triangles, one at {}; "
                     "expected two at each edge",
-                    branching, place(at[1])));
+                    branching, place_in_mm(at[1])));
   }
   if (turned > 0) {
     fail(
         fmt::format("neighbouring triangles face opposite ways at {} edges, one at {}; expected "
                     "all counter-clockwise seen from outside",
-                    turned, place(at[2])));
+                    turned, place_in_mm(at[2])));
   }
 }
 
@@ -123,6 +119,10 @@ void find_parts(ClosedSurface& surface) {
 }
 
 }  // namespace
+
+std::string place_in_mm(const Vector3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g}) mm", p.x() / mm, p.y() / mm, p.z() / mm);
+}
 
 ClosedSurface closed_surface(TriangleMesh mesh, const std::string& source) {
   ClosedSurface surface;

@@ -24,6 +24,9 @@ struct ClosedSurface {
   }
 };
 
+/// A point as messages name it: "(1, 2.5, -3) mm"; p in m.
+[[nodiscard]] std::string place_in_mm(const Vector3& p);
+
 /// Takes a welded mesh. Throws InputError, one line that begins with `source`, where the surface is
 /// open, branches, changes its orientation, encloses no volume or is inside out; places are in mm.
 [[nodiscard]] ClosedSurface closed_surface(TriangleMesh mesh, const std::string& source);

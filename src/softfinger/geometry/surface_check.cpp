@@ -52,10 +52,6 @@ std::optional<Vector3> crossing(const Corners& a, const Corners& b) {
   return {};
 }
 
-std::string place(const Vector3& p) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g}) mm", p.x() / mm, p.y() / mm, p.z() / mm);
-}
-
 void refuse_crossings(const ClosedSurface& surface, const TriangleTree& tree,
                       const std::string& source, const Progress& progress) {
   constexpr std::size_t kChunk = 1024;
@@ -90,7 +86,7 @@ void refuse_crossings(const ClosedSurface& surface, const TriangleTree& tree,
   throw InputError(
       fmt::format("{}: the surface passes through itself: {} triangles cross another, "
                   "one near {}; expected none",
-                  source, crossings, place(at)));
+                  source, crossings, place_in_mm(at)));
 }
 
 void refuse_nested_parts(const ClosedSurface& surface, const TriangleTree& tree,
@@ -107,13 +103,13 @@ void refuse_nested_parts(const ClosedSurface& surface, const TriangleTree& tree,
       throw InputError(
           fmt::format("{}: a separate part of the surface near {} is inside out; only "
                       "a cavity inside the solid may be",
-                      source, place(corner)));
+                      source, place_in_mm(corner)));
     }
     if (surface.part_volume[part] >= 0.0 && winding != 0) {
       throw InputError(
           fmt::format("{}: a separate part of the surface near {} lies inside another; "
                       "expected it outside, or turned inside out as a cavity",
-                      source, place(corner)));
+                      source, place_in_mm(corner)));
     }
   }
 }
