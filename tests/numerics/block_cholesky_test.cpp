@@ -88,6 +88,29 @@ TEST_P(EveryInstructionSet, SolvesAsADenseFactorisationDoes) {
   }
 }
 
+TEST_P(EveryInstructionSet, SeveralRightSidesGetTheSameBitsAsAlone) {
+  for (int blocks : {1, 7, 130}) {
+    const RandomSystem system = random_system(blocks, 5);
+    BlockCholesky cholesky(blocks, system.pairs, GetParam());
+    assemble(system, cholesky);
+    ASSERT_TRUE(cholesky.factor());
+    for (std::size_t count : {0U, 1U, 2U, 3U, 4U, 8U}) {
+      std::vector<std::vector<double>> alone;
+      for (std::size_t n = 0; n < count; ++n) {
+        const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(
+            3 * blocks, -1.0, n == 2 ? -1.0 : 1e3 * static_cast<double>(n) - 2e3);
+        alone.emplace_back(x.begin(), x.end());
+      }
+      if (count > 3) std::fill(alone[3].begin(), alone[3].end(), 0.0);
+      std::vector<std::vector<double>> together = alone;
+      std::vector<std::span<double>> spans(together.begin(), together.end());
+      cholesky.solve_together(spans);
+      for (std::vector<double>& x : alone) cholesky.solve(x);
+      EXPECT_EQ(together, alone) << blocks << " blocks, " << count;
+    }
+  }
+}
+
 TEST_P(EveryInstructionSet, RefusesAnIndefiniteMatrix) {
   RandomSystem system = random_system(40, 3);
   BlockCholesky cholesky(40, system.pairs, GetParam());

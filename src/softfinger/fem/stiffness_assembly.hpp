@@ -45,6 +45,7 @@ class StiffnessAssembly {
   /// Finishes and factors. False where the matrix is not positive definite.
   [[nodiscard]] bool factor();
   void solve(std::span<double> x) const { cholesky_.solve(x); }
+  void solve_together(std::span<const std::span<double>> xs) const { cholesky_.solve_together(xs); }
   [[nodiscard]] const BlockCholesky& cholesky() const { return cholesky_; }
 
  private:

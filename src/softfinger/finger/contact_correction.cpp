@@ -12,7 +12,9 @@ constexpr double kReach = 1e-4;
 /// Deviations below this part of the gradient can wait for the next iteration.
 constexpr double kWorthwhile = 0.02;
 constexpr int kRounds = 4;
-constexpr int kColumnsARound = 4;
+constexpr int kMostARound = ContactCorrection::kMostColumns / kRounds;
+/// A column costs a solve, which grows slower with the mesh than the factorisation it saves.
+constexpr int kUnknownsAColumn = 24;
 /// Part of the gradient that the small system may leave.
 constexpr double kBalanceAccuracy = 1e-5;
 constexpr int kBalanceIterations = 20;
@@ -33,8 +35,9 @@ ContactCorrection::ContactCorrection(std::vector<Carrier> carriers, std::size_t 
     : carriers_(std::move(carriers)),
       held_(carriers_.size(), Matrix3::Zero()),
       start_(carriers_.size(), Vector3::Zero()),
-      columns_(kMaxColumns),
-      amplitudes_(kMaxColumns, 0.0),
+      most_columns_(std::clamp(static_cast<int>(unknowns) / kUnknownsAColumn, 16, kMostColumns)),
+      columns_(static_cast<std::size_t>(most_columns_)),
+      amplitudes_(columns_.size(), 0.0),
       uncorrected_(unknowns, 0.0) {
   for (Column& column : columns_) column.response.assign(unknowns, 0.0);
 }
@@ -62,7 +65,9 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
     std::size_t point = 0;
     Vector3 line = Vector3::Zero();
   };
-  std::array<Candidate, kColumnsARound> greatest{};
+  std::array<Candidate, kMostARound> found{};
+  const std::span<Candidate> greatest(found.data(),
+                                      static_cast<std::size_t>(most_columns_ / kRounds));
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (carriers_[i].is_tied()) continue;
     const Vector3 d = moved(carriers_[i], direction);
@@ -78,9 +83,10 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
       if (candidate.force > g.force) std::swap(candidate, g);
     }
   }
-  bool added = false;
+  std::array<std::span<double>, kMostARound> responses;
+  std::size_t added = 0;
   for (const Candidate& g : greatest) {
-    if (!(g.force > 0.0) || count_ == kMaxColumns) break;
+    if (!(g.force > 0.0) || count_ == most_columns_) break;
     Column& column = columns_[static_cast<std::size_t>(count_)];
     column.point = g.point;
     column.carrier = carriers_[g.point];
@@ -92,21 +98,22 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
         column.response[at + c] = column.carrier.weights[k] * column.line[static_cast<int>(c)];
       }
     }
-    assembly.solve(column.response);
+    responses[added++] = column.response;
     amplitudes_[static_cast<std::size_t>(count_)] = 0.0;
     ++count_;
-    added = true;
   }
-  return added;
+  assembly.solve_together({responses.data(), added});
+  return added > 0;
 }
 
 void ContactCorrection::balance(const ContactPotential& contact, std::span<const Vector3> positions,
                                 double tolerance, std::span<const double> uncorrected) {
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxColumns, kMaxColumns>;
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxColumns, 1>;
-  using Moves = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxColumns>;
-  std::array<Moves, kMaxColumns> moves;  // of column c's point, by each amplitude
-  std::array<Vector3, kMaxColumns> start;
+  using Matrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostColumns, kMostColumns>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostColumns, 1>;
+  using Moves = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMostColumns>;
+  std::array<Moves, kMostColumns> moves;  // of column c's point, by each amplitude
+  std::array<Vector3, kMostColumns> start;
   for (int c = 0; c < count_; ++c) {
     const auto cu = static_cast<std::size_t>(c);
     start[cu] = moved(columns_[cu].carrier, uncorrected);

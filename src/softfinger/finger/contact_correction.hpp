@@ -21,7 +21,7 @@ namespace softfinger {
 /// are kept until the next factorisation.
 class ContactCorrection {
  public:
-  static constexpr int kMaxColumns = 16;
+  static constexpr int kMostColumns = 96;
 
   /// How a point of the skin moves with the unknowns: weights of up to three blocks; none where it
   /// is tied, and such points take no part.
@@ -39,7 +39,7 @@ class ContactCorrection {
   /// Whether the factored matrix, if there is one, holds something for the point.
   [[nodiscard]] bool holds(std::size_t point) const { return !held_[point].isZero(0.0); }
   /// Many columns have piled up since the last factorisation: a new one pays.
-  [[nodiscard]] bool is_full() const { return count_ == kMaxColumns; }
+  [[nodiscard]] bool is_full() const { return count_ == most_columns_; }
   /// Corrects `direction`. positions: of the points where the direction starts, W, m;
   /// gradient_norm: N, there; corrections much smaller are left alone.
   void apply(const ContactPotential& contact, const StiffnessAssembly& assembly,
@@ -71,6 +71,8 @@ class ContactCorrection {
   std::vector<Carrier> carriers_;
   std::vector<Matrix3> held_;   ///< per point: second derivative in the factored matrix
   std::vector<Vector3> start_;  ///< per point: gradient where the direction starts, N
+  /// Fewer than kMostColumns where a factorisation is cheap.
+  int most_columns_;
   std::vector<Column> columns_;
   int count_ = 0;
   std::vector<double> amplitudes_;

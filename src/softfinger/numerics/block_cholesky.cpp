@@ -3,6 +3,7 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -105,7 +106,8 @@ void BlockCholesky::order_and_analyse(int blocks, Pairs pairs) {
   values_.assign(value_count + 2 * kPanelAlignment, 0.0F);
   const auto side = static_cast<std::size_t>(padded(3 * max_rows));
   update_.assign(side * side + 2 * kPanelAlignment, 0.0F);
-  work_.assign(static_cast<std::size_t>(3 * blocks) + side + 2 * kPanelAlignment, 0.0F);
+  work_.assign(kTogether * (static_cast<std::size_t>(3 * blocks) + side) + 2 * kPanelAlignment,
+               0.0F);
   relative_.assign(static_cast<std::size_t>(blocks), 0);
   head_.assign(supernodes_.size(), -1);
   next_.assign(supernodes_.size(), -1);
@@ -197,46 +199,106 @@ bool BlockCholesky::factor() {
   return true;
 }
 
-void BlockCholesky::solve(std::span<double> x) const {
+template <std::size_t kCount>
+void BlockCholesky::solve_batch(std::span<const std::span<double>> xs) const {
   const DensePanelKernels& kernels = dense_panel_kernels(set_);
+  const auto forward = [&](const Supernode& node, float* t, int stride) {
+    const float* panel = values_.data() + node.offset;
+    const int rows = 3 * node.row_count;
+    if constexpr (kCount == 1) {
+      kernels.solve_forward(panel, rows, 3 * node.width, node.stride, t);
+    } else {
+      kernels.solve_forward_together(panel, rows, 3 * node.width, node.stride, t, stride);
+    }
+  };
+  const auto backward = [&](const Supernode& node, float* t, int stride) {
+    const float* panel = values_.data() + node.offset;
+    const int rows = 3 * node.row_count;
+    if constexpr (kCount == 1) {
+      kernels.solve_backward(panel, rows, 3 * node.width, node.stride, t);
+    } else {
+      kernels.solve_backward_together(panel, rows, 3 * node.width, node.stride, t, stride);
+    }
+  };
   const std::size_t blocks = position_.size();
   // Brought to the size of one: the smallest right-hand sides would lose digits otherwise.
-  double greatest = 0.0;
-  for (const double v : x) greatest = std::max(greatest, std::abs(v));
-  if (!(greatest > 0.0) || !std::isfinite(greatest)) return;
-  const double scale = 1.0 / greatest;
-  float* y = work_.data();
-  float* t = work_.data() + 3 * blocks;
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const auto p = static_cast<std::size_t>(position_[b]);
-    for (std::size_t c = 0; c < 3; ++c) y[3 * p + c] = static_cast<float>(scale * x[3 * b + c]);
+  std::array<double, kCount> greatest{};
+  std::array<float*, kCount> y{};
+  for (std::size_t s = 0; s < kCount; ++s) {
+    y[s] = work_.data() + 3 * blocks * s;
+    if (s < xs.size()) {
+      for (const double v : xs[s]) greatest[s] = std::max(greatest[s], std::abs(v));
+    }
+    if (!(greatest[s] > 0.0) || !std::isfinite(greatest[s])) {
+      greatest[s] = 0.0;
+      std::fill_n(y[s], 3 * blocks, 0.0F);
+      continue;
+    }
+    const double scale = 1.0 / greatest[s];
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const auto p = static_cast<std::size_t>(position_[b]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        y[s][3 * p + c] = static_cast<float>(scale * xs[s][3 * b + c]);
+      }
+    }
   }
+  float* const t = work_.data() + 3 * blocks * kCount;
   for (const Supernode& node : supernodes_) {
     const int* rows = rows_.data() + node.row_begin;
     const int own = 3 * node.width;
-    std::copy_n(y + 3 * node.first, own, t);
-    std::fill_n(t + own, 3 * node.row_count - own, 0.0F);
-    kernels.solve_forward(values_.data() + node.offset, 3 * node.row_count, own, node.stride, t);
-    std::copy_n(t, own, y + 3 * node.first);
-    for (int k = node.width; k < node.row_count; ++k) {
-      for (int c = 0; c < 3; ++c) y[3 * rows[k] + c] += t[3 * k + c];
+    const auto stride = static_cast<std::size_t>(node.stride);
+    for (std::size_t s = 0; s < kCount; ++s) {
+      float* ts = t + s * stride;
+      std::copy_n(y[s] + 3 * node.first, own, ts);
+      std::fill_n(ts + own, 3 * node.row_count - own, 0.0F);
+    }
+    forward(node, t, node.stride);
+    for (std::size_t s = 0; s < kCount; ++s) {
+      const float* ts = t + s * stride;
+      float* ys = y[s];
+      std::copy_n(ts, own, ys + 3 * node.first);
+      for (int k = node.width; k < node.row_count; ++k) {
+        for (int c = 0; c < 3; ++c) ys[3 * rows[k] + c] += ts[3 * k + c];
+      }
     }
   }
   for (auto node = supernodes_.rbegin(); node != supernodes_.rend(); ++node) {
     const int* rows = rows_.data() + node->row_begin;
     const int own = 3 * node->width;
-    std::copy_n(y + 3 * node->first, own, t);
-    for (int k = node->width; k < node->row_count; ++k) {
-      for (int c = 0; c < 3; ++c) t[3 * k + c] = y[3 * rows[k] + c];
+    const auto stride = static_cast<std::size_t>(node->stride);
+    for (std::size_t s = 0; s < kCount; ++s) {
+      float* ts = t + s * stride;
+      const float* ys = y[s];
+      std::copy_n(ys + 3 * node->first, own, ts);
+      for (int k = node->width; k < node->row_count; ++k) {
+        for (int c = 0; c < 3; ++c) ts[3 * k + c] = ys[3 * rows[k] + c];
+      }
     }
-    kernels.solve_backward(values_.data() + node->offset, 3 * node->row_count, own, node->stride,
-                           t);
-    std::copy_n(t, own, y + 3 * node->first);
+    backward(*node, t, node->stride);
+    for (std::size_t s = 0; s < kCount; ++s) {
+      std::copy_n(t + s * stride, own, y[s] + 3 * node->first);
+    }
   }
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const auto p = static_cast<std::size_t>(position_[b]);
-    for (std::size_t c = 0; c < 3; ++c) x[3 * b + c] = greatest * static_cast<double>(y[3 * p + c]);
+  for (std::size_t s = 0; s < xs.size(); ++s) {
+    if (greatest[s] == 0.0) continue;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const auto p = static_cast<std::size_t>(position_[b]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        xs[s][3 * b + c] = greatest[s] * static_cast<double>(y[s][3 * p + c]);
+      }
+    }
   }
+}
+
+void BlockCholesky::solve(std::span<double> x) const { solve_batch<1>({&x, 1}); }
+
+void BlockCholesky::solve_together(std::span<const std::span<double>> xs) const {
+  while (xs.size() > 1) {
+    const auto batch = xs.first(std::min<std::size_t>(kTogether, xs.size()));
+    solve_batch<kTogether>(batch);
+    xs = xs.subspan(batch.size());
+  }
+  if (!xs.empty()) solve_batch<1>(xs);
 }
 
 }  // namespace softfinger

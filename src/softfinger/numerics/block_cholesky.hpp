@@ -54,6 +54,8 @@ class BlockCholesky {
   [[nodiscard]] bool factor();
   /// Solves A x = b in place; x has 3 * blocks() entries, block i at 3 i.
   void solve(std::span<double> x) const;
+  /// Several of them, each with the same bits as alone, in less time.
+  void solve_together(std::span<const std::span<double>> xs) const;
   /// Number of stored entries of L.
   [[nodiscard]] std::size_t entries() const { return values_.size(); }
 
@@ -67,6 +69,8 @@ class BlockCholesky {
     int stride = 0;  ///< leading dimension of its panel
   };
   void order_and_analyse(int blocks, std::span<const std::pair<int, int>> pairs);
+  template <std::size_t kCount>
+  void solve_batch(std::span<const std::span<double>> xs) const;
   void subtract_update(const Supernode& source, int from, Supernode& target);
 
   InstructionSet set_ = InstructionSet::kBaseline;

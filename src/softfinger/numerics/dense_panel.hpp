@@ -8,6 +8,8 @@ namespace softfinger {
 /// leading dimension that is a multiple of kPanelAlignment and start on that alignment, so that
 /// kernels may read and write whole vectors past the last row.
 inline constexpr int kPanelAlignment = 8;
+/// Right-hand sides that are solved at once: the panel is read from memory once for all.
+inline constexpr unsigned kTogether = 3;
 
 struct DensePanelKernels {
   /// Factors the panel's leading columns x columns block as L L^T and solves the rows below by it.
@@ -23,6 +25,11 @@ struct DensePanelKernels {
   void (*solve_forward)(const float* panel, int rows, int columns, int stride, float* t);
   /// The transpose of solve_forward: needs the rest of t solved already.
   void (*solve_backward)(const float* panel, int rows, int columns, int stride, float* t);
+  /// Both of kTogether vectors at once, t_stride apart; each gets the same bits as alone.
+  void (*solve_forward_together)(const float* panel, int rows, int columns, int stride, float* t,
+                                 int t_stride);
+  void (*solve_backward_together)(const float* panel, int rows, int columns, int stride, float* t,
+                                  int t_stride);
 };
 
 [[nodiscard]] const DensePanelKernels& dense_panel_kernels(InstructionSet set);

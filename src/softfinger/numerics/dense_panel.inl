@@ -17,30 +17,49 @@ constexpr int down(int row) { return row & ~(kWide - 1); }
 inline Vec& at(float* p) { return *reinterpret_cast<Vec*>(p); }
 inline const Vec& at(const float* p) { return *reinterpret_cast<const Vec*>(p); }
 
+// Columns come in threes: every block of the matrix is 3 wide.
 bool factor(float* panel, int rows, int columns, int stride) {
-  for (int j = 0; j < columns; ++j) {
-    float* cj = panel + j * stride;
-    const float pivot = cj[j];
-    if (!(pivot > 0.0)) return false;
-    const float inverse = 1.0F / __builtin_sqrtf(pivot);
-    for (int i = down(j); i < rows; i += kWide) at(cj + i) = at(cj + i) * inverse;
-    cj[j] = inverse;
-    int k = j + 1;
-    for (; k + 1 < columns; k += 2) {
-      float* c0 = panel + k * stride;
-      float* c1 = c0 + stride;
-      const float f0 = cj[k];
-      const float f1 = cj[k + 1];
-      for (int i = down(k); i < rows; i += kWide) {
-        const Vec v = at(cj + i);
-        at(c0 + i) = at(c0 + i) - v * f0;
-        at(c1 + i) = at(c1 + i) - v * f1;
-      }
+  for (int j = 0; j < columns; j += 3) {
+    float* c0 = panel + j * stride;
+    float* c1 = c0 + stride;
+    float* c2 = c1 + stride;
+    const float pivot0 = c0[j];
+    if (!(pivot0 > 0.0)) return false;
+    const float i0 = 1.0F / __builtin_sqrtf(pivot0);
+    const float l10 = c0[j + 1] * i0;
+    const float l20 = c0[j + 2] * i0;
+    const float pivot1 = c1[j + 1] - l10 * l10;
+    if (!(pivot1 > 0.0)) return false;
+    const float i1 = 1.0F / __builtin_sqrtf(pivot1);
+    const float l21 = (c1[j + 2] - l20 * l10) * i1;
+    const float pivot2 = c2[j + 2] - l20 * l20 - l21 * l21;
+    if (!(pivot2 > 0.0)) return false;
+    const float i2 = 1.0F / __builtin_sqrtf(pivot2);
+    for (int i = down(j); i < rows; i += kWide) {
+      const Vec v0 = at(c0 + i) * i0;
+      const Vec v1 = (at(c1 + i) - v0 * l10) * i1;
+      at(c2 + i) = (at(c2 + i) - v0 * l20 - v1 * l21) * i2;
+      at(c1 + i) = v1;
+      at(c0 + i) = v0;
     }
-    for (; k < columns; ++k) {
-      float* ck = panel + k * stride;
-      const float f = cj[k];
-      for (int i = down(k); i < rows; i += kWide) at(ck + i) = at(ck + i) - at(cj + i) * f;
+    c0[j] = i0;
+    c1[j + 1] = i1;
+    c2[j + 2] = i2;
+    for (int k = j + 3; k < columns; k += 3) {
+      float* t0 = panel + k * stride;
+      float* t1 = t0 + stride;
+      float* t2 = t1 + stride;
+      const float f00 = c0[k], f01 = c0[k + 1], f02 = c0[k + 2];
+      const float f10 = c1[k], f11 = c1[k + 1], f12 = c1[k + 2];
+      const float f20 = c2[k], f21 = c2[k + 1], f22 = c2[k + 2];
+      for (int i = down(k); i < rows; i += kWide) {
+        const Vec v0 = at(c0 + i);
+        const Vec v1 = at(c1 + i);
+        const Vec v2 = at(c2 + i);
+        at(t0 + i) = at(t0 + i) - v0 * f00 - v1 * f10 - v2 * f20;
+        at(t1 + i) = at(t1 + i) - v0 * f01 - v1 * f11 - v2 * f21;
+        at(t2 + i) = at(t2 + i) - v0 * f02 - v1 * f12 - v2 * f22;
+      }
     }
   }
   return true;
@@ -48,7 +67,6 @@ bool factor(float* panel, int rows, int columns, int stride) {
 
 void outer_product(const float* a, int a_stride, int rows, int columns, int depth, float* out,
                    int out_stride) {
-  // Columns come in threes: every block of the matrix is 3 wide.
   for (int j = 0; j < columns; j += 3) {
     int i = down(j);
     for (; i + kWide < rows; i += 2 * kWide) {
@@ -92,38 +110,100 @@ void outer_product(const float* a, int a_stride, int rows, int columns, int dept
   }
 }
 
-// The scratch vector t is padded like a panel column.
-void solve_forward(const float* panel, int rows, int columns, int stride, float* t) {
-  for (int k = 0; k < columns; ++k) {
-    const float* ck = panel + k * stride;
-    const float x = t[k] * ck[k];
-    t[k] = x;
-    // Entries of L above its diagonal are not zero: the vector they share goes one by one.
-    int i = k + 1;
-    for (; i < rows && i != down(i); ++i) t[i] -= ck[i] * x;
-    for (; i < rows; i += kWide) at(t + i) = at(t + i) - at(ck + i) * x;
+constexpr int place(unsigned vector, int stride) { return static_cast<int>(vector) * stride; }
+
+// Scratch vectors are padded like a panel column. Columns come in threes, which go together: a
+// third of the reads and writes of t, and sums that do not wait for each other. Entries of L above
+// its diagonal are not zero: the vector of rows that they share goes one by one.
+template <unsigned kCount>
+void forward(const float* panel, int rows, int columns, int stride, float* t, int t_stride) {
+  for (int k = 0; k < columns; k += 3) {
+    const float* c0 = panel + k * stride;
+    const float* c1 = c0 + stride;
+    const float* c2 = c1 + stride;
+    float x0[kCount], x1[kCount], x2[kCount];
+    for (unsigned n = 0; n < kCount; ++n) {
+      float* tn = t + place(n, t_stride);
+      tn[k] = x0[n] = tn[k] * c0[k];
+      tn[k + 1] = x1[n] = (tn[k + 1] - c0[k + 1] * x0[n]) * c1[k + 1];
+      tn[k + 2] = x2[n] = (tn[k + 2] - c0[k + 2] * x0[n] - c1[k + 2] * x1[n]) * c2[k + 2];
+    }
+    int i = k + 3;
+    for (; i < rows && i != down(i); ++i) {
+      for (unsigned n = 0; n < kCount; ++n) {
+        float& tn = t[place(n, t_stride) + i];
+        tn = tn - c0[i] * x0[n] - c1[i] * x1[n] - c2[i] * x2[n];
+      }
+    }
+    for (; i < rows; i += kWide) {
+      const Vec v0 = at(c0 + i);
+      const Vec v1 = at(c1 + i);
+      const Vec v2 = at(c2 + i);
+      for (unsigned n = 0; n < kCount; ++n) {
+        Vec& tn = at(t + place(n, t_stride) + i);
+        tn = tn - v0 * x0[n] - v1 * x1[n] - v2 * x2[n];
+      }
+    }
   }
 }
 
-void solve_backward(const float* panel, int rows, int columns, int stride, float* t) {
-  for (int k = columns - 1; k >= 0; --k) {
-    const float* ck = panel + k * stride;
-    float sum = 0.0F;
-    int i = k + 1;
-    for (; i < rows && i != down(i); ++i) sum += ck[i] * t[i];
-    Vec lanes{};
-    for (; i + kWide <= rows; i += kWide) lanes += at(ck + i) * at(t + i);
-    for (; i < rows; ++i) sum += ck[i] * t[i];
-    sum += ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) +
-           ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
-    t[k] = (t[k] - sum) * ck[k];
+inline float sum_of(const Vec& v) {
+  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+}
+
+template <unsigned kCount>
+void backward(const float* panel, int rows, int columns, int stride, float* t, int t_stride) {
+  for (int k = columns - 3; k >= 0; k -= 3) {
+    const float* c0 = panel + k * stride;
+    const float* c1 = c0 + stride;
+    const float* c2 = c1 + stride;
+    float s0[kCount]{}, s1[kCount]{}, s2[kCount]{};
+    Vec v0[kCount]{}, v1[kCount]{}, v2[kCount]{};
+    const auto add = [&](int i) {
+      for (unsigned n = 0; n < kCount; ++n) {
+        const float tn = t[place(n, t_stride) + i];
+        s0[n] += c0[i] * tn;
+        s1[n] += c1[i] * tn;
+        s2[n] += c2[i] * tn;
+      }
+    };
+    int i = k + 3;
+    for (; i < rows && i != down(i); ++i) add(i);
+    for (; i + kWide <= rows; i += kWide) {
+      const Vec l0 = at(c0 + i);
+      const Vec l1 = at(c1 + i);
+      const Vec l2 = at(c2 + i);
+      for (unsigned n = 0; n < kCount; ++n) {
+        const Vec tn = at(t + place(n, t_stride) + i);
+        v0[n] += l0 * tn;
+        v1[n] += l1 * tn;
+        v2[n] += l2 * tn;
+      }
+    }
+    for (; i < rows; ++i) add(i);
+    for (unsigned n = 0; n < kCount; ++n) {
+      float* tn = t + place(n, t_stride);
+      tn[k + 2] = (tn[k + 2] - (s2[n] + sum_of(v2[n]))) * c2[k + 2];
+      tn[k + 1] = (tn[k + 1] - (s1[n] + sum_of(v1[n])) - c1[k + 2] * tn[k + 2]) * c1[k + 1];
+      tn[k] =
+          (tn[k] - (s0[n] + sum_of(v0[n])) - c0[k + 2] * tn[k + 2] - c0[k + 1] * tn[k + 1]) * c0[k];
+    }
   }
+}
+
+void solve_forward(const float* panel, int rows, int columns, int stride, float* t) {
+  forward<1>(panel, rows, columns, stride, t, 0);
+}
+
+void solve_backward(const float* panel, int rows, int columns, int stride, float* t) {
+  backward<1>(panel, rows, columns, stride, t, 0);
 }
 
 }  // namespace
 
 extern const DensePanelKernels kDensePanelKernels;
-const DensePanelKernels kDensePanelKernels{&factor, &outer_product, &solve_forward,
-                                           &solve_backward};
+const DensePanelKernels kDensePanelKernels{
+    &factor,         &outer_product,      &solve_forward,
+    &solve_backward, &forward<kTogether>, &backward<kTogether>};
 
 }  // namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE

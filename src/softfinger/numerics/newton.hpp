@@ -41,7 +41,7 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
   // Near the minimum energy differences drown in rounding; there the residual decides. Where they
   // do not, a smaller residual at a higher energy is the way to a saddle.
   constexpr double kEnergySlack = 1e-13;
-  constexpr double kEnergyRounding = 1e-12;
+  constexpr double kEnergyRounding = 1e-10;  // of a strain energy whose strains are 1e-6
   constexpr int kMaxHalvings = 24;
   constexpr double kConcave = 0.75;  // of the slope; a quadratic's minimum has 1/2
   constexpr double kStretch = 4.0;
