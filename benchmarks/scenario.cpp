@@ -5,6 +5,7 @@
 
 #include "soak/violent_motion.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/engine/finger_loop.hpp"
 
 namespace softfinger {
 namespace {
@@ -17,29 +18,6 @@ std::shared_ptr<const FingerModel> shipped_finger(const std::string& name) {
   return FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
                            (name + ".toml"));
 }
-
-/// Follows a pose no faster than a hand moves.
-class SpeedLimit {
- public:
-  explicit SpeedLimit(const Pose& start) : pose_(start) {}
-
-  const Pose& follow(const Pose& target, double time_step) {
-    const Vector3 way = target.translation - pose_.translation;
-    const Vector3 turn = log_rotation(target.rotation * pose_.rotation.transpose());
-    pose_.translation += share(way.norm(), kSpeed * time_step) * way;
-    const double rate = kSpeed / kLeverArm;
-    pose_.rotation =
-        orthonormalised(exp_rotation(share(turn.norm(), rate * time_step) * turn) * pose_.rotation);
-    return pose_;
-  }
-
- private:
-  static constexpr double kSpeed = 1.0;  // m/s
-  static constexpr double kLeverArm = 15.0 * mm;
-  static double share(double wanted, double most) { return wanted > most ? most / wanted : 1.0; }
-
-  Pose pose_;
-};
 
 }  // namespace
 
@@ -59,9 +37,11 @@ Scenario violent_on_edge(const std::string& finger, double time_step, int steps)
   std::get<RoundedBox>(shipped.objects.front().shape).edge_radius = 1.0 * mm;
   ViolentMotion motion(shipped.fingers.front().waypoints, 1);
   Scenario scenario{shipped_finger(finger), std::move(shipped.objects), time_step, {}};
-  SpeedLimit limit(motion.sample(0.0));
+  Pose X_WFt = motion.sample(0.0);
   for (int k = 0; k <= steps; ++k) {
-    scenario.path.push_back(limit.follow(motion.sample(k * time_step), time_step));
+    X_WFt = moved_towards(X_WFt, motion.sample(k * time_step), kMaxTrackedSpeed * time_step,
+                          kMaxTrackedAngularSpeed * time_step);
+    scenario.path.push_back(X_WFt);
   }
   return scenario;
 }
