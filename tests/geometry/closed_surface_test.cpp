@@ -66,6 +66,16 @@ TEST(ClosedSurface, RefusesBranchesTurnedNeighboursAndInsideOut) {
               AllOf(HasSubstr("inside out"), HasSubstr("mm^3")));
 }
 
+TEST(ClosedSurface, RefusesWhatIsFoldedFlat) {
+  // A corner of an octahedron pressed flat from inside against the far face.
+  TriangleMesh mesh;
+  mesh.positions = {
+      {-15. / 32, 0.5, 1. / 32}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  EXPECT_THAT(error_of(mesh), HasSubstr("folded flat onto itself near"));
+}
+
 TEST(ClosedSurface, RefusesWhatPassesThroughItself) {
   const TriangleMesh sphere = sphere_mesh(0.01, 6);
   EXPECT_THAT(error_of(together(sphere, moved(sphere, at(0.015, 0, 0)))),

@@ -177,6 +177,11 @@ TEST(MeshFile, RefusesByName) {
   EXPECT_THAT(error_of(file_named("folder.stl")), HasSubstr("is a directory"));
 }
 
+TEST(MeshFile, ReadingThatDoesNotEndIsEnded) {
+  EXPECT_THAT(error_of("endless.ply", "ply\nformat ascii 1.0\nend_headerJ0 0 0"),
+              HasSubstr("is broken: reading it as PLY failed"));
+}
+
 TEST(MeshFile, RefusesHeadersThatAnnounceMoreThanThereIs) {
   write_mesh(file_named("a.stl"), box_mesh({0.01, 0.01, 0.01}), 1e-3);
   std::string stl = content_of(file_named("a.stl"));

@@ -15,7 +15,10 @@
 namespace softfinger {
 namespace {
 
-constexpr rlim_t kMostSeconds = 120;
+/// Of processor time; well-formed meshes take a tenth. Importers have loops that do not end on
+/// others.
+constexpr rlim_t kLeastSeconds = 3;
+constexpr rlim_t kSecondsAMegabyte = 2;
 constexpr rlim_t kMostMemory = rlim_t{12} << 30;
 
 // Sanitizers reserve more address space than there is memory.
@@ -80,7 +83,9 @@ void bound(int resource, rlim_t limit) {
   ::signal(SIGINT, SIG_IGN);
   for (const int crash : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) ::signal(crash, SIG_DFL);
   bound(RLIMIT_CORE, 0);
-  bound(RLIMIT_CPU, kMostSeconds);
+  std::size_t bytes = 0;
+  for (const auto& [path, content] : files) bytes += content.size();
+  bound(RLIMIT_CPU, kLeastSeconds + kSecondsAMegabyte * (bytes >> 20));
   if (!kSanitized) bound(RLIMIT_AS, kMostMemory);
   bool told = false;
   try {

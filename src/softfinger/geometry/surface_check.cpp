@@ -14,6 +14,8 @@
 namespace softfinger {
 namespace {
 
+/// Neighbours whose normals add to less than this lie on each other.
+constexpr double kFolded = 1e-6;
 /// Of the cube of a triangle's size: smaller volumes are rounding, and count as touching.
 constexpr double kTouching = 1e-11;
 
@@ -89,6 +91,27 @@ void refuse_crossings(const ClosedSurface& surface, const TriangleTree& tree,
                   source, crossings, place_in_mm(at)));
 }
 
+/// Where two neighbours lie on each other nobody can say on which side of both a point is.
+void refuse_folds(const ClosedSurface& surface, const std::string& source) {
+  const auto normal = [&](int t) {
+    const Vector3 edge = surface.corner(t, 1) - surface.corner(t, 0);
+    return Vector3(edge.cross(surface.corner(t, 2) - surface.corner(t, 0)).normalized());
+  };
+  for (std::size_t i = 0; i < surface.neighbours.size(); ++i) {
+    const int t = static_cast<int>(i);
+    const Vector3 own = normal(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int neighbour = surface.neighbours[i][k];
+      if (neighbour < t || own.isZero(0.0)) continue;
+      const Vector3 other = normal(neighbour);
+      if (other.isZero(0.0) || (own + other).norm() > kFolded) continue;
+      throw InputError(
+          fmt::format("{}: the surface is folded flat onto itself near {}; expected a solid",
+                      source, place_in_mm(surface.corner(t, static_cast<int>(k)))));
+    }
+  }
+}
+
 void refuse_nested_parts(const ClosedSurface& surface, const TriangleTree& tree,
                          const std::string& source) {
   if (surface.part_volume.size() < 2) return;
@@ -118,6 +141,7 @@ void refuse_nested_parts(const ClosedSurface& surface, const TriangleTree& tree,
 
 void check_surface(const ClosedSurface& surface, const TriangleTree& tree,
                    const std::string& source, const Progress& progress) {
+  refuse_folds(surface, source);
   refuse_crossings(surface, tree, source, progress);
   refuse_nested_parts(surface, tree, source);
 }
