@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <fstream>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,17 +20,19 @@ std::string processor() {
   return {};
 }
 
-/// Prints as usual and remembers rows that ended in an error.
-class Reporter : public benchmark::ConsoleReporter {
+/// The reporter that the flags ask for, and whether a row ended in an error.
+class Watching : public benchmark::BenchmarkReporter {
  public:
-  Reporter() : ConsoleReporter(OO_Tabular) {}
+  bool ReportContext(const Context& context) override { return reporter_->ReportContext(context); }
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) failed_ = failed_ || run.error_occurred;
-    ConsoleReporter::ReportRuns(runs);
+    reporter_->ReportRuns(runs);
   }
+  void Finalize() override { reporter_->Finalize(); }
   [[nodiscard]] bool failed() const { return failed_; }
 
  private:
+  std::unique_ptr<BenchmarkReporter> reporter_{benchmark::CreateDefaultDisplayReporter()};
   bool failed_ = false;
 };
 
@@ -41,7 +44,7 @@ int main(int argc, char** argv) {
   benchmark::AddCustomContext("processor", processor());
   benchmark::AddCustomContext(
       "instruction_set", std::string(softfinger::name_of(softfinger::active_instruction_set())));
-  Reporter reporter;
+  Watching reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::Shutdown();
   return reporter.failed() ? 1 : 0;
