@@ -202,24 +202,8 @@ bool BlockCholesky::factor() {
 template <std::size_t kCount>
 void BlockCholesky::solve_batch(std::span<const std::span<double>> xs) const {
   const DensePanelKernels& kernels = dense_panel_kernels(set_);
-  const auto forward = [&](const Supernode& node, float* t, int stride) {
-    const float* panel = values_.data() + node.offset;
-    const int rows = 3 * node.row_count;
-    if constexpr (kCount == 1) {
-      kernels.solve_forward(panel, rows, 3 * node.width, node.stride, t);
-    } else {
-      kernels.solve_forward_together(panel, rows, 3 * node.width, node.stride, t, stride);
-    }
-  };
-  const auto backward = [&](const Supernode& node, float* t, int stride) {
-    const float* panel = values_.data() + node.offset;
-    const int rows = 3 * node.row_count;
-    if constexpr (kCount == 1) {
-      kernels.solve_backward(panel, rows, 3 * node.width, node.stride, t);
-    } else {
-      kernels.solve_backward_together(panel, rows, 3 * node.width, node.stride, t, stride);
-    }
-  };
+  const auto forward = kCount == 1 ? kernels.solve_forward : kernels.solve_forward_together;
+  const auto backward = kCount == 1 ? kernels.solve_backward : kernels.solve_backward_together;
   const std::size_t blocks = position_.size();
   // Brought to the size of one: the smallest right-hand sides would lose digits otherwise.
   std::array<double, kCount> greatest{};
@@ -252,7 +236,7 @@ void BlockCholesky::solve_batch(std::span<const std::span<double>> xs) const {
       std::copy_n(y[s] + 3 * node.first, own, ts);
       std::fill_n(ts + own, 3 * node.row_count - own, 0.0F);
     }
-    forward(node, t, node.stride);
+    forward(values_.data() + node.offset, 3 * node.row_count, own, node.stride, t, node.stride);
     for (std::size_t s = 0; s < kCount; ++s) {
       const float* ts = t + s * stride;
       float* ys = y[s];
@@ -274,7 +258,8 @@ void BlockCholesky::solve_batch(std::span<const std::span<double>> xs) const {
         for (int c = 0; c < 3; ++c) ts[3 * k + c] = ys[3 * rows[k] + c];
       }
     }
-    backward(*node, t, node->stride);
+    backward(values_.data() + node->offset, 3 * node->row_count, own, node->stride, t,
+             node->stride);
     for (std::size_t s = 0; s < kCount; ++s) {
       std::copy_n(t + s * stride, own, y[s] + 3 * node->first);
     }

@@ -20,16 +20,14 @@ struct DensePanelKernels {
   /// and B its first `columns` rows; both have stride a_stride.
   void (*outer_product)(const float* a, int a_stride, int rows, int columns, int depth, float* out,
                         int out_stride);
+  using Solve = void (*)(const float* panel, int rows, int columns, int stride, float* t,
+                         int t_stride);
   /// t = panel^-1 t for the leading block, then subtracts the rows below times it from the rest of
-  /// t.
-  void (*solve_forward)(const float* panel, int rows, int columns, int stride, float* t);
+  /// t. For one vector (t_stride is unused), and for kTogether of them, t_stride apart, each with
+  /// the same bits as alone.
+  Solve solve_forward, solve_forward_together;
   /// The transpose of solve_forward: needs the rest of t solved already.
-  void (*solve_backward)(const float* panel, int rows, int columns, int stride, float* t);
-  /// Both of kTogether vectors at once, t_stride apart; each gets the same bits as alone.
-  void (*solve_forward_together)(const float* panel, int rows, int columns, int stride, float* t,
-                                 int t_stride);
-  void (*solve_backward_together)(const float* panel, int rows, int columns, int stride, float* t,
-                                  int t_stride);
+  Solve solve_backward, solve_backward_together;
 };
 
 [[nodiscard]] const DensePanelKernels& dense_panel_kernels(InstructionSet set);

@@ -191,19 +191,10 @@ void backward(const float* panel, int rows, int columns, int stride, float* t, i
   }
 }
 
-void solve_forward(const float* panel, int rows, int columns, int stride, float* t) {
-  forward<1>(panel, rows, columns, stride, t, 0);
-}
-
-void solve_backward(const float* panel, int rows, int columns, int stride, float* t) {
-  backward<1>(panel, rows, columns, stride, t, 0);
-}
-
 }  // namespace
 
 extern const DensePanelKernels kDensePanelKernels;
 const DensePanelKernels kDensePanelKernels{
-    &factor,         &outer_product,      &solve_forward,
-    &solve_backward, &forward<kTogether>, &backward<kTogether>};
+    &factor, &outer_product, &forward<1>, &forward<kTogether>, &backward<1>, &backward<kTogether>};
 
 }  // namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE
