@@ -22,8 +22,9 @@ constexpr int kOwnSamples = kCells * kCells * kCells;
 
 /// About 640 MB of coefficients.
 constexpr std::size_t kMostBlocks = 120'000;
-/// As many times too many as coarse levels let expect are refused before they are sampled.
-constexpr double kFarTooMany = 10.0;
+/// As many times too many as a coarse level lets expect, which is more than there will be where the
+/// surface is thin, are refused before they are sampled.
+constexpr double kFarTooMany = 30.0;
 /// The last level has every block, so it is the first with at most this many.
 constexpr double kLastLevelBlocks = 100;
 /// A block belongs to the band where a cube of this many cells may.
