@@ -321,8 +321,8 @@ inline Doubles principal_stress(const ElementLimits& limits, Doubles s, Doubles 
     store(decomposition->limit_stress[axis] + first, b.first);
     store(decomposition->limit_stiffness[axis] + first, b.second);
   } else {
-    store(decomposition->limit_stress[axis] + first, 0.0 * s);
-    store(decomposition->limit_stiffness[axis] + first, 0.0 * s);
+    store(decomposition->limit_stress[axis] + first, Doubles{});
+    store(decomposition->limit_stiffness[axis] + first, Doubles{});
   }
   return p;
 }

@@ -15,6 +15,7 @@ constexpr int kRounds = 4;
 constexpr int kMostARound = ContactCorrection::kMostColumns / kRounds;
 /// A column costs a solve, which grows slower with the mesh than the factorisation it saves.
 constexpr int kUnknownsAColumn = 24;
+constexpr int kLeastColumns = 16;
 /// Part of the gradient that the small system may leave.
 constexpr double kBalanceAccuracy = 1e-5;
 constexpr int kBalanceIterations = 20;
@@ -35,7 +36,8 @@ ContactCorrection::ContactCorrection(std::vector<Carrier> carriers, std::size_t 
     : carriers_(std::move(carriers)),
       held_(carriers_.size(), Matrix3::Zero()),
       start_(carriers_.size(), Vector3::Zero()),
-      most_columns_(std::clamp(static_cast<int>(unknowns) / kUnknownsAColumn, 16, kMostColumns)),
+      most_columns_(
+          std::clamp(static_cast<int>(unknowns) / kUnknownsAColumn, kLeastColumns, kMostColumns)),
       columns_(static_cast<std::size_t>(most_columns_)),
       amplitudes_(columns_.size(), 0.0),
       uncorrected_(unknowns, 0.0) {
