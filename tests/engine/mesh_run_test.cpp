@@ -28,6 +28,8 @@ class MeshRun : public testing::Test {
       text.replace(text.find(from), from.size(), to);
     };
     replace("../objects/", "");
+    // A coarse grid, which is built in a moment.
+    replace("shape = \"mesh\"", "shape = \"mesh\"\nedge_rounding_mm = 2.0");
     replace("../fingers", (kSource / "fingers").string());
     replace("../devices", (kSource / "devices").string());
     std::ofstream(directory_ / "scene.toml") << text;
