@@ -5,48 +5,48 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTick = 1.0 / 30.0;
+constexpr double kPeriod = 1.0 / 30.0;
 
 TEST(DeviceState, HomesThenFollows) {
   DeviceStateMachine machine;
   EXPECT_EQ(machine.advance({.time = 0.0, .arrived = false}), DeviceState::kHoming);
-  EXPECT_EQ(machine.advance({.time = kTick, .arrived = false}), DeviceState::kHoming);
-  EXPECT_EQ(machine.advance({.time = 2 * kTick, .arrived = true}), DeviceState::kReady);
-  EXPECT_EQ(machine.advance({.time = 3 * kTick, .touching = true, .arrived = false}),
+  EXPECT_EQ(machine.advance({.time = kPeriod, .arrived = false}), DeviceState::kHoming);
+  EXPECT_EQ(machine.advance({.time = 2 * kPeriod, .arrived = true}), DeviceState::kReady);
+  EXPECT_EQ(machine.advance({.time = 3 * kPeriod, .touching = true, .arrived = false}),
             DeviceState::kRendering);
-  EXPECT_EQ(machine.advance({.time = 4 * kTick, .arrived = true}), DeviceState::kReady);
+  EXPECT_EQ(machine.advance({.time = 4 * kPeriod, .arrived = true}), DeviceState::kReady);
 }
 
 TEST(DeviceState, LostTrackingHoldsThenRetractsThenHomes) {
   DeviceStateMachine machine;
   machine.advance({.time = 0.0, .arrived = true});
   int k = 1;
-  for (; k * kTick < 0.2 + kTick - 1e-6; ++k) {
-    EXPECT_EQ(machine.advance({.time = k * kTick, .tracked = false, .arrived = true}),
+  for (; k * kPeriod < 0.2 + kPeriod - 1e-6; ++k) {
+    EXPECT_EQ(machine.advance({.time = k * kPeriod, .tracked = false, .arrived = true}),
               DeviceState::kHolding)
         << k;
   }
-  EXPECT_EQ(machine.advance({.time = k * kTick, .tracked = false}), DeviceState::kRetracting);
+  EXPECT_EQ(machine.advance({.time = k * kPeriod, .tracked = false}), DeviceState::kRetracting);
   ++k;
-  EXPECT_EQ(machine.advance({.time = k * kTick, .arrived = true}), DeviceState::kHoming);
+  EXPECT_EQ(machine.advance({.time = k * kPeriod, .arrived = true}), DeviceState::kHoming);
   ++k;
-  EXPECT_EQ(machine.advance({.time = k * kTick, .arrived = true}), DeviceState::kReady);
+  EXPECT_EQ(machine.advance({.time = k * kPeriod, .arrived = true}), DeviceState::kReady);
 }
 
 TEST(DeviceState, EndRepeatsTheRetractedPoseFor300Milliseconds) {
   DeviceStateMachine machine;
   machine.advance({.time = 0.0, .arrived = true});
-  EXPECT_EQ(machine.advance({.time = 1 * kTick, .ending = true}), DeviceState::kRetracting);
-  EXPECT_EQ(machine.advance({.time = 2 * kTick, .ending = true}), DeviceState::kRetracting);
+  EXPECT_EQ(machine.advance({.time = 1 * kPeriod, .ending = true}), DeviceState::kRetracting);
+  EXPECT_EQ(machine.advance({.time = 2 * kPeriod, .ending = true}), DeviceState::kRetracting);
   // The command of tick 2 was the retracted pose: ticks up to 2 + 9 repeat it.
   for (int k = 3; k <= 11; ++k) {
-    EXPECT_EQ(machine.advance({.time = k * kTick, .ending = true, .arrived = true}),
+    EXPECT_EQ(machine.advance({.time = k * kPeriod, .ending = true, .arrived = true}),
               DeviceState::kRetracting)
         << k;
   }
-  EXPECT_EQ(machine.advance({.time = 12 * kTick, .ending = true, .arrived = true}),
+  EXPECT_EQ(machine.advance({.time = 12 * kPeriod, .ending = true, .arrived = true}),
             DeviceState::kStopped);
-  EXPECT_EQ(machine.advance({.time = 13 * kTick, .arrived = true}), DeviceState::kStopped);
+  EXPECT_EQ(machine.advance({.time = 13 * kPeriod, .arrived = true}), DeviceState::kStopped);
 }
 
 TEST(DeviceState, NamesAreShort) {

@@ -10,7 +10,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTick = 1.0 / 30.0;
+constexpr double kGuardTick = 1.0 / 30.0;
 
 /// Looks at commands as the wire sees them.
 class CommandWatch {
@@ -54,7 +54,7 @@ TEST(MotionGuard, ReachesWhatIsAllowed) {
   const Configuration wanted = configuration(5, -3, 2);
   int ticks = 0;
   while (!guard.arrived() || ticks == 0) {
-    guard.step(wanted, kTick);
+    guard.step(wanted, kGuardTick);
     ASSERT_LT(++ticks, 30);
   }
   EXPECT_EQ(guard.configuration(), wanted);
@@ -64,10 +64,10 @@ TEST(MotionGuard, MovesAtTheRateLimitAndNoSlower) {
   const auto device = lever_platform();
   MotionGuard guard(device, device->settings().transport->servos);
   const JointAngles before = guard.joints();
-  guard.step(configuration(0, 0, -15), kTick);
+  guard.step(configuration(0, 0, -15), kGuardTick);
   const double travel = (guard.joints() - before).cwiseAbs().maxCoeff();
-  EXPECT_LE(travel, 400 * deg * kTick);
-  EXPECT_GE(travel, 0.99 * 400 * deg * kTick);
+  EXPECT_LE(travel, 400 * deg * kGuardTick);
+  EXPECT_GE(travel, 0.99 * 400 * deg * kGuardTick);
 }
 
 TEST(MotionGuard, StopsAtTheEdgeOfTheWorkspaceAndSlidesAlongIt) {
@@ -75,7 +75,7 @@ TEST(MotionGuard, StopsAtTheEdgeOfTheWorkspaceAndSlidesAlongIt) {
   MotionGuard guard(device, device->settings().transport->servos);
   for (int k = 0; k < 100; ++k) {
     const double angle = 0.02 * k;
-    guard.step(configuration(80 * std::cos(angle), 80 * std::sin(angle), 0), kTick);
+    guard.step(configuration(80 * std::cos(angle), 80 * std::sin(angle), 0), kGuardTick);
   }
   const Configuration& q = guard.configuration();
   EXPECT_NEAR(std::hypot(q[0], q[1]), LeverPlatform::kMaxTilt, 0.1 * deg);
@@ -85,14 +85,14 @@ TEST(MotionGuard, StopsAtTheEdgeOfTheWorkspaceAndSlidesAlongIt) {
 TEST(MotionGuard, HoldsWhenWhatIsWantedIsNoNumber) {
   const auto device = lever_platform();
   MotionGuard guard(device, device->settings().transport->servos);
-  for (int k = 0; k < 30; ++k) guard.step(configuration(10, 5, 1), kTick);
+  for (int k = 0; k < 30; ++k) guard.step(configuration(10, 5, 1), kGuardTick);
   const Configuration before = guard.configuration();
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  guard.step(configuration(kNaN, 0, 0), kTick);
-  guard.step(configuration(0, -kInfinity, 0), kTick);
-  guard.step(Configuration(), kTick);
-  guard.step(Configuration::Zero(7), kTick);
+  guard.step(configuration(kNaN, 0, 0), kGuardTick);
+  guard.step(configuration(0, -kInfinity, 0), kGuardTick);
+  guard.step(Configuration(), kGuardTick);
+  guard.step(Configuration::Zero(7), kGuardTick);
   guard.step(configuration(0, 0, 0), kNaN);
   guard.step(configuration(0, 0, 0), -1.0);
   EXPECT_EQ(guard.configuration(), before);
@@ -127,7 +127,7 @@ TEST_P(HostileGuard, EveryCommandIsWithinLimits) {
     } else if (kind == 6) {
       wanted[static_cast<int>(random() % 3)] = hostile[random() % std::size(hostile)];
     }  // else: stays
-    const double dt = kTick * (0.05 + 0.95 * std::abs(uniform(random)));
+    const double dt = kGuardTick * (0.05 + 0.95 * std::abs(uniform(random)));
     guard.step(wanted, dt);
     watch.check(guard, dt);
     if (HasFatalFailure()) FAIL() << "command " << k << ", wanted " << wanted.transpose();
@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, HostileGuard, testing::Range(0, 3));
 
 int ticks_to(MotionGuard& guard, const Configuration& goal) {
   for (int ticks = 1; ticks < 100; ++ticks) {
-    guard.step(goal, kTick);
+    guard.step(goal, kGuardTick);
     if (guard.arrived()) return ticks;
   }
   return -1;

@@ -23,11 +23,11 @@ TEST(SceneCheck, SaysWhatTheShippedScenesHold) {
     const ProgramRun run = run_program({"scene", "check", scene, "--json"});
     EXPECT_EQ(run.status, 0);
     EXPECT_EQ(run.errors, "");
-    const auto json = nlohmann::json::parse(run.output);
-    EXPECT_GE(json.at("duration_s").get<double>(), 8.0);
-    EXPECT_EQ(json.at("fingers").size(), 1u);
-    EXPECT_EQ(json.at("objects").size(), 1u);
-    EXPECT_GT(json.at("fingers")[0].at("samples").get<int>(), 100);
+    const auto answer = nlohmann::json::parse(run.output);
+    EXPECT_GE(answer.at("duration_s").get<double>(), 8.0);
+    EXPECT_EQ(answer.at("fingers").size(), 1u);
+    EXPECT_EQ(answer.at("objects").size(), 1u);
+    EXPECT_GT(answer.at("fingers")[0].at("samples").get<int>(), 100);
   }
 }
 

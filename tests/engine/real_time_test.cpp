@@ -13,14 +13,15 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kScenes = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes";
+const std::filesystem::path kShippedScenes =
+    std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes";
 
 class RealTimePath : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
     reset_guard();
-    options_.scene = kScenes / GetParam();
+    options_.scene = kShippedScenes / GetParam();
     options_.recording = directory_ / "run.db";
   }
   SceneRun::Hooks hooks_{.on_loop_thread = guard_this_thread};

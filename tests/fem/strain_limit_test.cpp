@@ -5,29 +5,29 @@
 namespace softfinger {
 namespace {
 
-constexpr StrainLimit kLimit{0.35, 1.5, 40e3, 0.5};
+constexpr StrainLimit kLimits{0.35, 1.5, 40e3, 0.5};
 
 TEST(StrainLimit, IsSilentInsideAndGrowsBeyond) {
-  EXPECT_EQ(kLimit.at(1.0).energy, 0.0);
-  EXPECT_EQ(kLimit.at(0.86).second, 0.0);
-  EXPECT_GT(kLimit.at(0.6).energy, 0.0);
-  EXPECT_LT(kLimit.at(0.6).first, 0.0);
-  EXPECT_GT(kLimit.at(1.4).first, 0.0);
+  EXPECT_EQ(kLimits.at(1.0).energy, 0.0);
+  EXPECT_EQ(kLimits.at(0.86).second, 0.0);
+  EXPECT_GT(kLimits.at(0.6).energy, 0.0);
+  EXPECT_LT(kLimits.at(0.6).first, 0.0);
+  EXPECT_GT(kLimits.at(1.4).first, 0.0);
 }
 
 TEST(StrainLimit, FollowsItsFormula) {
   // k w^2 t^3 / (1 - t) with t = (1.3 - (1.5 - 0.5)) / 0.5 = 0.6
-  EXPECT_NEAR(kLimit.at(1.3).energy, 40e3 * 0.25 * 0.216 / 0.4, 1e-9);
+  EXPECT_NEAR(kLimits.at(1.3).energy, 40e3 * 0.25 * 0.216 / 0.4, 1e-9);
   const double t = 0.35 + 0.5 - 0.7;
-  EXPECT_NEAR(kLimit.at(0.7).energy, 40e3 * 0.25 * std::pow(t / 0.5, 3) / (1.0 - t / 0.5), 1e-9);
+  EXPECT_NEAR(kLimits.at(0.7).energy, 40e3 * 0.25 * std::pow(t / 0.5, 3) / (1.0 - t / 0.5), 1e-9);
 }
 
 TEST(StrainLimit, DerivativesAreThoseOfTheEnergy) {
   for (double s = -0.5; s < 3.0; s += 0.0371) {
     const double h = 1e-6;
-    const auto low = kLimit.at(s - h);
-    const auto high = kLimit.at(s + h);
-    const auto at = kLimit.at(s);
+    const auto low = kLimits.at(s - h);
+    const auto high = kLimits.at(s + h);
+    const auto at = kLimits.at(s);
     EXPECT_NEAR((high.energy - low.energy) / (2 * h), at.first, 1e-4 * (1.0 + std::abs(at.first)));
     EXPECT_NEAR((high.first - low.first) / (2 * h), at.second, 1e-4 * (1.0 + std::abs(at.second)));
   }

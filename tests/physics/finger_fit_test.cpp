@@ -22,7 +22,7 @@ constexpr double kTrueMax = 1.36;
 
 /// The finger for real time, its constants fixed here: limits whose width leaves room on both
 /// sides.
-std::shared_ptr<const FingerModel> finger() {
+std::shared_ptr<const FingerModel> default_finger() {
   static const auto model = [] {
     auto copy = std::make_shared<FingerModel>(*FingerModel::load(
         std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / "index.toml"));
@@ -59,14 +59,14 @@ MeasuredColumns measured(const PressCurve& curve, int rows, double noise, ForceN
 FitInput input_of(MeasuredColumns curve) {
   FitInput input;
   input.curve = std::move(curve);
-  input.start = {1.0, finger()->strain_limits.min, finger()->strain_limits.max};
-  input.width = finger()->strain_limits.width;
+  input.start = {1.0, default_finger()->strain_limits.min, default_finger()->strain_limits.max};
+  input.width = default_finger()->strain_limits.width;
   input.has_limits = true;
   return input;
 }
 
 std::optional<PressCurve> press(const FingerConstants& constants, double depth = kDepth) {
-  return simulate_press(with_constants(*finger(), constants), depth, 0.0);
+  return simulate_press(with_constants(*default_finger(), constants), depth, 0.0);
 }
 
 const FingerFit::Estimate& estimate_of(const FingerFit& fit, FitParameter parameter) {

@@ -9,26 +9,27 @@
 namespace softfinger {
 namespace {
 
-constexpr std::array<PageFile, 2> kPage{{
+constexpr std::array<PageFile, 2> kSmallPage{{
     {"/index.html", "text/html; charset=utf-8", "<p>page"},
     {"/assets/page.css", "text/css; charset=utf-8", "p {}"},
 }};
 
 TEST(PageFile, RootIsTheIndex) {
-  ASSERT_NE(find_page_file(kPage, "/"), nullptr);
-  EXPECT_EQ(find_page_file(kPage, "/")->path, "/index.html");
+  ASSERT_NE(find_page_file(kSmallPage, "/"), nullptr);
+  EXPECT_EQ(find_page_file(kSmallPage, "/")->path, "/index.html");
 }
 
 TEST(PageFile, QueryIsIgnored) {
-  EXPECT_EQ(find_page_file(kPage, "/?scene=edge"), find_page_file(kPage, "/"));
-  EXPECT_EQ(find_page_file(kPage, "/assets/page.css?v=2")->content_type, "text/css; charset=utf-8");
+  EXPECT_EQ(find_page_file(kSmallPage, "/?scene=edge"), find_page_file(kSmallPage, "/"));
+  EXPECT_EQ(find_page_file(kSmallPage, "/assets/page.css?v=2")->content_type,
+            "text/css; charset=utf-8");
 }
 
 TEST(PageFile, NothingOutsideThePage) {
   for (const char* target :
        {"", "?", "*", "//", "/etc/passwd", "/../index.html", "/assets/../index.html", "/assets",
         "/index.html/", "/INDEX.HTML", "http://127.0.0.1/index.html"}) {
-    EXPECT_EQ(find_page_file(kPage, target), nullptr) << target;
+    EXPECT_EQ(find_page_file(kSmallPage, target), nullptr) << target;
   }
 }
 
