@@ -75,6 +75,7 @@ class LeverPlatform : public Device {
   ClosestPointResidual closest_point_residual(const Configuration&, const Vector3&) const override {
     return {};
   }
+  void solid_pieces(const Configuration&, std::span<SolidPiece>) const override {}
   SurfaceDistance signed_distance(const Configuration&, const Vector3&) const override {
     return {};
   }

@@ -10,6 +10,7 @@
 #include "softfinger/device/surface_samples.hpp"
 #include "softfinger/device/transport_settings.hpp"
 #include "softfinger/geometry/pose.hpp"
+#include "softfinger/geometry/signed_distance.hpp"
 
 namespace softfinger {
 
@@ -60,6 +61,12 @@ struct ClosestPointResidual {
 struct SurfaceDistance {
   double distance;         ///< m
   Configuration gradient;  ///< by q, dof
+};
+
+/// A rigid part of the solid that presses the wearer's finger.
+struct SolidPiece {
+  Shape shape;
+  Pose X_FS;  ///< its frame in F
 };
 
 /// Answer of `device workspace`.
@@ -145,6 +152,11 @@ class Device {
 
   /// Pose of the contacting surface's frame P in F; z towards the finger.
   [[nodiscard]] virtual Pose surface_pose(const Configuration& q) const = 0;
+  /// The solid that presses a finger at q, as solid_piece_count() parts. It is what the surface
+  /// above is an ideal of: with the thickness and rounded rims of the thing itself.
+  [[nodiscard]] virtual int solid_piece_count() const { return 1; }
+  virtual void solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const = 0;
+
   /// Radius of a disk surface, m; 0 for other surfaces.
   [[nodiscard]] virtual double disk_radius() const { return 0.0; }
   /// Rounding of the disk's rim, for the solid that presses a finger, m.

@@ -43,4 +43,10 @@ ConeDistance cone_distance(double radius, const Vector3& p_P) {
   return answer;
 }
 
+SolidPiece disk_solid(double radius, double edge_radius, const Pose& X_FP) {
+  constexpr double kHalfThickness = 1e-3;
+  return {RoundedCylinder{radius, kHalfThickness, edge_radius},
+          X_FP * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, -kHalfThickness)}};
+}
+
 }  // namespace softfinger

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "softfinger/device/device.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {
@@ -22,5 +23,9 @@ struct ConeDistance {
   double meridian_curvature = 0.0;  ///< 1/m; not zero only around the rim
 };
 [[nodiscard]] ConeDistance cone_distance(double radius, const Vector3& p_P);
+
+/// The disk as the solid that presses a finger: the cylinder {-2 mm <= z <= 0, rho <= radius}, its
+/// rims rounded by edge_radius (m). Frames: X_FP of the disk.
+[[nodiscard]] SolidPiece disk_solid(double radius, double edge_radius, const Pose& X_FP);
 
 }  // namespace softfinger

@@ -73,6 +73,7 @@ class Platform3rrs final : public Device {
                                      const Configuration& q) const override;
   [[nodiscard]] int approach_axis() const override { return 2; }
   [[nodiscard]] Pose surface_pose(const Configuration& q) const override;
+  void solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const override;
   [[nodiscard]] double disk_radius() const override { return geometry_.disk_radius; }
   [[nodiscard]] double disk_edge_radius() const override { return geometry_.disk_edge_radius; }
   [[nodiscard]] int leg_count() const override { return 3; }

@@ -280,4 +280,8 @@ double Platform3rrs::least_distance(const Configuration& q, const SurfaceSamples
   return least;
 }
 
+void Platform3rrs::solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const {
+  pieces[0] = disk_solid(geometry_.disk_radius, geometry_.disk_edge_radius, surface_pose(q));
+}
+
 }  // namespace softfinger
