@@ -24,12 +24,8 @@ enum Constraint {
   kSingular = 13
 };
 
-std::vector<ConfigurationAxis> platform_axes(double disk_radius) {
-  return {{"pitch_deg", deg, disk_radius}, {"roll_deg", deg, disk_radius}, {"travel_mm", mm, 1.0}};
-}
-
 DeviceSettings with_axes(DeviceSettings settings, double disk_radius) {
-  settings.axes = platform_axes(disk_radius);
+  settings.axes = Platform3rrs::axes_for(disk_radius);
   return settings;
 }
 
@@ -56,6 +52,10 @@ Platform3rrs::Platform3rrs(DeviceSettings settings, const Platform3rrsGeometry& 
     home_determinant_ = jacobian.determinant() * geometry_.crank;
     explore_workspace();
   }
+}
+
+std::vector<ConfigurationAxis> Platform3rrs::axes_for(double disk_radius) {
+  return {{"pitch_deg", deg, disk_radius}, {"roll_deg", deg, disk_radius}, {"travel_mm", mm, 1.0}};
 }
 
 bool Platform3rrs::inverse_kinematics(const Configuration& q, JointAngles& joints) const {

@@ -34,6 +34,9 @@ class Platform3rrs final : public Device {
   /// The settings' axes are filled in here.
   Platform3rrs(DeviceSettings settings, const Platform3rrsGeometry& geometry);
 
+  /// Pitch, roll and travel of a disk of this radius (m).
+  [[nodiscard]] static std::vector<ConfigurationAxis> axes_for(double disk_radius);
+
   [[nodiscard]] const Platform3rrsGeometry& geometry() const { return geometry_; }
 
   [[nodiscard]] bool inverse_kinematics(const Configuration& q, JointAngles& joints) const override;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "softfinger/base/config_file.hpp"
+#include "softfinger/device/device.hpp"
+
+namespace softfinger {
+
+// The tables of a device file that every kind has. A kind's reader asks for its own keys, fills in
+// axes and joint limits, reads the shared tables, builds the device and checks where it rests.
+
+/// `joint_deg` and `joint_rate_deg_per_s` of `[limits]`, the same for all `joints`.
+[[nodiscard]] JointLimits read_joint_limits(const ConfigTable& limits, int joints);
+
+/// Reads what every kind has into settings whose axes and joint limits are set: mount, home,
+/// retract, largest force, matching, transport. Ends the reading: keys that nobody asked for are
+/// refused.
+void read_shared_tables(const ConfigFile& file, DeviceSettings& settings);
+
+/// Refuses a home or a retracted pose out of the workspace. `obstacle` says in words why a
+/// configuration is; empty if it is inside.
+void check_rest_poses(const ConfigFile& file, const Device& device,
+                      const std::function<std::string(const Configuration& q)>& obstacle);
+
+/// Which joint of q would be out of its limits, in words; empty if none or where the linkage does
+/// not close.
+[[nodiscard]] std::string joint_obstacle(const Device& device, const Configuration& q);
+
+}  // namespace softfinger
