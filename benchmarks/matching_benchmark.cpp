@@ -211,7 +211,7 @@ void matching(benchmark::State& state, MatchingLimits limits, bool warm, double 
         solver.solve(motion.frames[f].view(), options, warm ? &start : nullptr);
     last = result.configuration;
     iterations += result.iterations;
-    limited += result.active_constraints != 0 ? 1.0 : 0.0;
+    limited += result.active_constraints.any() ? 1.0 : 0.0;
   });
   state.counters["iterations"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
   state.counters["limited"] = benchmark::Counter(limited, benchmark::Counter::kAvgIterations);

@@ -26,10 +26,15 @@ ordered_json configuration_json(const Device& device, const Configuration& q) {
   return result;
 }
 
-ordered_json joints_json(const JointAngles& joints) {
-  ordered_json result = ordered_json::array();
-  for (const double angle : joints) result.push_back(angle / deg);
-  return result;
+void add_joints(ordered_json& answer, const Device& device, const JointAngles* joints) {
+  const bool linear = device.joint_limits().linear;
+  ordered_json values;  // null where the linkage does not close
+  if (joints != nullptr) {
+    values = ordered_json::array();
+    for (const double joint : *joints) values.push_back(joint / (linear ? mm : deg));
+  }
+  answer["joints_deg"] = linear ? ordered_json() : values;
+  if (linear) answer["joints_mm"] = values;
 }
 
 namespace {
@@ -37,7 +42,7 @@ namespace {
 struct DeviceFlags {
   std::string device;
   std::vector<std::string> configuration;
-  std::vector<double> joints_deg;
+  std::vector<double> joints_deg, joints_mm;
   bool json = false;
 };
 
@@ -101,41 +106,55 @@ void solve(const DeviceFlags& flags) {
   const auto device = load_device(flags.device);
   const Configuration q = parse_configuration(*device, flags.configuration);
   JointAngles joints;
-  ordered_json joints_deg;  // null where the linkage does not close
-  if (device->inverse_kinematics(q, joints)) joints_deg = joints_json(joints);
-  answer({{"configuration", configuration_json(*device, q)},
-          {"joints_deg", joints_deg},
-          {"reachable", device->reachable(q)}},
-         flags.json);
+  const bool closes = device->inverse_kinematics(q, joints);
+  ordered_json result{{"configuration", configuration_json(*device, q)}};
+  add_joints(result, *device, closes ? &joints : nullptr);
+  result["reachable"] = device->reachable(q);
+  answer(result, flags.json);
 }
 
 void pose(const DeviceFlags& flags) {
   const auto device = load_device(flags.device);
-  if (static_cast<int>(flags.joints_deg.size()) != device->joint_count()) {
-    throw InputError(fmt::format("device pose: --joints-deg: {} values, the device has {} joints",
-                                 flags.joints_deg.size(), device->joint_count()));
+  const bool linear = device->joint_limits().linear;
+  const char* flag = linear ? "--joints-mm" : "--joints-deg";
+  const std::vector<double>& given = linear ? flags.joints_mm : flags.joints_deg;
+  if (!(linear ? flags.joints_deg : flags.joints_mm).empty()) {
+    throw InputError(fmt::format("device pose: the device's joints are {}: use {}",
+                                 linear ? "lengths" : "angles", flag));
+  }
+  if (static_cast<int>(given.size()) != device->joint_count()) {
+    throw InputError(fmt::format("device pose: {}: {} values, the device has {} joints", flag,
+                                 given.size(), device->joint_count()));
   }
   JointAngles joints(device->joint_count());
   for (int i = 0; i < joints.size(); ++i) {
-    joints[i] = flags.joints_deg[static_cast<std::size_t>(i)] * deg;
-    if (!std::isfinite(joints[i]))
-      throw InputError("device pose: --joints-deg: not a finite number");
+    joints[i] = given[static_cast<std::size_t>(i)] * (linear ? mm : deg);
+    if (!std::isfinite(joints[i])) {
+      throw InputError(fmt::format("device pose: {}: not a finite number", flag));
+    }
   }
   Configuration q;
   if (!device->forward_kinematics(joints, q)) {
     throw OperationError(
-        "device pose: no configuration inside the workspace has these joint angles");
+        fmt::format("device pose: no configuration inside the workspace has these joint {}",
+                    linear ? "lengths" : "angles"));
   }
   answer({{"configuration", configuration_json(*device, q)}}, flags.json);
 }
 
 void workspace(const DeviceFlags& flags) {
   const WorkspaceSummary w = load_device(flags.device)->workspace_summary();
-  answer({{"travel_mm", {w.min_travel / mm, w.max_travel / mm}},
-          {"mid_travel_mm", w.mid_travel / mm},
-          {"min_tilt_at_mid_travel_deg", w.min_tilt_at_mid_travel / deg},
-          {"max_tilt_deg", w.max_tilt / deg}},
-         flags.json);
+  ordered_json result = ordered_json::object();
+  for (const WorkspaceSummary::Reach& reach : w.reaches) {
+    result[reach.name] = {reach.min / reach.unit, reach.max / reach.unit};
+  }
+  if (w.reaches.empty()) {
+    result = {{"travel_mm", {w.min_travel / mm, w.max_travel / mm}},
+              {"mid_travel_mm", w.mid_travel / mm},
+              {"min_tilt_at_mid_travel_deg", w.min_tilt_at_mid_travel / deg},
+              {"max_tilt_deg", w.max_tilt / deg}};
+  }
+  answer(result, flags.json);
 }
 
 CLI::App* add_device_action(CLI::App& command, const std::string& name, const std::string& text,
@@ -155,13 +174,14 @@ void add_device_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("device", "What a device file describes");
   command->require_subcommand(1);
   add_device_action(*command, "show", "The file's keys, defaults filled in", flags, show);
-  add_device_action(*command, "solve", "Joint angles of a configuration", flags, solve)
+  add_device_action(*command, "solve", "Joints of a configuration", flags, solve)
       ->add_option("--configuration", flags->configuration,
                    "NAME=VALUE,... in the units of the names; home where not given")
       ->delimiter(',');
-  add_device_action(*command, "pose", "Configuration of joint angles", flags, pose)
-      ->add_option("--joints-deg", flags->joints_deg, "Joint angles a,b,c")
-      ->delimiter(',')
-      ->required();
-  add_device_action(*command, "workspace", "Travel and tilt within all limits", flags, workspace);
+  CLI::App* posing =
+      add_device_action(*command, "pose", "Configuration of joint angles or lengths", flags, pose);
+  posing->add_option("--joints-deg", flags->joints_deg, "Joint angles a,b,c")->delimiter(',');
+  posing->add_option("--joints-mm", flags->joints_mm, "Lengths a,b,c of joints that are linear")
+      ->delimiter(',');
+  add_device_action(*command, "workspace", "How far it goes within all limits", flags, workspace);
 }

@@ -51,15 +51,13 @@ void match(const MatchFlags& flags) {
   ContactSurfaceMatching matching(device, static_cast<int>(points.points_F.size()));
   const MatchingResult result =
       matching.solve({points.points_F, points.in_contact, points.areas, points.gaps}, options);
-  nlohmann::ordered_json joints;  // null unless they exist
-  if (result.joints_exist) joints = joints_json(result.joints);
-  const nlohmann::ordered_json answer{
-      {"configuration", configuration_json(*device, result.configuration)},
-      {"joints_deg", joints},
-      {"deviation_mm2", result.deviation / mm2},
-      {"iterations", result.iterations},
-      {"termination", std::string(to_string(result.termination))},
-      {"at_limit", matching.limit_names(result)}};
+  nlohmann::ordered_json answer{
+      {"configuration", configuration_json(*device, result.configuration)}};
+  add_joints(answer, *device, result.joints_exist ? &result.joints : nullptr);
+  answer["deviation_mm2"] = result.deviation / mm2;
+  answer["iterations"] = result.iterations;
+  answer["termination"] = std::string(to_string(result.termination));
+  answer["at_limit"] = matching.limit_names(result);
   if (flags.json) {
     fmt::print("{}\n", answer.dump());
     return;
@@ -67,7 +65,8 @@ void match(const MatchFlags& flags) {
   for (const auto& [name, value] : answer["configuration"].items()) {
     fmt::print("{:<16} {:.4f}\n", name, value.get<double>());
   }
-  fmt::print("{:<16} {}\n", "joints_deg", answer["joints_deg"].dump());
+  const char* joints = answer.contains("joints_mm") ? "joints_mm" : "joints_deg";
+  fmt::print("{:<16} {}\n", joints, answer[joints].dump());
   fmt::print("{:<16} {:.6g}\n", "deviation_mm2", result.deviation / mm2);
   fmt::print("{} after {} iterations{}\n", to_string(result.termination), result.iterations,
              answer["at_limit"].empty() ? "" : "; at limit: " + answer["at_limit"].dump());

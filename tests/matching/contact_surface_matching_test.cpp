@@ -83,7 +83,7 @@ void expect_global(double tilt_deg, unsigned seed, int presses) {
     EXPECT_NEAR(result.deviation, deviation(pad, result.configuration, 0.2 * mm, true),
                 1e-9 * result.deviation + 1e-20);
     EXPECT_LE(result.deviation, 1.001 * brute_force(pad, random) + 1e-14) << "press " << i;
-    limited += result.active_constraints != 0 ? 1 : 0;
+    limited += result.active_constraints.any() ? 1 : 0;
   }
   if (tilt_deg > 40.0) {
     EXPECT_GT(limited, presses / 6);
@@ -132,7 +132,7 @@ TEST(Matching, ProjectedGradientVanishes) {
     ASSERT_TRUE(thimble()->constraints(result.configuration, values, jacobian));
     Eigen::MatrixXd active(0, 3);
     for (int k = 0; k < count; ++k) {
-      if ((result.active_constraints >> k & 1) == 0) continue;
+      if (!result.active_constraints.test(static_cast<std::size_t>(k))) continue;
       active.conservativeResize(active.rows() + 1, 3);
       active.row(active.rows() - 1) = jacobian.row(k);
       for (int j = 0; j < 3; ++j) {

@@ -26,6 +26,21 @@ double Device::squared_distance(const Configuration& a, const Configuration& b) 
   return sum;
 }
 
+bool Device::within_axes(const Configuration& q) const {
+  constexpr double kTolerance = 1e-9;
+  if (q.size() != degrees_of_freedom() || !q.allFinite()) return false;
+  for (int k = 0; k < degrees_of_freedom(); ++k) {
+    const ConfigurationAxis& axis = settings_.axes[static_cast<std::size_t>(k)];
+    if (q[k] < axis.min - kTolerance || q[k] > axis.max + kTolerance) return false;
+  }
+  return true;
+}
+
+void Device::advance(double distance, Configuration& q) const {
+  const int axis = approach_axis();
+  if (axis >= 0) q[axis] += distance / settings_.axes[static_cast<std::size_t>(axis)].metric;
+}
+
 double Device::deviation(const Configuration& q, const SurfaceSamples& samples) const {
   double sum = 0.0;
   for (int i = 0; i < samples.size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,12 +20,16 @@ struct ConfigurationAxis {
   std::string name;     ///< with the unit people read: "pitch_deg", "travel_mm"
   double unit = 1.0;    ///< SI per that unit: pi/180, 1e-3
   double metric = 1.0;  ///< m per SI unit: how far the surface moves; the disk's radius for angles
+  /// Limits of its own; SI. Infinite where only joints or other axes limit it.
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
 };
 
 /// Hard limits of the joints; commands never leave them.
 struct JointLimits {
-  JointAngles min, max;   ///< rad
-  double max_rate = 0.0;  ///< rad/s, all joints
+  JointAngles min, max;   ///< rad, or m for linear joints
+  double max_rate = 0.0;  ///< rad/s or m/s, all joints
+  bool linear = false;    ///< joints are lengths
 };
 
 /// `[matching]` of a device file.
@@ -71,11 +76,21 @@ struct SolidPiece {
 
 /// Answer of `device workspace`.
 struct WorkspaceSummary {
+  /// How far each axis goes with the others at home; where there is no travel and tilt to tell of.
+  /// Axes that are alike share one entry.
+  struct Reach {
+    std::string name;
+    double min = 0.0, max = 0.0;  ///< SI
+    double unit = 1.0;            ///< SI per unit of the name
+  };
+  std::vector<Reach> reaches;
   double min_travel = 0.0, max_travel = 0.0;  ///< at zero tilt, m
   double mid_travel = 0.0;                    ///< m
   double min_tilt_at_mid_travel = 0.0;        ///< least over directions, rad
   double max_tilt = 0.0;                      ///< largest anywhere in the workspace, rad
 };
+
+class PinField;
 
 /// A device that touches the wearer's finger, as matching, actuation and the twin know it.
 /// Immutable and shared by threads. Nothing but the constructors allocates or throws.
@@ -149,6 +164,10 @@ class Device {
                                              const Configuration& q) const = 0;
   /// Axis that moves the surface towards the finger; -1 where there is no single one.
   [[nodiscard]] virtual int approach_axis() const = 0;
+  /// Whether advance() moves the surface.
+  [[nodiscard]] virtual bool advances() const { return approach_axis() >= 0; }
+  /// Moves the whole surface towards the finger by `distance` (m); limits are not looked at.
+  virtual void advance(double distance, Configuration& q) const;
 
   /// Pose of the contacting surface's frame P in F; z towards the finger.
   [[nodiscard]] virtual Pose surface_pose(const Configuration& q) const = 0;
@@ -157,6 +176,9 @@ class Device {
   [[nodiscard]] virtual int solid_piece_count() const { return 1; }
   virtual void solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const = 0;
 
+  /// The pins of a surface made of pins that move one by one, component k of q the height of pin k;
+  /// null for other surfaces.
+  [[nodiscard]] virtual const PinField* pin_field() const { return nullptr; }
   /// Radius of a disk surface, m; 0 for other surfaces.
   [[nodiscard]] virtual double disk_radius() const { return 0.0; }
   /// Rounding of the disk's rim, for the solid that presses a finger, m.
@@ -170,6 +192,9 @@ class Device {
 
  protected:
   explicit Device(DeviceSettings settings) : settings_(std::move(settings)) {}
+
+  /// Whether q is finite and within the limits of its axes (limits count as inside, to 1e-9).
+  [[nodiscard]] bool within_axes(const Configuration& q) const;
 
  private:
   DeviceSettings settings_;

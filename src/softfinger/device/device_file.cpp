@@ -19,6 +19,12 @@ struct DeviceKind {
 
 constexpr std::array kKinds{
     DeviceKind{"platform_3rrs", read_platform_3rrs},
+    DeviceKind{"plate_2dof", read_plate_2dof},
+    DeviceKind{"cable_platform", read_cable_platform},
+    DeviceKind{"pin_array", read_pin_array},
+    DeviceKind{"delta_tactor", read_delta_tactor},
+    DeviceKind{"membrane", read_membrane},
+    DeviceKind{"roller", read_roller},
 };
 
 }  // namespace

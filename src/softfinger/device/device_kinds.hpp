@@ -12,5 +12,17 @@ namespace softfinger {
 
 [[nodiscard]] std::shared_ptr<const Device> read_platform_3rrs(const ConfigFile& file,
                                                                DeviceSettings settings);
+[[nodiscard]] std::shared_ptr<const Device> read_plate_2dof(const ConfigFile& file,
+                                                            DeviceSettings settings);
+[[nodiscard]] std::shared_ptr<const Device> read_cable_platform(const ConfigFile& file,
+                                                                DeviceSettings settings);
+[[nodiscard]] std::shared_ptr<const Device> read_pin_array(const ConfigFile& file,
+                                                           DeviceSettings settings);
+[[nodiscard]] std::shared_ptr<const Device> read_delta_tactor(const ConfigFile& file,
+                                                              DeviceSettings settings);
+[[nodiscard]] std::shared_ptr<const Device> read_membrane(const ConfigFile& file,
+                                                          DeviceSettings settings);
+[[nodiscard]] std::shared_ptr<const Device> read_roller(const ConfigFile& file,
+                                                        DeviceSettings settings);
 
 }  // namespace softfinger

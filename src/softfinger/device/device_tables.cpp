@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "softfinger/base/units.hpp"
 
 namespace softfinger {
@@ -41,12 +43,15 @@ MatchingSettings read_matching(const ConfigTable& table) {
   return matching;
 }
 
-ServoSettings read_servo(const ConfigTable& table) {
+std::string_view servo_slope(bool linear) { return linear ? "us_per_mm" : "us_per_deg"; }
+
+ServoSettings read_servo(const ConfigTable& table, bool linear) {
   ServoSettings servo;
+  const std::string_view slope = servo_slope(linear);
   servo.channel = table.integer("channel", 0, 23);
   servo.zero = table.number("zero_us", Range::positive());
-  servo.per_radian = table.number("us_per_deg");
-  if (servo.per_radian == 0.0) table.fail("us_per_deg", "must not be 0: the servo would not move");
+  servo.per_radian = table.number(slope);
+  if (servo.per_radian == 0.0) table.fail(slope, "must not be 0: the servo would not move");
   servo.min = table.number("min_us", Range::positive());
   servo.max = table.number("max_us", Range::positive());
   if (servo.min >= servo.max) table.fail("min_us", "must be less than max_us");
@@ -57,15 +62,16 @@ ServoSettings read_servo(const ConfigTable& table) {
 
 /// Both ends of the joint limits must be pulses the servo may be sent.
 void check_cover(const ConfigTable& table, const ServoSettings& servo, const JointLimits& limits,
-                 int leg) {
-  for (const double angle : {limits.min[leg], limits.max[leg]}) {
-    const double pulse = servo.zero + servo.per_radian * angle;
+                 int joint) {
+  for (const double at : {limits.min[joint], limits.max[joint]}) {
+    const double pulse = servo.zero + servo.per_radian * at;
     if (pulse < servo.min - 1e-12 || pulse > servo.max + 1e-12) {
       table.fail(
-          "us_per_deg",
-          fmt::format("joint {} at its limit of {:g} degrees needs a pulse of {:g} us, out of "
-                      "min_us {:g} to max_us {:g}; widen them or narrow limits.joint_deg",
-                      leg + 1, angle / deg, pulse / us, servo.min / us, servo.max / us));
+          servo_slope(limits.linear),
+          fmt::format("joint {} at its limit of {:g} {} needs a pulse of {:g} us, out of "
+                      "min_us {:g} to max_us {:g}; widen them or narrow the joint's limits",
+                      joint + 1, at / (limits.linear ? mm : deg), limits.linear ? "mm" : "degrees",
+                      pulse / us, servo.min / us, servo.max / us));
     }
   }
 }
@@ -85,7 +91,7 @@ TransportSettings read_transport(const ConfigTable& table, const JointLimits& li
                                     servos.size(), joints));
   }
   for (const ConfigTable& servo : servos) {
-    transport.servos.push_back(read_servo(servo));
+    transport.servos.push_back(read_servo(servo, limits.linear));
     const auto leg = transport.servos.size() - 1;
     check_cover(servo, transport.servos.back(), limits, static_cast<int>(leg));
     for (std::size_t other = 0; other < leg; ++other) {
@@ -107,13 +113,37 @@ JointLimits read_joint_limits(const ConfigTable& limits, int joints) {
           limits.number("joint_rate_deg_per_s", Range::positive())};
 }
 
+Interval read_interval(const ConfigTable& limits, std::string_view name, Range range) {
+  const Eigen::VectorXd ends = limits.numbers(name, 2, range);
+  if (ends[0] >= ends[1]) limits.fail(name, "must be [least, largest]");
+  return {ends[0], ends[1]};
+}
+
+double read_linear_rate(const ConfigTable& limits) {
+  return limits.number("joint_rate_mm_per_s", Range::positive(), 50.0 * mm);
+}
+
+double read_disk_edge_radius(const ConfigTable& geometry, double disk_radius) {
+  const double radius =
+      geometry.number("disk_edge_radius_mm", Range::at_least(0.0), std::min(0.5 * mm, disk_radius));
+  if (radius > std::min(disk_radius, 1.0 * mm)) {
+    geometry.fail("disk_edge_radius_mm",
+                  "must be at most 1, half the disk's thickness, and at most disk_radius_mm");
+  }
+  return radius;
+}
+
+double read_max_tilt(const ConfigTable& limits) {
+  return limits.number("max_tilt_deg", {.min = 0.0, .max = 80.0, .open_min = true}, 30.0 * deg);
+}
+
 void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
   const ConfigTable root = file.root();
   settings.X_FB = read_mount(root.table_or_empty("mount"));
   settings.home = read_configuration(root.table_or_empty("home"), settings);
   settings.retracted = read_configuration(root.table_or_empty("retract"), settings);
   settings.max_force =
-      root.table("limits").optional_number("max_force_N", Range::positive()).value_or(0.0);
+      root.table_or_empty("limits").optional_number("max_force_N", Range::positive()).value_or(0.0);
   settings.matching = read_matching(root.table_or_empty("matching"));
   if (const auto transport = root.optional_table("transport")) {
     settings.transport = read_transport(*transport, settings.joint_limits);
@@ -133,6 +163,17 @@ void check_rest_poses(const ConfigFile& file, const Device& device,
     file.root().table_or_empty("retract").fail(
         "", "the retracted pose is out of the workspace: " + at_retracted);
   }
+}
+
+std::string axis_obstacle(const Device& device, const Configuration& q) {
+  for (Eigen::Index k = 0; k < q.size(); ++k) {
+    const ConfigurationAxis& axis = device.axes()[static_cast<std::size_t>(k)];
+    if (q[k] < axis.min - 1e-9 || q[k] > axis.max + 1e-9) {
+      return fmt::format("{} is {:g}, out of [{:g}, {:g}]", axis.name, q[k] / axis.unit,
+                         axis.min / axis.unit, axis.max / axis.unit);
+    }
+  }
+  return {};
 }
 
 std::string joint_obstacle(const Device& device, const Configuration& q) {

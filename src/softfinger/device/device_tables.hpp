@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/device/device.hpp"
@@ -14,6 +15,22 @@ namespace softfinger {
 /// `joint_deg` and `joint_rate_deg_per_s` of `[limits]`, the same for all `joints`.
 [[nodiscard]] JointLimits read_joint_limits(const ConfigTable& limits, int joints);
 
+/// `name` = [least, largest] of `[limits]`, within `range`.
+struct Interval {
+  double min = 0.0, max = 0.0;
+};
+[[nodiscard]] Interval read_interval(const ConfigTable& limits, std::string_view name,
+                                     Range range = Range::any());
+
+/// `joint_rate_mm_per_s` of `[limits]`, m/s; 50 mm/s where not given.
+[[nodiscard]] double read_linear_rate(const ConfigTable& limits);
+
+/// `disk_edge_radius_mm` of `[geometry]`: 0.5 mm, at most half the disk's 2 mm and its radius.
+[[nodiscard]] double read_disk_edge_radius(const ConfigTable& geometry, double disk_radius);
+
+/// `max_tilt_deg` of `[limits]`, 30 degrees where not given.
+[[nodiscard]] double read_max_tilt(const ConfigTable& limits);
+
 /// Reads what every kind has into settings whose axes and joint limits are set: mount, home,
 /// retract, largest force, matching, transport. Ends the reading: keys that nobody asked for are
 /// refused.
@@ -23,6 +40,9 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings);
 /// configuration is; empty if it is inside.
 void check_rest_poses(const ConfigFile& file, const Device& device,
                       const std::function<std::string(const Configuration& q)>& obstacle);
+
+/// Which component of q would be out of the limits of its axis, in words; empty if none.
+[[nodiscard]] std::string axis_obstacle(const Device& device, const Configuration& q);
 
 /// Which joint of q would be out of its limits, in words; empty if none or where the linkage does
 /// not close.

@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "softfinger/base/units.hpp"
@@ -43,16 +42,11 @@ std::shared_ptr<const Device> read_platform_3rrs(const ConfigFile& file, DeviceS
   geometry.coupler = lengths.number("coupler_mm", Range::positive());
   geometry.neutral_height = lengths.number("neutral_height_mm", Range::positive());
   geometry.disk_radius = lengths.number("disk_radius_mm", Range::positive());
-  geometry.disk_edge_radius = lengths.number("disk_edge_radius_mm", Range::at_least(0.0), 0.5 * mm);
-  if (geometry.disk_edge_radius > std::min(geometry.disk_radius, 1.0 * mm)) {
-    lengths.fail("disk_edge_radius_mm",
-                 "must be at most 1, half the disk's thickness, and at most disk_radius_mm");
-  }
+  geometry.disk_edge_radius = read_disk_edge_radius(lengths, geometry.disk_radius);
 
   const ConfigTable limits = file.root().table("limits");
   settings.joint_limits = read_joint_limits(limits, 3);
-  geometry.max_tilt =
-      limits.number("max_tilt_deg", {.min = 0.0, .max = 80.0, .open_min = true}, 30.0 * deg);
+  geometry.max_tilt = read_max_tilt(limits);
 
   settings.axes = Platform3rrs::axes_for(geometry.disk_radius);
   read_shared_tables(file, settings);

@@ -44,7 +44,8 @@ class Export {
       for (const std::string& name : finger.configuration_names) {
         if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
       }
-      joints_ = std::max(joints_, finger.joints);
+      std::int64_t& joints = finger.linear_joints ? lengths_ : angles_;
+      joints = std::max(joints, finger.joints);
     }
   }
 
@@ -83,15 +84,20 @@ class Export {
     }
   }
 
-  void write_joints(CsvWriter& csv, const JointAngles& joints) {
-    for (std::int64_t i = 0; i < joints_; ++i) {
-      csv.field(i < joints.size() ? joints[i] / deg : kMissing);
+  void write_joints(CsvWriter& csv, bool linear, const JointAngles& joints) {
+    for (std::int64_t i = 0; i < angles_; ++i) {
+      csv.field(!linear && i < joints.size() ? joints[i] / deg : kMissing);
+    }
+    for (std::int64_t i = 0; i < lengths_; ++i) {
+      csv.field(linear && i < joints.size() ? joints[i] / mm : kMissing);
     }
   }
 
-  [[nodiscard]] std::string numbered(const char* prefix, const char* unit) const {
+  /// "PREFIX_1_UNIT,PREFIX_2_UNIT,..."
+  [[nodiscard]] static std::string numbered(std::int64_t count, const char* prefix,
+                                            const char* unit) {
     std::string columns;
-    for (std::int64_t i = 1; i <= joints_; ++i) {
+    for (std::int64_t i = 1; i <= count; ++i) {
       columns += fmt::format("{}{}_{}_{}", i > 1 ? "," : "", prefix, i, unit);
     }
     return columns;
@@ -104,9 +110,14 @@ class Export {
     const auto configuration =
         open("configuration.csv",
              names_.empty() ? "deviation_mm2" : fmt::format("{},{}deviation_mm2", names, wanted));
-    const auto joints = open("joints.csv", numbered("joint", "deg"));
-    const auto command = open(
-        "command.csv", fmt::format("{}{}state", numbered("servo", "us"), joints_ > 0 ? "," : ""));
+    const auto joints = open("joints.csv", fmt::format("{}{}{}", numbered(angles_, "joint", "deg"),
+                                                       angles_ > 0 && lengths_ > 0 ? "," : "",
+                                                       numbered(lengths_, "joint", "mm")));
+    const std::int64_t servos =
+        std::min<std::int64_t>(std::max(angles_, lengths_), FormedCommand::kMaxServos);
+    const auto command =
+        open("command.csv",
+             fmt::format("{}{}state", numbered(servos, "servo", "us"), servos > 0 ? "," : ""));
     TickRecord tick;
     while (reader_.next(tick)) {
       begin_row(*configuration, tick);
@@ -116,11 +127,11 @@ class Export {
       configuration->end_row();
 
       begin_row(*joints, tick);
-      write_joints(*joints, tick.command.joints);
+      write_joints(*joints, finger_of(tick).linear_joints, tick.command.joints);
       joints->end_row();
 
       begin_row(*command, tick);
-      for (std::int64_t i = 0; i < joints_; ++i) {
+      for (std::int64_t i = 0; i < servos; ++i) {
         command->field(i < tick.command.servos
                            ? tick.command.targets[static_cast<std::size_t>(i)] / 4.0
                            : kMissing);
@@ -222,7 +233,7 @@ class Export {
   fs::path directory_;
   bool several_;
   std::vector<std::string> names_;
-  std::int64_t joints_ = 0;
+  std::int64_t angles_ = 0, lengths_ = 0;  ///< most joints of a device
   /// CPU time of the match and latency (s) by step and finger.
   std::map<std::pair<std::int64_t, std::int64_t>, std::pair<double, double>> tick_times_;
 };

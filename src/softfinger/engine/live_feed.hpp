@@ -27,7 +27,8 @@ struct SceneDescription {
     std::vector<std::array<int, 3>> nail_triangles;  ///< indices into rigid_positions_F
     std::string device_kind;                         ///< empty: no device
     std::vector<std::string> configuration_names;    ///< with unit: pitch_deg, ...
-    double disk_radius = 0.0;                        ///< platform_3rrs
+    bool linear_joints = false;                      ///< joints are lengths
+    double disk_radius = 0.0;                        ///< of devices that have one
     int legs = 0;
   };
   std::uint64_t generation = 0;          ///< grows with each scene or restart
@@ -54,7 +55,7 @@ struct Snapshot {
     double contact_area = 0.0;    ///< m^2
     double deviation = 0.0;       ///< E of the last match, m^2
     Configuration configuration;  ///< commanded q
-    JointAngles joints;           ///< commanded, rad
+    JointAngles joints;           ///< commanded; rad, or m for linear ones
     Pose X_FP;                    ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
     std::vector<Eigen::Vector3f> linkage_F;

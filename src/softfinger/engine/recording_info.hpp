@@ -30,7 +30,8 @@ struct RecordingInfo {
     std::string tracker;                           ///< as given
     std::vector<std::string> configuration_names;  ///< with unit: pitch_deg, ...
     std::int64_t joints = 0;
-    double device_rate = 0.0;  ///< Hz
+    bool linear_joints = false;  ///< joints are lengths
+    double device_rate = 0.0;    ///< Hz
   };
   std::int64_t format_version = kRecordingFormatVersion;
   std::string program_version;

@@ -39,6 +39,10 @@ create table states(step integer not null, finger integer not null, nodes blob n
 /// Keys of `meta` that name a mesh file after it; the value is its content's hash in hexadecimal.
 inline const std::string kMeshKey = "mesh:";
 
+/// Keys of `meta` that name the number of a finger whose device's joints are lengths, in m though
+/// the column is called joints_rad.
+inline const std::string kLinearJointsKey = "linear_joints:";
+
 inline constexpr int kStepColumns = 39;
 inline constexpr int kTickColumns = 15;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -99,6 +100,7 @@ struct RecordingReader::Database {
   [[nodiscard]] RecordingInfo read_info() {
     RecordingInfo info;
     SqliteStatement meta(connection, "select key, value from meta");
+    std::vector<std::string> linear;  // numbers of fingers, see kLinearJointsKey
     while (meta.next()) {
       const std::string key = meta.text(0);
       if (key == "format_version") info.format_version = meta.integer(1);
@@ -108,6 +110,9 @@ struct RecordingReader::Database {
       if (key == "simulation_rate_Hz") info.simulation_rate = meta.number(1);
       if (key == "live") info.live = meta.integer(1) != 0;
       if (key == "with_state") info.with_state = meta.integer(1) != 0;
+      if (key.starts_with(recording_layout::kLinearJointsKey)) {
+        linear.push_back(key.substr(recording_layout::kLinearJointsKey.size()));
+      }
       if (key.starts_with(recording_layout::kMeshKey)) {
         info.meshes.push_back(
             {key.substr(recording_layout::kMeshKey.size()), hash_of(meta.text(1))});
@@ -123,6 +128,8 @@ struct RecordingReader::Database {
       finger.tracker = fingers.text(4);
       finger.configuration_names = split(fingers.text(5));
       finger.joints = fingers.integer(6);
+      finger.linear_joints = std::find(linear.begin(), linear.end(),
+                                       std::to_string(info.fingers.size())) != linear.end();
       finger.device_rate = fingers.number(7);
       info.fingers.push_back(std::move(finger));
     }

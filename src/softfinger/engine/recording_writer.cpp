@@ -121,6 +121,9 @@ struct RecordingWriter::Database {
       insert_finger.bind(6, finger.joints);
       insert_finger.bind(7, finger.device_rate);
       insert_finger.run();
+      if (finger.linear_joints) {
+        meta(recording_layout::kLinearJointsKey + std::to_string(i), "1");
+      }
     }
   }
 

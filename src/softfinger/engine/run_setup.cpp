@@ -100,6 +100,7 @@ RecordingInfo recording_info(const RunSetup& setup) {
     if (const Device* device = setup.devices[i].get()) {
       finger.device = absolute_path(*scene_finger.device);
       finger.joints = device->joint_count();
+      finger.linear_joints = device->joint_limits().linear;
       finger.device_rate = device_rate(*device);
       for (const ConfigurationAxis& axis : device->axes()) {
         finger.configuration_names.push_back(axis.name);

@@ -75,6 +75,7 @@ SceneDescription describe(const RunSetup& setup) {
       for (const ConfigurationAxis& axis : device->axes()) {
         finger.configuration_names.push_back(axis.name);
       }
+      finger.linear_joints = device->joint_limits().linear;
       finger.disk_radius = device->disk_radius();
       finger.legs = device->leg_count();
     }

@@ -1,11 +1,15 @@
 #include "softfinger/matching/contact_surface_matching.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 #include "softfinger/matching/deviation_minimiser.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
+#include "softfinger/matching/pin_minimiser.hpp"
 
 namespace softfinger {
 namespace {
@@ -16,6 +20,9 @@ constexpr double kFarTilt = 0.35;
 constexpr double kWideTilt = 0.15;
 constexpr double kNearTilt = 0.06;
 constexpr double kCloseTilt = 0.024;
+// Points a grid has along each axis, by their number; and how many of them become starts.
+constexpr std::array<int, 4> kGridPoints{0, 24, 12, 6};
+constexpr std::size_t kGridStarts = 3;
 constexpr double kRendered = 1e-16;  // m^2; less deviation than this is none
 
 }  // namespace
@@ -34,17 +41,24 @@ std::string_view to_string(Termination termination) {
 
 struct ContactSurfaceMatching::Implementation {
   Implementation(std::shared_ptr<const Device> the_device, int the_capacity)
-      : device(std::move(the_device)), capacity(the_capacity), minimiser(*device) {
+      : device(std::move(the_device)), capacity(the_capacity) {
+    if (device->pin_field() != nullptr) {
+      pins.emplace(*device, capacity);
+    } else {
+      minimiser.emplace(*device);
+      values.resize(device->constraint_count());
+      jacobian.resize(device->constraint_count(), device->degrees_of_freedom());
+    }
     for (auto* array : {&x, &y, &z, &weight, &margin}) {
       array->resize(static_cast<std::size_t>(capacity));
     }
-    values.resize(device->constraint_count());
-    jacobian.resize(device->constraint_count(), device->degrees_of_freedom());
   }
 
   std::shared_ptr<const Device> device;
   int capacity;
-  DeviationMinimiser minimiser;
+  // One of the two.
+  std::optional<DeviationMinimiser> minimiser;
+  std::optional<PinMinimiser> pins;
   std::vector<double> x, y, z, weight, margin;
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
@@ -53,7 +67,13 @@ struct ContactSurfaceMatching::Implementation {
   void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome) const;
   void look_around(const SurfaceSamples& samples, const MatchingOptions& options,
                    const Configuration& centre, double tilt, bool turned, MatchingResult& best);
-  [[nodiscard]] std::uint64_t active_limits(const Configuration& q);
+  void look_over_grid(const SurfaceSamples& samples, const MatchingOptions& options,
+                      MatchingResult& best);
+  void search(const SurfaceSamples& samples, const MatchingOptions& options,
+              const Configuration* warm, MatchingResult& result);
+  void search_pins(const SurfaceSamples& samples, const MatchingOptions& options,
+                   const Configuration* warm, MatchingResult& result);
+  [[nodiscard]] ConstraintSet active_limits(const Configuration& q);
   void finish(MatchingResult& result, MatchingLimits limits);
 };
 
@@ -126,24 +146,71 @@ void ContactSurfaceMatching::Implementation::look_around(const SurfaceSamples& s
         std::cos(azimuth) * facing_F.col(0) + std::sin(azimuth) * facing_F.col(1);
     const Vector3 normal_F = std::cos(tilt) * facing_F.col(2) + std::sin(tilt) * sideways;
     const Configuration start = device->facing(normal_F, around);
-    if (start == around) return;  // this kind does not turn
-    consider(best, minimiser.minimise(samples, start, options.limits == MatchingLimits::kInside,
-                                      options.iteration_limit, &best.configuration));
+    if (start == around) continue;  // this kind does not turn there
+    consider(best, minimiser->minimise(samples, start, options.limits == MatchingLimits::kInside,
+                                       options.iteration_limit, &best.configuration));
   }
 }
 
-std::uint64_t ContactSurfaceMatching::Implementation::active_limits(const Configuration& q) {
-  std::uint64_t active = 0;
+/// Starts at the best points of a grid over the limits of the axes, where all have some.
+void ContactSurfaceMatching::Implementation::look_over_grid(const SurfaceSamples& samples,
+                                                            const MatchingOptions& options,
+                                                            MatchingResult& best) {
+  const int n = device->degrees_of_freedom();
+  if (n >= static_cast<int>(kGridPoints.size())) return;
+  for (const ConfigurationAxis& axis : device->axes()) {
+    if (!std::isfinite(axis.min) || !std::isfinite(axis.max)) return;
+  }
+  const bool inside = options.limits == MatchingLimits::kInside;
+  const int points = kGridPoints[static_cast<std::size_t>(n)];
+  std::array<Configuration, kGridStarts> starts;
+  std::array<double, kGridStarts> found;
+  found.fill(std::numeric_limits<double>::infinity());
+  Configuration q(n);
+  int total = 1;
+  for (int k = 0; k < n; ++k) total *= points;
+  for (int index = 0; index < total; ++index) {
+    for (int k = 0, rest = index; k < n; ++k, rest /= points) {
+      const ConfigurationAxis& axis = device->axes()[static_cast<std::size_t>(k)];
+      q[k] = axis.min + (axis.max - axis.min) * (rest % points + 0.5) / points;
+    }
+    double value = device->deviation(q, samples);
+    if (value >= found.back() || (inside && !device->reachable(q))) continue;
+    Configuration at = q;
+    for (std::size_t place = 0; place < found.size(); ++place) {
+      if (value >= found[place]) continue;
+      std::swap(value, found[place]);
+      at.swap(starts[place]);
+    }
+  }
+  for (std::size_t place = 0; place < found.size() && std::isfinite(found[place]); ++place) {
+    consider(best, minimiser->minimise(samples, starts[place], inside, options.iteration_limit,
+                                       &best.configuration));
+  }
+}
+
+ConstraintSet ContactSurfaceMatching::Implementation::active_limits(const Configuration& q) {
+  ConstraintSet active;
+  if (pins) {
+    const auto n = static_cast<std::size_t>(q.size());
+    for (std::size_t k = 0; k < n; ++k) {
+      const ConfigurationAxis& axis = device->axes()[k];
+      const double height = q[static_cast<Eigen::Index>(k)];
+      active.set(k, height > axis.max - kAtLimit);
+      active.set(n + k, height < axis.min + kAtLimit);
+    }
+    return active;
+  }
   if (!device->constraints(q, values, jacobian)) return active;
-  for (int k = 0; k < std::min(device->constraint_count(), 64); ++k) {
-    if (values[k] > -kAtLimit) active |= std::uint64_t{1} << k;
+  for (int k = 0; k < device->constraint_count(); ++k) {
+    active.set(static_cast<std::size_t>(k), values[k] > -kAtLimit);
   }
   return active;
 }
 
 void ContactSurfaceMatching::Implementation::finish(MatchingResult& result, MatchingLimits limits) {
   const bool unlimited = limits == MatchingLimits::kNone;
-  result.active_constraints = unlimited ? 0 : active_limits(result.configuration);
+  result.active_constraints = unlimited ? ConstraintSet{} : active_limits(result.configuration);
   result.joints_exist = (!unlimited || device->reachable(result.configuration)) &&
                         device->inverse_kinematics(result.configuration, result.joints);
 }
@@ -157,50 +224,78 @@ ContactSurfaceMatching& ContactSurfaceMatching::operator=(ContactSurfaceMatching
 
 const Device& ContactSurfaceMatching::device() const { return *implementation_->device; }
 
-MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
-                                             const MatchingOptions& options,
-                                             const Configuration* warm) {
-  Implementation& self = *implementation_;
-  const Device& device = *self.device;
-  const SurfaceSamples samples = self.pack(points, options);
-  const Configuration& home = device.home();
-  MatchingResult result;
+/// From all starts, for a surface that moves as a whole.
+void ContactSurfaceMatching::Implementation::search(const SurfaceSamples& samples,
+                                                    const MatchingOptions& options,
+                                                    const Configuration* warm,
+                                                    MatchingResult& result) {
+  const Configuration& home = device->home();
   const bool inside = options.limits == MatchingLimits::kInside;
   const auto run = [&](const Configuration& start) {
     const DeviationMinimiser::Outcome outcome =
-        self.minimiser.minimise(samples, start, inside, options.iteration_limit,
-                                result.configuration.size() == 0 ? nullptr : &result.configuration);
-    self.consider(result, outcome);
+        minimiser->minimise(samples, start, inside, options.iteration_limit,
+                            result.configuration.size() == 0 ? nullptr : &result.configuration);
+    consider(result, outcome);
     return outcome.known;
   };
   if (warm != nullptr) run(*warm);
   const bool agreed = run(home);           // home leads to where warm led
   if (result.configuration.size() == 0) {  // no start was feasible: home always is
     result.configuration = home;
-    result.deviation = device.deviation(home, samples);
+    result.deviation = device->deviation(home, samples);
     result.termination = Termination::kNonsmooth;
   }
   // What the surface renders exactly has no better minimum. Elsewhere E may have shallow minima
   // side by side, parted by the rim: look around, and from a cold start further away.
-  if (result.deviation > kRendered) {
-    if (warm == nullptr) {
-      self.look_around(samples, options, home, kFarTilt, false, result);
-      self.look_around(samples, options, result.configuration, kWideTilt, true, result);
-      self.look_around(samples, options, result.configuration, kCloseTilt, true, result);
-    }
-    if (!agreed) {
-      self.look_around(samples, options, result.configuration, kNearTilt, false, result);
-    }
-    if (inside && self.active_limits(result.configuration) != 0) {
-      const DeviationMinimiser::Outcome unlimited =
-          self.minimiser.minimise(samples, result.configuration, false, options.iteration_limit);
-      result.iterations += unlimited.iterations;
-      run(clamped_to_limits(device, unlimited.q));
-    }
+  if (result.deviation <= kRendered) return;
+  if (warm == nullptr) {
+    look_around(samples, options, home, kFarTilt, false, result);
+    look_around(samples, options, result.configuration, kWideTilt, true, result);
+    look_around(samples, options, result.configuration, kCloseTilt, true, result);
+  }
+  if (!agreed) look_around(samples, options, result.configuration, kNearTilt, false, result);
+  look_over_grid(samples, options, result);
+  if (inside && active_limits(result.configuration).any()) {
+    const DeviationMinimiser::Outcome unlimited =
+        minimiser->minimise(samples, result.configuration, false, options.iteration_limit);
+    result.iterations += unlimited.iterations;
+    run(clamped_to_limits(*device, unlimited.q));
+  }
+}
+
+/// From all starts, for a field of pins.
+void ContactSurfaceMatching::Implementation::search_pins(const SurfaceSamples& samples,
+                                                         const MatchingOptions& options,
+                                                         const Configuration* warm,
+                                                         MatchingResult& result) {
+  pins->take(samples, options.limits != MatchingLimits::kNone);
+  const auto run = [&](const Configuration& start) {
+    const PinMinimiser::Outcome outcome = pins->minimise(start, options.iteration_limit);
+    consider(result, {.q = outcome.q,
+                      .deviation = outcome.deviation,
+                      .iterations = outcome.iterations,
+                      .termination = outcome.converged ? Termination::kConverged
+                                                       : Termination::kIterationLimit,
+                      .valid = true});
+  };
+  run(pins->assigned());
+  run(warm != nullptr ? *warm : device->home());
+}
+
+MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
+                                             const MatchingOptions& options,
+                                             const Configuration* warm) {
+  Implementation& self = *implementation_;
+  const SurfaceSamples samples = self.pack(points, options);
+  MatchingResult result;
+  if (self.pins) {
+    self.search_pins(samples, options, warm, result);
+  } else {
+    self.search(samples, options, warm, result);
   }
   if (options.limits == MatchingLimits::kClamp) {
-    result.configuration = clamped_to_limits(device, result.configuration);
-    result.deviation = device.deviation(result.configuration, samples);
+    result.configuration = clamped_to_limits(*self.device, result.configuration);
+    result.deviation = self.device->deviation(result.configuration, samples);
   }
   self.finish(result, options.limits);
   return result;
@@ -209,8 +304,8 @@ MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
 std::vector<std::string> ContactSurfaceMatching::limit_names(const MatchingResult& result) const {
   std::vector<std::string> names;
   const Device& device = *implementation_->device;
-  for (int k = 0; k < std::min(device.constraint_count(), 64); ++k) {
-    if ((result.active_constraints >> k & 1) == 0) continue;
+  for (int k = 0; k < device.constraint_count(); ++k) {
+    if (!result.active_constraints.test(static_cast<std::size_t>(k))) continue;
     for (const std::string& name : device.constraint_names(k)) {
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }

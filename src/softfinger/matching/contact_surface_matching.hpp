@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -39,6 +40,9 @@ struct MatchingOptions {
 enum class Termination { kConverged, kIterationLimit, kNonsmooth };
 [[nodiscard]] std::string_view to_string(Termination termination);
 
+/// Bit k: constraint k of the device. Two for each degree of freedom, or fewer than 64.
+using ConstraintSet = std::bitset<2 * kMaxDegreesOfFreedom>;
+
 struct MatchingResult {
   Configuration configuration;
   JointAngles joints;         ///< meaningless unless joints_exist
@@ -46,13 +50,13 @@ struct MatchingResult {
   double deviation = 0.0;     ///< E at configuration, m^2
   int iterations = 0;         ///< of all starts together
   Termination termination = Termination::kConverged;
-  std::uint64_t active_constraints = 0;  ///< bit k: constraint k of the device is active
+  ConstraintSet active_constraints;
 };
 
 /// Contact surface matching: the device configuration whose surface touches the samples in contact
 /// and no others (Perez et al. 2015, eq. 1). Newton's method on E with exact derivatives; limits as
-/// constraints by sequential quadratic programming with feasible iterates. solve() does not
-/// allocate.
+/// constraints by sequential quadratic programming with feasible iterates. Fields of pins go one by
+/// one instead, see PinMinimiser. solve() does not allocate.
 class ContactSurfaceMatching {
  public:
   /// `capacity`: most samples a solve may bring.

@@ -27,18 +27,18 @@ double SkinClearance::gap(const Configuration& q) const {
 }
 
 Configuration SkinClearance::with_gap(const Configuration& q, double wanted) const {
-  const int axis = device_.approach_axis();
-  if (axis < 0 || samples_.size() == 0) return q;
-  // Along its approach axis the surface comes nearer by at most as much as it moves, so a step of
-  // the lack is never too long going back, and the bracket below is found in a few doublings.
-  Configuration at = q;
-  const auto excess = [&](double travel) {
-    at[axis] = travel;
-    return gap(at) - wanted;
+  if (!device_.advances() || samples_.size() == 0) return q;
+  // Advancing, the surface comes nearer by at most as much as it moves, so a step of the lack is
+  // never too long going back, and the bracket below is found in a few doublings.
+  const auto advanced = [&](double travel) {
+    Configuration at = q;
+    device_.advance(travel, at);
+    return at;
   };
-  double near = q[axis];
+  const auto excess = [&](double travel) { return gap(advanced(travel)) - wanted; };
+  double near = 0.0;
   double near_excess = excess(near);
-  if (near_excess == 0.0) return at;
+  if (near_excess == 0.0) return q;
   double far = near;
   double far_excess = near_excess;
   double step = near_excess;
@@ -63,8 +63,7 @@ Configuration SkinClearance::with_gap(const Configuration& q, double wanted) con
     far_excess = value;
     if (value == 0.0) break;
   }
-  at[axis] = far;
-  return at;
+  return advanced(far);
 }
 
 }  // namespace softfinger

@@ -16,8 +16,8 @@ class SkinClearance {
   void take(const ContactSet& contact);
   /// Least signed distance of the samples to the surface at q, m.
   [[nodiscard]] double gap(const Configuration& q) const;
-  /// q with its approach axis moved so that gap(q) is `wanted` (m); q itself where the device has
-  /// no such axis or there are no samples.
+  /// q advanced so that gap(q) is `wanted` (m); q itself where the device does not advance or there
+  /// are no samples.
   [[nodiscard]] Configuration with_gap(const Configuration& q, double wanted) const;
 
  private:

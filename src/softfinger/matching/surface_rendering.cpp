@@ -124,11 +124,16 @@ double SurfaceRendering::Implementation::allowance(int axis, double angle) const
   return device->axes()[static_cast<std::size_t>(axis)].unit == deg ? angle : kLength;
 }
 
-/// Renders `wanted`, or what of it is reachable on the way from `safe`, which is.
+/// Renders `wanted` cut to the limits of the axes, or what of it is reachable on the way from
+/// `safe`, which is.
 void SurfaceRendering::Implementation::render(const Configuration& wanted,
                                               const Configuration& safe) {
-  rendered.configuration =
-      device->reachable(wanted) ? wanted : last_reachable(*device, safe, wanted);
+  Configuration cut = wanted;
+  for (int k = 0; k < cut.size(); ++k) {
+    const ConfigurationAxis& axis = device->axes()[static_cast<std::size_t>(k)];
+    cut[k] = std::clamp(cut[k], axis.min, axis.max);
+  }
+  rendered.configuration = device->reachable(cut) ? cut : last_reachable(*device, safe, cut);
   static_cast<void>(device->inverse_kinematics(rendered.configuration, rendered.joints));
 }
 
@@ -173,7 +178,7 @@ void SurfaceRendering::Implementation::follow(const ContactSet& contact) {
   const bool had = following;
   const Configuration before = followed;
   motion.setZero();
-  following = device->approach_axis() >= 0 && std::isfinite(contact.least_gap) &&
+  following = device->advances() && std::isfinite(contact.least_gap) &&
               contact.least_gap < 2.0 * device->settings().matching.approach;
   if (!following) return;
   followed = off_skin(device->facing(contact.nearest_normal_F, device->home()), contact.least_gap);
@@ -185,7 +190,8 @@ double SurfaceRendering::Implementation::turn(const Configuration& a,
                                               const Configuration& b) const {
   double square = 0.0;
   for (int k = 0; k < a.size(); ++k) {
-    if (k != device->approach_axis()) square += (a[k] - b[k]) * (a[k] - b[k]);
+    if (device->axes()[static_cast<std::size_t>(k)].unit != deg) continue;
+    square += (a[k] - b[k]) * (a[k] - b[k]);
   }
   return std::sqrt(square);
 }
@@ -210,7 +216,7 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
   }
   Configuration target = rest;
   double gap = skin.gap(rest);
-  if (approach < 0) {  // nothing to lead along: rest
+  if (!device->advances()) {  // nothing to lead along: rest
     render(rest, home);
     rendered.state = state;
     return;

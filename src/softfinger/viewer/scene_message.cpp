@@ -64,6 +64,7 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"nail_triangles", flat(finger.nail_triangles)},
           {"device_kind", finger.device_kind},
           {"configuration_names", finger.configuration_names},
+          {"joint_unit", finger.linear_joints ? "mm" : "deg"},
           {"disk_radius_mm", finger.disk_radius / mm},
           {"legs", finger.legs}};
 }

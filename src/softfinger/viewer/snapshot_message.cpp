@@ -43,8 +43,9 @@ class Writer {
   std::vector<std::byte>& bytes_;
 };
 
-void write_finger(const Snapshot::Finger& finger, const std::vector<std::string>& names,
+void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger& description,
                   Writer& out) {
+  const std::vector<std::string>& names = description.configuration_names;
   out.pose(finger.X_WFt);
   out.pose(finger.X_WF);
   out.pose(finger.X_FP);
@@ -71,7 +72,9 @@ void write_finger(const Snapshot::Finger& finger, const std::vector<std::string>
     const auto index = static_cast<std::size_t>(i);
     out.real(finger.configuration[i] / (index < names.size() ? unit_scale(names[index]) : 1.0));
   }
-  for (const double joint : finger.joints) out.real(joint / deg);
+  for (const double joint : finger.joints) {
+    out.real(joint / (description.linear_joints ? mm : deg));
+  }
   for (const Eigen::Vector3f& point : finger.linkage_F) out.point(point);
 }
 
@@ -93,9 +96,8 @@ void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& sc
   out.count(0);
   for (const Pose& X_WO : snapshot.X_WO) out.pose(X_WO);
   for (std::size_t i = 0; i < snapshot.fingers.size(); ++i) {
-    static const std::vector<std::string> kNoNames;
-    write_finger(snapshot.fingers[i],
-                 i < scene.fingers.size() ? scene.fingers[i].configuration_names : kNoNames, out);
+    static const SceneDescription::Finger kUnknown;
+    write_finger(snapshot.fingers[i], i < scene.fingers.size() ? scene.fingers[i] : kUnknown, out);
   }
 }
 

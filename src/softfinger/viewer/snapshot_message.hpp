@@ -28,7 +28,7 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x32534653;  ///< "SFS2"
 ///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
 ///       16 bytes device_state, zero-padded
 ///       f32 positions_mm[3 n] in F    f32 pressures_kPa[n]    u8 in_contact[n], zero-padded to 4
-///       f32 configuration[m] in the unit of its name    f32 joints_deg[j]
+///       f32 configuration[m] in the unit of its name    f32 joints[j] in the scene's joint_unit
 ///       f32 linkage_mm[3 l] in F
 ///     pose: f32 x_mm, y_mm, z_mm, quaternion x, y, z, w
 void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& scene,

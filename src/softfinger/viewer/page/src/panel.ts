@@ -105,7 +105,7 @@ export class Panel {
     element("slip").textContent = contacts > 0 ? finger.slip_ratio.toFixed(2) : "–";
     element("deviation").textContent = finger.deviation_mm2.toFixed(3);
     element("joints").textContent =
-      Array.from(finger.joints_deg, (joint) => `${joint.toFixed(0)}°`).join("  ");
+      jointText(finger.joint_values, this.scene?.fingers[0]?.joint_unit ?? "deg");
   }
 
   private togglePause(): void {
@@ -120,4 +120,11 @@ export class Panel {
     const rate = (1000 * (last.step - first.step)) / (last.at - first.at);
     return rate >= 0 ? (Math.round(rate / 10) * 10).toLocaleString("en").replace(",", "\u202f") : "–";
   }
+}
+
+/** The first joints' values; a field of pins has too many to show. */
+function jointText(values: Float32Array, unit: "deg" | "mm"): string {
+  const shown = Array.from(values.slice(0, 6),
+    (value) => (unit === "deg" ? `${value.toFixed(0)}°` : `${value.toFixed(1)} mm`));
+  return shown.join("  ") + (values.length > shown.length ? " …" : "");
 }

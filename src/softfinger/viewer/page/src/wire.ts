@@ -17,6 +17,7 @@ export interface FingerDescription {
   nail_triangles: number[];
   device_kind: string;
   configuration_names: string[];
+  joint_unit: "deg" | "mm";
   disk_radius_mm: number;
   legs: number;
 }
@@ -49,7 +50,7 @@ export interface FingerSnapshot {
   pressures_kPa: Float32Array;
   in_contact: Uint8Array;
   configuration: Float32Array; // in the units of configuration_names
-  joints_deg: Float32Array;
+  joint_values: Float32Array; // in joint_unit
   linkage_mm: Float32Array; // in F; base joint, knee, platform joint of each leg
 }
 
@@ -107,12 +108,12 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const in_contact = bytes(samples);
     at = (at + 3) & ~3;
     const configuration = floats(dofs);
-    const joints_deg = floats(joints);
+    const joint_values = floats(joints);
     const linkage_mm = floats(3 * points);
     return {
       X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
       slip_ratio, stuck_fraction,
-      device_state, positions_mm, pressures_kPa, in_contact, configuration, joints_deg, linkage_mm,
+      device_state, positions_mm, pressures_kPa, in_contact, configuration, joint_values, linkage_mm,
     };
   };
   return {
