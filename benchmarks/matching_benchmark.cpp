@@ -13,6 +13,7 @@
 #include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/device/pin_array.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
 
 // Contact surface matching of 120 skin samples on the thimble; thread CPU time. The baseline is
@@ -266,6 +267,33 @@ void matching_samples(benchmark::State& state) {
   race_minpack(state, motion_with_one_minimum(samples, 100), samples);
 }
 
+/// Square arrays of pins, 2 mm apart to 10 x 10, closer beyond, under the same rolling ball.
+void matching_pins(benchmark::State& state) {
+  const auto rows = static_cast<int>(state.range(0));
+  const bool warm = state.range(1) != 0;
+  const double pitch = std::min(2.0 * mm, 20.0 * mm / rows);
+  const PinArrayGeometry geometry{rows, rows, pitch, 0.25 * pitch, 3.0 * mm, 0.0};
+  DeviceSettings settings;
+  settings.kind = "pin_array";
+  settings.axes = PinArray::axes_for(geometry);
+  settings.X_FB.translation = Vector3(0.0, 0.0, -7.8 * mm);
+  settings.home = Configuration::Zero(geometry.rows * geometry.columns);
+  settings.retracted = settings.home;
+  PinArray::set_joint_limits(settings, 50.0 * mm);
+  const auto device = std::make_shared<const PinArray>(settings, geometry);
+  Motion motion;
+  motion.frames = rolling_ball(15.0 * deg, 400);
+  ContactSurfaceMatching solver(device, kSamples);
+  Configuration last = device->home();
+  double iterations = 0.0;
+  over_motion(state, motion, [&](std::size_t f) {
+    const MatchingResult result = solver.solve(motion.frames[f].view(), {}, warm ? &last : nullptr);
+    last = result.configuration;
+    iterations += result.iterations;
+  });
+  state.counters["iterations"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
+}
+
 std::vector<Configuration> poses() {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> tilt(-25.0, 25.0);
@@ -311,6 +339,7 @@ BENCHMARK_CAPTURE(matching, cold_inside_at_limits, MatchingLimits::kInside, fals
 BENCHMARK(minpack);
 BENCHMARK(ratio_to_minpack)->Iterations(3);
 BENCHMARK(matching_samples)->ArgsProduct({{120, 250, 500, 1000, 2500, 5000, 10000}})->Iterations(5);
+BENCHMARK(matching_pins)->ArgNames({"rows", "warm"})->ArgsProduct({{6, 10, 16}, {0, 1}});
 BENCHMARK(inverse_kinematics);
 BENCHMARK(forward_kinematics);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -157,6 +158,24 @@ void workspace(const DeviceFlags& flags) {
   answer(result, flags.json);
 }
 
+void schema(const DeviceFlags& flags) {
+  const std::vector<std::string> kinds = device_kinds();
+  const bool is_file = std::find(kinds.begin(), kinds.end(), flags.device) == kinds.end() &&
+                       std::filesystem::exists(flags.device);
+  if (!flags.device.empty()) {
+    fmt::print("{}\n", device_schema(is_file ? load_device(flags.device)->kind() : flags.device));
+    return;
+  }
+  ordered_json any = ordered_json::array();
+  for (const std::string& kind : kinds) any.push_back(ordered_json::parse(device_schema(kind)));
+  fmt::print("{}\n", ordered_json{{"$schema", any[0]["$schema"]},
+                                  {"title", "softfinger device file"},
+                                  {"properties", {{"kind", {{"enum", kinds}}}}},
+                                  {"required", {"kind"}},
+                                  {"anyOf", any}}
+                         .dump(2));
+}
+
 CLI::App* add_device_action(CLI::App& command, const std::string& name, const std::string& text,
                             const std::shared_ptr<DeviceFlags>& flags,
                             void (*action)(const DeviceFlags&)) {
@@ -184,4 +203,8 @@ void add_device_command(CLI::App& app) {
   posing->add_option("--joints-mm", flags->joints_mm, "Lengths a,b,c of joints that are linear")
       ->delimiter(',');
   add_device_action(*command, "workspace", "How far it goes within all limits", flags, workspace);
+  CLI::App* describing = command->add_subcommand("schema", "JSON Schema of the files of a kind");
+  describing->add_option("KIND", flags->device, "Kind or device file; without, of all kinds");
+  describing->add_flag("--json", flags->json, "Changes nothing: it is JSON as it is");
+  describing->callback([flags] { schema(*flags); });
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "pad.hpp"
 
 namespace softfinger {
@@ -164,6 +166,41 @@ TEST(SurfaceRendering, SameInputSameBits) {
   a.reset();
   const ContactSet contact = plane_contact(rest, Vector3::UnitZ(), 1.0 * mm);
   EXPECT_EQ(a.tick(contact).configuration, b.tick(contact).configuration);
+}
+
+// A plane comes, presses and goes, a tenth of a millimetre a tick: no device jumps, none leaves its
+// workspace, and all come home.
+TEST(SurfaceRendering, EveryKindFollowsWithoutJumps) {
+  std::mt19937 random(9);
+  const Pad rest = resting_pad(117, random);
+  for (const auto& file : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
+    if (file.path().extension() != ".toml") continue;
+    const auto device = load_device(file.path());
+    SurfaceRendering rendering(device, rest.size());
+    Configuration before = device->home();
+    double farthest = 0.0;
+    double most = 0.0;
+    bool touched = false;
+    for (int i = 0; i <= 200; ++i) {
+      const double height = (0.1 * std::abs(i - 60) - 1.0) * mm;
+      const RenderedSurface& rendered =
+          rendering.tick(plane_contact(rest, Vector3::UnitZ(), height));
+      ASSERT_TRUE(device->reachable(rendered.configuration)) << file.path();
+      farthest = std::max(
+          farthest, std::sqrt(device->squared_distance(rendered.configuration, device->home())));
+      for (int k = 0; k < before.size(); ++k) {
+        most = std::max(most, device->axes()[static_cast<std::size_t>(k)].metric *
+                                  std::abs(rendered.configuration[k] - before[k]));
+      }
+      before = rendered.configuration;
+      touched = touched || rendered.state == RenderingState::kTouching;
+    }
+    EXPECT_TRUE(touched);
+    EXPECT_GT(farthest, 0.4 * mm) << file.path();
+    // A pin rises when the contact spreads to it.
+    EXPECT_LT(most, 0.8 * mm) << file.path();
+    EXPECT_LT(device->squared_distance(before, device->home()), 1e-12) << file.path();
+  }
 }
 
 }  // namespace

@@ -101,6 +101,23 @@ double in_file_unit(double si, double scale) {
   return rounded;
 }
 
+/// What a key may hold, in the words of JSON Schema.
+Json number_schema(const Range& range) {
+  Json schema{{"type", "number"}};
+  if (std::isfinite(range.min)) schema[range.open_min ? "exclusiveMinimum" : "minimum"] = range.min;
+  if (std::isfinite(range.max)) schema[range.open_max ? "exclusiveMaximum" : "maximum"] = range.max;
+  return schema;
+}
+
+Json integer_schema(int min, int max) {
+  return {{"type", "integer"}, {"minimum", min}, {"maximum", max}};
+}
+
+Json numbers_schema(int size, const Range& range) {
+  return {
+      {"type", "array"}, {"items", number_schema(range)}, {"minItems", size}, {"maxItems", size}};
+}
+
 /// The part of a key before its unit, roughly: up to the last underscore.
 std::string_view stem(std::string_view key) { return key.substr(0, key.rfind('_')); }
 
@@ -121,7 +138,20 @@ struct ConfigTable::Node {
   std::string path;                    // "finger[0].waypoint[2]", empty for the root
   std::size_t line = 0;                // 0: unknown
   std::vector<std::pair<std::string, Answer>> asked;
+  /// What was asked for, in that order; tables have their own rules.
+  struct Rule {
+    std::string key;
+    bool required;
+    Json schema;
+  };
+  std::vector<Rule> rules;
 
+  /// The first rule about a key stands.
+  void rule(std::string_view key, bool required, Json schema) {
+    const auto known =
+        std::find_if(rules.begin(), rules.end(), [&](const Rule& rule) { return rule.key == key; });
+    if (known == rules.end()) rules.push_back({std::string(key), required, std::move(schema)});
+  }
   Answer& answer(std::string_view key) {
     for (auto& [name, value] : asked) {
       if (name == key) return value;
@@ -238,7 +268,8 @@ struct ConfigTable::Node {
                                        .table = value == nullptr ? nullptr : value->as_table(),
                                        .path = path_of(key),
                                        .line = line_of(key),
-                                       .asked = {}});
+                                       .asked = {},
+                                       .rules = {}});
     return std::get<Child>(slot);
   }
   std::vector<Child> children(std::string_view key, const toml::node* value) {
@@ -255,7 +286,8 @@ struct ConfigTable::Node {
                                                      .table = element.as_table(),
                                                      .path = fmt::format("{}[{}]", path_of(key), i),
                                                      .line = element.source().begin.line,
-                                                     .asked = {}}));
+                                                     .asked = {},
+                                                     .rules = {}}));
       }
       answer(key) = result;
     }
@@ -275,6 +307,32 @@ struct ConfigTable::Node {
         object[key] = std::move(array);
       }
     }
+    return object;
+  }
+
+  [[nodiscard]] Json schema() {
+    Json object{{"type", "object"},
+                {"properties", Json::object()},
+                {"required", Json::array()},
+                {"additionalProperties", false}};
+    for (const Rule& rule : rules) {
+      Json schema = rule.schema;
+      const Answer& value = answer(rule.key);
+      if (const Child* table_node = std::get_if<Child>(&value)) schema = (*table_node)->schema();
+      if (const auto* list = std::get_if<std::vector<Child>>(&value)) {
+        Json kinds = Json::array();
+        for (const Child& element : *list) {
+          Json of_element = element->schema();
+          if (std::find(kinds.begin(), kinds.end(), of_element) == kinds.end()) {
+            kinds.push_back(std::move(of_element));
+          }
+        }
+        schema["items"] = kinds.size() == 1 ? kinds[0] : Json{{"anyOf", kinds}};
+      }
+      if (rule.required) object["required"].push_back(rule.key);
+      object["properties"][rule.key] = std::move(schema);
+    }
+    if (object["required"].empty()) object.erase("required");
     return object;
   }
 
@@ -340,32 +398,38 @@ const toml::node& ConfigTable::Node::require(std::string_view key, std::string_v
 }
 
 double ConfigTable::number(std::string_view key, Range range) const {
+  node_->rule(key, true, number_schema(range));
   return node_->take_number(key, node_->require(key, "a number"), range);
 }
 
 double ConfigTable::number(std::string_view key, Range range, double fallback) const {
+  node_->rule(key, false, number_schema(range));
   if (const toml::node* value = node_->find(key)) return node_->take_number(key, *value, range);
   node_->answer(key) = Json(in_file_unit(fallback, unit_scale(key)));
   return fallback;
 }
 
 std::optional<double> ConfigTable::optional_number(std::string_view key, Range range) const {
+  node_->rule(key, false, number_schema(range));
   const toml::node* value = node_->find(key);
   if (value == nullptr) return std::nullopt;
   return node_->take_number(key, *value, range);
 }
 
 int ConfigTable::integer(std::string_view key, int min, int max) const {
+  node_->rule(key, true, integer_schema(min, max));
   return node_->take_integer(key, node_->require(key, "a whole number"), min, max);
 }
 
 int ConfigTable::integer(std::string_view key, int min, int max, int fallback) const {
+  node_->rule(key, false, integer_schema(min, max));
   if (const toml::node* value = node_->find(key)) return node_->take_integer(key, *value, min, max);
   node_->answer(key) = Json(fallback);
   return fallback;
 }
 
 bool ConfigTable::boolean(std::string_view key, bool fallback) const {
+  node_->rule(key, false, {{"type", "boolean"}});
   bool result = fallback;
   if (const toml::node* value = node_->find(key)) {
     if (!value->is_boolean()) node_->fail_type(key, "true or false", *value);
@@ -376,16 +440,19 @@ bool ConfigTable::boolean(std::string_view key, bool fallback) const {
 }
 
 std::string ConfigTable::text(std::string_view key) const {
+  node_->rule(key, true, {{"type", "string"}});
   return node_->take_text(key, node_->require(key, "a text in quotes"));
 }
 
 std::string ConfigTable::text(std::string_view key, std::string_view fallback) const {
+  node_->rule(key, false, {{"type", "string"}});
   if (const toml::node* value = node_->find(key)) return node_->take_text(key, *value);
   node_->answer(key) = Json(std::string(fallback));
   return std::string(fallback);
 }
 
 std::optional<std::string> ConfigTable::optional_text(std::string_view key) const {
+  node_->rule(key, false, {{"type", "string"}});
   const toml::node* value = node_->find(key);
   if (value == nullptr) return std::nullopt;
   return node_->take_text(key, *value);
@@ -393,6 +460,7 @@ std::optional<std::string> ConfigTable::optional_text(std::string_view key) cons
 
 std::string ConfigTable::choice(std::string_view key,
                                 const std::vector<std::string>& choices) const {
+  node_->rule(key, true, {{"enum", choices}});
   std::string word = node_->take_text(
       key, node_->require(key, fmt::format("one of {}", fmt::join(choices, ", "))));
   if (std::find(choices.begin(), choices.end(), word) == choices.end()) {
@@ -406,27 +474,32 @@ std::string ConfigTable::choice(std::string_view key,
 
 std::string ConfigTable::choice(std::string_view key, const std::vector<std::string>& choices,
                                 std::string_view fallback) const {
+  node_->rule(key, false, {{"enum", choices}});
   if (has(key)) return choice(key, choices);
   return text(key, fallback);
 }
 
 std::filesystem::path ConfigTable::path(std::string_view key) const {
+  node_->rule(key, true, {{"type", "string"}});
   return node_->take_path(key, node_->require(key, "a path in quotes"));
 }
 
 std::optional<std::filesystem::path> ConfigTable::optional_path(std::string_view key) const {
+  node_->rule(key, false, {{"type", "string"}});
   const toml::node* value = node_->find(key);
   if (value == nullptr) return std::nullopt;
   return node_->take_path(key, *value);
 }
 
 Eigen::VectorXd ConfigTable::numbers(std::string_view key, int size, Range range) const {
+  node_->rule(key, true, numbers_schema(size, range));
   const toml::node& value = node_->require(key, fmt::format("an array of {} numbers", size));
   return node_->take_numbers(key, value, size, range);
 }
 
 Eigen::VectorXd ConfigTable::numbers(std::string_view key, int size, Range range,
                                      const Eigen::VectorXd& fallback) const {
+  node_->rule(key, false, numbers_schema(size, range));
   if (const toml::node* value = node_->find(key)) {
     return node_->take_numbers(key, *value, size, range);
   }
@@ -443,21 +516,25 @@ bool ConfigTable::has(std::string_view key) const {
 std::vector<std::string> ConfigTable::keys() const { return node_->keys_in_file_order(); }
 
 ConfigTable ConfigTable::table(std::string_view key) const {
+  node_->rule(key, true, {{"type", "object"}});
   const toml::node& value = node_->require(key, fmt::format("a table, [{}]", node_->path_of(key)));
   return ConfigTable(node_->child(key, &value));
 }
 
 ConfigTable ConfigTable::table_or_empty(std::string_view key) const {
+  node_->rule(key, false, {{"type", "object"}});
   return ConfigTable(node_->child(key, node_->find(key)));
 }
 
 std::optional<ConfigTable> ConfigTable::optional_table(std::string_view key) const {
+  node_->rule(key, false, {{"type", "object"}});
   const toml::node* value = node_->find(key);
   if (value == nullptr) return std::nullopt;
   return ConfigTable(node_->child(key, value));
 }
 
 std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
+  node_->rule(key, false, {{"type", "array"}});
   std::vector<ConfigTable> result;
   for (auto& child : node_->children(key, node_->find(key))) result.push_back(ConfigTable(child));
   return result;
@@ -469,25 +546,33 @@ void ConfigTable::fail(std::string_view key, std::string_view message) const {
   node_->fail(key, message);
 }
 
-ConfigFile::ConfigFile(const std::filesystem::path& file) : file_(file) {
-  const std::string text = read_text_file(file, kMaxFileSize);
+ConfigFile::ConfigFile(const std::filesystem::path& file)
+    : ConfigFile(file, read_text_file(file, kMaxFileSize)) {}
+
+ConfigFile::ConfigFile(const std::filesystem::path& file, std::string_view text) : file_(file) {
   auto document = std::make_shared<ConfigTable::Node::Document>();
   document->file = file.string();
   document->directory = file.parent_path();
   try {
-    document->root = toml::parse(std::string_view(text));
+    document->root = toml::parse(text);
   } catch (const toml::parse_error& error) {
     throw InputError(fmt::format("{}:{}: {}", document->file, error.source().begin.line,
                                  parse_message(error, text)));
   }
   const toml::table* root = &document->root;
-  root_ = std::make_shared<ConfigTable::Node>(ConfigTable::Node{
-      .document = std::move(document), .table = root, .path = {}, .line = 0, .asked = {}});
+  root_ = std::make_shared<ConfigTable::Node>(ConfigTable::Node{.document = std::move(document),
+                                                                .table = root,
+                                                                .path = {},
+                                                                .line = 0,
+                                                                .asked = {},
+                                                                .rules = {}});
 }
 
 ConfigTable ConfigFile::root() const { return ConfigTable(root_); }
 
 const std::filesystem::path& ConfigFile::file() const { return file_; }
+
+std::string ConfigFile::schema() const { return root_->schema().dump(2); }
 
 std::string ConfigFile::as_read() const { return root_->as_read().dump(2); }
 

@@ -94,11 +94,16 @@ class ConfigFile {
  public:
   /// Throws InputError when the file cannot be read or is not TOML.
   explicit ConfigFile(const std::filesystem::path& file);
+  /// The same of a text at hand; messages name `file`, which need not exist.
+  ConfigFile(const std::filesystem::path& file, std::string_view text);
   [[nodiscard]] ConfigTable root() const;
   [[nodiscard]] const std::filesystem::path& file() const;
   /// All that was read so far as a JSON object text: the file's keys and nesting in the order they
   /// were asked for, in the file's units, defaults filled in, paths as written.
   [[nodiscard]] std::string as_read() const;
+  /// What was asked of the file so far as a JSON Schema: keys, types and ranges in the file's
+  /// units, which are required; no others are allowed.
+  [[nodiscard]] std::string schema() const;
 
  private:
   std::filesystem::path file_;

@@ -1,44 +1,160 @@
 #include "softfinger/device/device_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "softfinger/base/config_file.hpp"
+#include "softfinger/base/error.hpp"
 #include "softfinger/device/device_kinds.hpp"
 
 namespace softfinger {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct DeviceKind {
   const char* name;
   std::shared_ptr<const Device> (*read)(const ConfigFile& file, DeviceSettings settings);
+  /// What a file must say at least; the schema is what the reader asks of it. Null: any keys.
+  const char* example = nullptr;
 };
 
 constexpr std::array kKinds{
-    DeviceKind{"platform_3rrs", read_platform_3rrs},
-    DeviceKind{"plate_2dof", read_plate_2dof},
-    DeviceKind{"cable_platform", read_cable_platform},
-    DeviceKind{"pin_array", read_pin_array},
-    DeviceKind{"delta_tactor", read_delta_tactor},
-    DeviceKind{"membrane", read_membrane},
-    DeviceKind{"roller", read_roller},
+    DeviceKind{"platform_3rrs", read_platform_3rrs, R"toml(
+[geometry]
+base_radius_mm = 12.0
+platform_radius_mm = 12.0
+crank_mm = 12.0
+coupler_mm = 24.0
+neutral_height_mm = 28.0
+disk_radius_mm = 8.0
+[limits]
+joint_deg = [-30.0, 75.0]
+joint_rate_deg_per_s = 400.0
+)toml"},
+    DeviceKind{"plate_2dof", read_plate_2dof, R"toml(
+[geometry]
+lever_mm = 6.0
+pinion_radius_mm = 6.0
+disk_radius_mm = 8.0
+[limits]
+joint_deg = [-60.0, 100.0]
+joint_rate_deg_per_s = 400.0
+)toml"},
+    DeviceKind{"cable_platform", read_cable_platform, R"toml(
+[geometry]
+base_radius_mm = 14.0
+platform_radius_mm = 11.0
+neutral_height_mm = 24.0
+winch_radius_mm = 5.0
+spring_length_mm = 32.0
+spring_N_per_mm = 0.05
+disk_radius_mm = 8.0
+[limits]
+joint_deg = [-120.0, 150.0]
+joint_rate_deg_per_s = 400.0
+)toml"},
+    DeviceKind{"pin_array", read_pin_array, R"toml(
+[geometry]
+rows = 16
+columns = 16
+pitch_mm = 2.0
+pin_radius_mm = 0.5
+stroke_mm = 2.0
+)toml"},
+    DeviceKind{"delta_tactor", read_delta_tactor, R"toml(
+[geometry]
+base_radius_mm = 12.0
+platform_radius_mm = 4.0
+crank_mm = 10.0
+forearm_mm = 20.0
+neutral_height_mm = 17.0
+tip_radius_mm = 3.0
+[limits]
+joint_deg = [-40.0, 100.0]
+joint_rate_deg_per_s = 400.0
+)toml"},
+    DeviceKind{"membrane", read_membrane, R"toml(
+[geometry]
+ring_radius_mm = 7.0
+[limits]
+height_mm = [0.0, 4.0]
+)toml"},
+    DeviceKind{"roller", read_roller, R"toml(
+[geometry]
+roller_radius_mm = 5.0
+roller_length_mm = 10.0
+[limits]
+position_mm = [-6.0, 6.0]
+height_mm = [-4.0, 7.0]
+)toml"},
 };
+
+const DeviceKind& kind_named(const std::string& name) {
+  const auto found = std::find_if(kKinds.begin(), kKinds.end(),
+                                  [&](const DeviceKind& kind) { return name == kind.name; });
+  if (found != kKinds.end()) return *found;
+  const std::string near = nearest_word(name, device_kinds());
+  throw InputError(fmt::format("unknown kind '{}'; {}expected one of: {}", name,
+                               near.empty() ? "" : fmt::format("did you mean '{}'? ", near),
+                               fmt::join(device_kinds(), ", ")));
+}
+
+std::shared_ptr<const Device> read_kind(const ConfigFile& file) {
+  DeviceSettings settings;
+  settings.kind = file.root().choice("kind", device_kinds());
+  return kind_named(settings.kind).read(file, std::move(settings));
+}
+
+/// A transport, with as many servos as the device has joints.
+std::string transport_example(const Device& device) {
+  std::string text = "[transport]\nkind = \"maestro\"\n";
+  const JointLimits& limits = device.joint_limits();
+  for (int joint = 0; joint < device.joint_count() && joint < kMostServos; ++joint) {
+    text += fmt::format(
+        "[[transport.servo]]\nchannel = {}\nzero_us = 1500.0\n{} = 0.1\n"
+        "min_us = 1000.0\nmax_us = 2000.0\n",
+        joint, limits.linear ? "us_per_mm" : "us_per_deg");
+  }
+  return text;
+}
 
 }  // namespace
 
-std::shared_ptr<const Device> load_device(const std::filesystem::path& path) {
-  const ConfigFile file(path);
+std::vector<std::string> device_kinds() {
   std::vector<std::string> names;
   for (const DeviceKind& kind : kKinds) names.emplace_back(kind.name);
-  DeviceSettings settings;
-  settings.kind = file.root().choice("kind", names);
-  const auto found = std::find_if(kKinds.begin(), kKinds.end(), [&](const DeviceKind& kind) {
-    return settings.kind == kind.name;
-  });
-  return found->read(file, std::move(settings));
+  return names;
+}
+
+std::shared_ptr<const Device> load_device(const std::filesystem::path& path) {
+  return read_kind(ConfigFile(path));
+}
+
+std::string device_schema(const std::string& name) {
+  const DeviceKind& kind = kind_named(name);
+  Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+              {"title", "softfinger device file, " + name},
+              {"type", "object"},
+              {"properties", {{"kind", {{"const", name}}}}},
+              {"required", {"kind"}}};
+  if (kind.example == nullptr) return schema.dump(2);
+  std::string text = fmt::format("kind = \"{}\"\n{}", name, kind.example);
+  const auto device = read_kind(ConfigFile(name + ".toml", text));
+  // A field of more pins than a Maestro has channels has no transport.
+  if (device->joint_count() <= kMostServos) text += transport_example(*device);
+  const ConfigFile file(name + ".toml", text);
+  static_cast<void>(read_kind(file));
+  schema.update(Json::parse(file.schema()));
+  schema["properties"]["kind"] = {{"const", name}};
+  return schema.dump(2);
 }
 
 }  // namespace softfinger

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "softfinger/device/device.hpp"
 
@@ -12,5 +14,12 @@ namespace softfinger {
 /// inverse kinematics or is singular, a retracted pose out of the workspace, and servos whose
 /// pulses do not cover the joint limits.
 [[nodiscard]] std::shared_ptr<const Device> load_device(const std::filesystem::path& file);
+
+/// Names of the kinds of devices, as `kind` of a device file has them.
+[[nodiscard]] std::vector<std::string> device_kinds();
+
+/// A JSON Schema of the device files of one kind, by what their reader asks for. Throws InputError
+/// for an unknown kind.
+[[nodiscard]] std::string device_schema(const std::string& kind);
 
 }  // namespace softfinger

@@ -48,7 +48,7 @@ std::string_view servo_slope(bool linear) { return linear ? "us_per_mm" : "us_pe
 ServoSettings read_servo(const ConfigTable& table, bool linear) {
   ServoSettings servo;
   const std::string_view slope = servo_slope(linear);
-  servo.channel = table.integer("channel", 0, 23);
+  servo.channel = table.integer("channel", 0, kMostServos - 1);
   servo.zero = table.number("zero_us", Range::positive());
   servo.per_radian = table.number(slope);
   if (servo.per_radian == 0.0) table.fail(slope, "must not be 0: the servo would not move");

@@ -5,11 +5,14 @@
 
 namespace softfinger {
 
+inline constexpr int kMostServos = 24;  ///< channels of the largest Maestro
+
 /// Map from one joint angle to one servo: pulse = zero + per_radian * angle, cut to [min, max].
 struct ServoSettings {
   int channel = 0;
   double zero = 1500e-6;    ///< pulse width at joint angle 0, s
-  double per_radian = 0.0;  ///< s/rad, not zero; negative where the servo is mounted reversed
+  double per_radian = 0.0;  ///< s/rad (s/m where joints are lengths), not zero; negative where the
+                            ///< servo is mounted reversed
   double min = 0.0;         ///< shortest pulse ever sent, s
   double max = 0.0;         ///< longest pulse ever sent, s
 };
@@ -20,7 +23,7 @@ struct TransportSettings {
   std::string port;  ///< "emulator" or a serial port
   int baud = 115200;
   double rate = 30.0;                 ///< device ticks per second, Hz
-  std::vector<ServoSettings> servos;  ///< one a leg, in leg order
+  std::vector<ServoSettings> servos;  ///< one a joint, in joint order
 };
 
 }  // namespace softfinger

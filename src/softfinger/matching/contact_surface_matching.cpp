@@ -20,7 +20,8 @@ constexpr double kFarTilt = 0.35;
 constexpr double kWideTilt = 0.15;
 constexpr double kNearTilt = 0.06;
 constexpr double kCloseTilt = 0.024;
-// Points a grid has along each axis, by their number; and how many of them become starts.
+// Points a grid has along each axis, by their number, half as many with a warm start; and how many
+// of them become starts.
 constexpr std::array<int, 4> kGridPoints{0, 24, 12, 6};
 constexpr std::size_t kGridStarts = 3;
 constexpr double kRendered = 1e-16;  // m^2; less deviation than this is none
@@ -67,7 +68,7 @@ struct ContactSurfaceMatching::Implementation {
   void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome) const;
   void look_around(const SurfaceSamples& samples, const MatchingOptions& options,
                    const Configuration& centre, double tilt, bool turned, MatchingResult& best);
-  void look_over_grid(const SurfaceSamples& samples, const MatchingOptions& options,
+  void look_over_grid(const SurfaceSamples& samples, const MatchingOptions& options, bool warm,
                       MatchingResult& best);
   void search(const SurfaceSamples& samples, const MatchingOptions& options,
               const Configuration* warm, MatchingResult& result);
@@ -155,14 +156,14 @@ void ContactSurfaceMatching::Implementation::look_around(const SurfaceSamples& s
 /// Starts at the best points of a grid over the limits of the axes, where all have some.
 void ContactSurfaceMatching::Implementation::look_over_grid(const SurfaceSamples& samples,
                                                             const MatchingOptions& options,
-                                                            MatchingResult& best) {
+                                                            bool warm, MatchingResult& best) {
   const int n = device->degrees_of_freedom();
   if (n >= static_cast<int>(kGridPoints.size())) return;
   for (const ConfigurationAxis& axis : device->axes()) {
     if (!std::isfinite(axis.min) || !std::isfinite(axis.max)) return;
   }
   const bool inside = options.limits == MatchingLimits::kInside;
-  const int points = kGridPoints[static_cast<std::size_t>(n)];
+  const int points = kGridPoints[static_cast<std::size_t>(n)] / (warm ? 2 : 1);
   std::array<Configuration, kGridStarts> starts;
   std::array<double, kGridStarts> found;
   found.fill(std::numeric_limits<double>::infinity());
@@ -254,7 +255,7 @@ void ContactSurfaceMatching::Implementation::search(const SurfaceSamples& sample
     look_around(samples, options, result.configuration, kCloseTilt, true, result);
   }
   if (!agreed) look_around(samples, options, result.configuration, kNearTilt, false, result);
-  look_over_grid(samples, options, result);
+  look_over_grid(samples, options, warm != nullptr, result);
   if (inside && active_limits(result.configuration).any()) {
     const DeviationMinimiser::Outcome unlimited =
         minimiser->minimise(samples, result.configuration, false, options.iteration_limit);
