@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   add_run_command(app);
   add_press_command(app);
   add_match_command(app);
+  add_evaluate_command(app);
   add_device_command(app);
   add_finger_command(app);
   add_scene_command(app);

@@ -56,8 +56,7 @@ struct Rendering::Implementation {
     }
     const Device& description = *setup->devices[index];
     clock = DeviceClock(rate, softfinger::device_rate(description));
-    device = std::make_unique<DeviceLoop>(0, setup->devices[index],
-                                          setup->models[index]->sample_nodes.size(), actuator);
+    device = std::make_unique<DeviceLoop>(0, setup->devices[index], setup->models[index], actuator);
     command.configuration = device->record().command.configuration;
     command.joints = device->record().command.joints;
     if (description.settings().transport) {

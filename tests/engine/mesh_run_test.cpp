@@ -35,7 +35,7 @@ class MeshRun : public testing::Test {
     std::ofstream(directory_ / "scene.toml") << text;
     RunOptions options;
     options.scene = directory_ / "scene.toml";
-    options.duration = 3.0;
+    options.duration = 1.6;
     options.as_fast_as_possible = true;
     options.recording = directory_ / "run.db";
     const std::atomic<bool> stop{false};

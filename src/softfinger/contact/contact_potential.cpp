@@ -167,6 +167,20 @@ ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector
   return response;
 }
 
+bool ContactPotential::pair_response(std::size_t i, std::size_t o, PairResponse& response) const {
+  const Pair& pair = pairs_[i * obstacle_count_ + o];
+  response = {};
+  if (!add_hessian(i, o, pair, true, response.hessian)) return false;
+  response.outward = pair.gradient;
+  response.normal_force = pair.pressing * pair.gradient;
+  response.gradient = -response.normal_force - pair.friction_force;
+  if (pair.gap < 0.0) {
+    response.normal_stiffness = normal_stiffness(i) * pair.gradient * pair.gradient.transpose() -
+                                pair.pressing * pair.curvature;
+  }
+  return true;
+}
+
 double ContactPotential::gap(std::size_t i) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t o = 0; o < obstacle_count_; ++o) {

@@ -68,6 +68,18 @@ class ContactPotential {
     Matrix3 hessian = Matrix3::Zero();
   };
   [[nodiscard]] Response respond(std::size_t i, const Vector3& position) const;
+  /// What point i and obstacle o alone do to each other at the positions last evaluated: the force
+  /// of normal contact on the skin (N), minus its derivative by the point, and gradient and second
+  /// derivative of the pair's energy, friction included.
+  struct PairResponse {
+    Vector3 normal_force = Vector3::Zero();
+    Vector3 outward = Vector3::UnitZ();  ///< the obstacle's gradient there
+    Matrix3 normal_stiffness = Matrix3::Zero();
+    Vector3 gradient = Vector3::Zero();
+    Matrix3 hessian = Matrix3::Zero();
+  };
+  /// False where the pair does nothing.
+  bool pair_response(std::size_t i, std::size_t o, PairResponse& response) const;
   /// Lower bound of the least gap of sample i at the positions last evaluated, m; exact where it
   /// touches.
   [[nodiscard]] double gap(std::size_t i) const;
@@ -75,6 +87,9 @@ class ContactPotential {
   [[nodiscard]] double gap_bound(std::size_t i, std::size_t o, const Vector3& position_O) const;
   /// Where W is seen from obstacle o, at the end of the step.
   [[nodiscard]] const Pose& obstacle_view(std::size_t o) const { return X_OW_[o]; }
+  [[nodiscard]] double friction_coefficient(std::size_t o) const {
+    return obstacles_[o].friction_coefficient;
+  }
   /// Forgets where gaps were looked up: the obstacles have other shapes from now on.
   void forget();
   /// Norm of all contact forces last evaluated, N.

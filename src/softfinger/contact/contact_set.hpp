@@ -39,6 +39,9 @@ struct ContactSet {
   double slip_ratio = 0.0;
   /// Part of C, by deformed area, that sticks; 0 without contact, and where nothing rubs.
   double stuck_fraction = 0.0;
+  /// Of the obstacle at the sample with the greatest normal force; of the last one touched where C
+  /// is empty, at first the finger's.
+  double friction_coefficient = 0.0;
   Vector3 centroid_F = Vector3::Zero();  ///< weighted by normal force, m; zero where C is empty
   Vector3 mean_normal_F =
       Vector3::Zero();  ///< direction of the summed normal forces; zero where C is empty

@@ -1,12 +1,39 @@
 #include "softfinger/engine/device_loop.hpp"
 
+#include <algorithm>
+
 #include "softfinger/base/thread_clock.hpp"
+#include "softfinger/matching/contact_plane.hpp"
 
 namespace softfinger {
+namespace {
+
+Objective chosen_objective(const Device& device, const std::string& name) {
+  const std::string& chosen = name.empty() ? device.settings().matching.objective : name;
+  return objective_of(chosen).value_or(Objective::kSurface);
+}
+
+MatchingOptions matching_options(Objective objective) {
+  MatchingOptions options;
+  if (objective == Objective::kPublished) {
+    options.limits = MatchingLimits::kClamp;
+    options.separation = Separation::kConstant;
+  }
+  return options;
+}
+
+}  // namespace
 
 DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
-                       std::size_t samples, const ActuatorOptions& options)
-    : rendering_(device, static_cast<int>(samples)), actuator_(device, options) {
+                       const std::shared_ptr<const FingerModel>& model,
+                       const ActuatorOptions& options, const std::string& objective)
+    : objective_(chosen_objective(*device, objective)),
+      rendering_(device, static_cast<int>(model->sample_nodes.size()),
+                 matching_options(objective_)),
+      actuator_(device, options) {
+  if (objective_ == Objective::kSurfaceAndForce) {
+    force_ = std::make_unique<ForceRendering>(model, device);
+  }
   record_.finger = finger;
   record_.tick = -1;
   record_.wanted = device->home();
@@ -19,7 +46,12 @@ const TickRecord& DeviceLoop::tick(std::int64_t step, double time, bool tracked,
                                    const ContactSet& contact,
                                    std::chrono::steady_clock::time_point arrival) {
   const double cpu_began = thread_cpu_time();
-  const RenderedSurface& surface = rendering_.tick(contact);
+  const RenderedSurface* rendered = &rendering_.tick(contact);
+  if (force_) rendered = &force_->tick(contact, *rendered, std::max(0.0, time - record_.time));
+  RenderedSurface surface = *rendered;
+  if (objective_ == Objective::kContactPlane && contact.contact_count > 0) {
+    surface.configuration = contact_plane(rendering_.device(), contact, surface.configuration);
+  }
   record_.cpu_time = thread_cpu_time() - cpu_began;
   ++record_.tick;
   record_.step = step;

@@ -3,11 +3,14 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/engine/record.hpp"
+#include "softfinger/matching/objective.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/twin/force_rendering.hpp"
 
 namespace softfinger {
 
@@ -24,9 +27,11 @@ struct TickInput {
 /// headless and live runs, replays and the library.
 class DeviceLoop {
  public:
-  /// `samples`: number of skin samples. Throws InputError where the port cannot be opened.
-  DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device, std::size_t samples,
-             const ActuatorOptions& options);
+  /// `model`: the simulated finger. `objective`: of the matching; empty: the device file's. Throws
+  /// InputError where the port cannot be opened.
+  DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
+             const std::shared_ptr<const FingerModel>& model, const ActuatorOptions& options,
+             const std::string& objective = {});
 
   /// One device tick. Allocates nothing, takes no lock, throws nothing.
   const TickRecord& tick(std::int64_t step, double time, bool tracked, const ContactSet& contact,
@@ -41,7 +46,9 @@ class DeviceLoop {
   [[nodiscard]] const Actuator& actuator() const { return actuator_; }
 
  private:
+  Objective objective_;
   SurfaceRendering rendering_;
+  std::unique_ptr<ForceRendering> force_;  ///< null: objective "surface"
   Actuator actuator_;
   TickRecord record_;
 };

@@ -49,7 +49,13 @@ fs::path recording_of(const fs::path& file, std::uint64_t generation) {
 
 RunSummary run_headless(const RunOptions& options, const std::atomic<bool>& stop,
                         const RunObserver& observer, SceneRun::Hooks hooks) {
-  SceneRun run(load_setup(options), options, SceneRun::Mode::kHeadless, 1, std::move(hooks));
+  return run_headless(load_setup(options), options, stop, observer, std::move(hooks));
+}
+
+RunSummary run_headless(std::shared_ptr<const RunSetup> setup, const RunOptions& options,
+                        const std::atomic<bool>& stop, const RunObserver& observer,
+                        SceneRun::Hooks hooks) {
+  SceneRun run(std::move(setup), options, SceneRun::Mode::kHeadless, 1, std::move(hooks));
   run.start();
   while (!run.ended()) {
     if (stop.load()) run.stop();

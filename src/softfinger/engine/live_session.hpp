@@ -25,6 +25,10 @@ struct RunObserver {
 /// OperationError when the recording could not be written.
 RunSummary run_headless(const RunOptions& options, const std::atomic<bool>& stop,
                         const RunObserver& observer = {}, SceneRun::Hooks hooks = {});
+/// The same with a setup loaded already, by load_setup for these options.
+RunSummary run_headless(std::shared_ptr<const RunSetup> setup, const RunOptions& options,
+                        const std::atomic<bool>& stop, const RunObserver& observer = {},
+                        SceneRun::Hooks hooks = {});
 
 /// A live run and what the page asks of it: pause, restart, another scene. Each restart is a run of
 /// its own, a generation; recordings after the first get "-2", "-3", ... before the extension.

@@ -38,8 +38,8 @@ class Replayer {
       finger.loop = std::make_unique<FingerLoop>(index, setup_->models[i], setup_->scene.objects,
                                                  setup_->scene.simulation_rate, with_state);
       if (!setup_->devices[i]) continue;
-      finger.device = std::make_unique<DeviceLoop>(
-          index, setup_->devices[i], setup_->models[i]->sample_nodes.size(), actuator);
+      finger.device =
+          std::make_unique<DeviceLoop>(index, setup_->devices[i], setup_->models[i], actuator);
     }
   }
 

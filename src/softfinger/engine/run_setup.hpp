@@ -24,6 +24,8 @@ struct RunOptions {
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
   bool wait_for_device = false;      ///< an absent port is no error
+  std::string objective;             ///< of the matching; empty: as the device files say
+  std::string port;                  ///< of every device, instead of its file's; empty: the file's
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
   LoadObserver load_observer;

@@ -54,8 +54,10 @@ struct SceneRun::Finger {
     ActuatorOptions actuator;
     if (scene_finger.device) actuator.device_file = *scene_finger.device;
     actuator.wait_for_device = options.wait_for_device;
+    actuator.port = options.port;
     actuator.simulated_time = mode == Mode::kHeadless && options.as_fast_as_possible;
-    device = std::make_unique<DeviceLoop>(index, setup.devices[i], samples, actuator);
+    device = std::make_unique<DeviceLoop>(index, setup.devices[i], setup.models[i], actuator,
+                                          options.objective);
     feedback.emplace(initial_feedback(*device));
     input.emplace(initial_input(samples));
   }
@@ -222,6 +224,9 @@ void SceneRun::tick_here(Finger& finger, const TickContext& context) {
   finger.known_tick_hash = tick.hash;
   if (recording_) recording_->push(tick);
   finger.device_summary.add(tick);
+  if (hooks_.on_tick) {
+    hooks_.on_tick(static_cast<std::size_t>(tick.finger), finger.loop, *finger.device);
+  }
 }
 
 void SceneRun::send_to_device(Finger& finger, const TickContext& context) {

@@ -17,6 +17,8 @@
 
 namespace softfinger {
 
+class DeviceLoop;
+class FingerLoop;
 struct TickContext;
 
 /// One run of one scene from start to end: the simulation thread and, in a live run, one device
@@ -29,6 +31,9 @@ class SceneRun {
     /// Called once on the simulation thread and on each device thread, after its first step or
     /// tick; from then on the thread neither allocates nor locks. For scheduling, and for tests.
     std::function<void()> on_loop_thread;
+    /// Headless: after each device tick, on the simulation thread, with the finger's number. May
+    /// take its time; simulated time stands still.
+    std::function<void(std::size_t finger, const FingerLoop&, const DeviceLoop&)> on_tick;
   };
 
   /// Opens devices and trackers. Throws InputError, also where the recording exists already.

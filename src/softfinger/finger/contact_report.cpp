@@ -37,6 +37,7 @@ void add_features(const FingerPotential& potential, const Pose& X_FW, ContactSet
 
 ContactSet make_contact_set(const FingerModel& model) {
   ContactSet set;
+  set.friction_coefficient = model.friction_coefficient;
   set.samples.resize(model.sample_nodes.size());
   for (std::size_t i = 0; i < set.samples.size(); ++i) {
     set.samples[i].rest_area = model.sample_rest_areas[i];
@@ -58,6 +59,7 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
   Vector3 tangential_sum = Vector3::Zero();
   double friction_limit = 0.0;
   double stuck_area = 0.0;
+  double strongest = 0.0;
   const auto see = [&](double gap, const Vector3& normal_W) {
     if (gap >= set.least_gap) return;
     set.least_gap = gap;
@@ -97,6 +99,11 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
     ++set.contact_count;
     set.contact_area += sample.area;
     if (sample.friction_limit > 0.0 && !sample.slides) stuck_area += sample.area;
+    if (sample.normal_force > strongest) {
+      strongest = sample.normal_force;
+      set.friction_coefficient =
+          contact.friction_coefficient(static_cast<std::size_t>(sample.object));
+    }
   }
   set.tangential_force = tangential_sum.norm();
   set.slip_ratio = friction_limit > 0.0 ? set.tangential_force / friction_limit : 0.0;

@@ -87,7 +87,7 @@ void FingerPotential::begin(const Step& step) {
   if (step.relaxed) {
     elastic_.begin_relaxed(work_);
   } else if (step.history != nullptr) {
-    elastic_.begin_step(*step.history, step.time_step, work_);
+    elastic_.begin_step(*step.history, step.time_step > 0.0 ? step.time_step : step.elapsed, work_);
   }
   if (step.time_step > 0.0) {
     for (std::size_t n = 0; n < predicted_.size(); ++n) {

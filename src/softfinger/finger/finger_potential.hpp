@@ -41,7 +41,8 @@ class FingerPotential {
     std::span<const Obstacle> obstacles;
     std::span<FrictionAnchor> anchors;  ///< as ContactPotential::no_anchors(); features' are moved
     const StressHistory* history = nullptr;  ///< of the skin; null: has none
-    bool relaxed = false;                    ///< all that can relax has; with time step 0
+    double elapsed = 0.0;  ///< s that stress had to relax; with time step 0, else it is that
+    bool relaxed = false;  ///< all that can relax has; with time step 0
   };
 
   FingerPotential(const FingerModel& model, Bone bone, std::size_t obstacle_count,
@@ -71,6 +72,8 @@ class FingerPotential {
   /// `refined`: with contact as it will be at the end of the direction.
   double solve_direction(bool refined);
   void evaluate_trial(double t);
+  /// x = A^-1 x with the factor at hand, by unknowns as gradient(); exact right after factorise().
+  void solve(std::span<double> x) const { assembly_.solve(x); }
   [[nodiscard]] double trial_energy() const { return trial_.energy; }
   [[nodiscard]] double trial_residual() const { return trial_.residual; }
   void accept_trial() {

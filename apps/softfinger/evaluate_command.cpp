@@ -1,0 +1,83 @@
+#include <fmt/core.h>
+#include <signal.h>
+
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commands.hpp"
+#include "evaluation_report.hpp"
+#include "progress_bar.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/engine/evaluation.hpp"
+
+namespace {
+
+using namespace softfinger;
+
+struct EvaluateFlags {
+  EvaluationOptions options;
+  std::optional<double> duration_s;
+  std::string wearer;
+  bool json = false;
+};
+
+std::atomic<bool> end_asked{false};
+
+void evaluate_scene(EvaluateFlags flags) {
+  if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
+    throw InputError(
+        fmt::format("--duration-s {}: must be a time above 0 in seconds", *flags.duration_s));
+  }
+  flags.options.run.duration = flags.duration_s;
+  if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
+  struct sigaction action {};
+  action.sa_handler = [](int) { end_asked.store(true); };
+  sigaction(SIGINT, &action, nullptr);
+
+  ProgressBar bar;
+  flags.options.run.load_observer = load_observer(bar);
+  RunObserver observer;
+  observer.progress = [&bar](double time, std::optional<double> end) {
+    if (end && *end > 0.0) bar.show(time / *end);
+  };
+  const Evaluation evaluation = evaluate(flags.options, end_asked, observer);
+  bar.clear();
+  if (flags.json) {
+    fmt::print("{}\n", evaluation_report(evaluation).dump(2));
+  } else {
+    fmt::print("{}", evaluation_report_text(evaluation));
+  }
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "How faithfully a device renders a scene: a second finger feels its commands");
+  auto flags = std::make_shared<EvaluateFlags>();
+  RunOptions& run = flags->options.run;
+  command->add_option("SCENE", run.scene, "scene file (TOML)")->required();
+  command
+      ->add_option("--device", run.devices,
+                   "device file instead of the scene's; NAME=FILE for one of several fingers")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--tracker", run.trackers,
+                   "tracker instead of the scene's: script or csv:FILE; NAME=SPEC for one of "
+                   "several fingers")
+      ->allow_extra_args(false);
+  command->add_option("--wearer", flags->wearer,
+                      "finger file of who wears the device; the simulated finger where not given");
+  command
+      ->add_option("--objective", run.objective,
+                   "what matching aims at, instead of the device file's: surface, "
+                   "surface_and_force; or, to compare with, published (Perez et al. 2015) or "
+                   "contact_plane (a plane at the contact's centroid)")
+      ->check(CLI::IsMember({"surface", "surface_and_force", "published", "contact_plane"}));
+  command->add_option("--duration-s", flags->duration_s, "end after this time, s");
+  command->add_flag("--json", flags->json, "one JSON object on stdout");
+  command->callback([flags] { evaluate_scene(*flags); });
+}

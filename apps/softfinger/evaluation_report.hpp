@@ -1,0 +1,11 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "softfinger/engine/evaluation.hpp"
+
+/// The fields of `evaluate --json`.
+nlohmann::ordered_json evaluation_report(const softfinger::Evaluation& evaluation);
+/// The same for people: means, verdicts and their sources.
+std::string evaluation_report_text(const softfinger::Evaluation& evaluation);

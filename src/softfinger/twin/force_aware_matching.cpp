@@ -1,0 +1,244 @@
+#include "softfinger/twin/force_aware_matching.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/matching/limit_clamp.hpp"
+#include "softfinger/numerics/quadratic_program.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kLeastForce = 1e-3;      // N; a smaller force is not worth an iteration
+constexpr double kForceTolerance = 1e-3;  // of the virtual force; nobody feels less
+constexpr double kStepTolerance = 1e-6;   // m of surface motion
+constexpr double kLeastDamping = 1e-4;    // of the largest diagonal
+constexpr int kRejections = 4;
+
+}  // namespace
+
+struct ForceAwareMatching::Implementation {
+  Implementation(std::shared_ptr<const FingerModel> model, std::shared_ptr<const Device> the_device,
+                 int the_capacity, const ForceAwareOptions& the_options)
+      : device(std::move(the_device)),
+        capacity(static_cast<std::size_t>(the_capacity)),
+        options(the_options),
+        twin(std::move(model), device),
+        dof(device->degrees_of_freedom()),
+        program(dof, device->constraint_count()),
+        gradient(dof),
+        step(dof),
+        matrix(dof, dof),
+        gauss_newton(dof, dof),
+        hessian(dof, dof),
+        values(device->constraint_count()),
+        jacobian(device->constraint_count(), dof) {
+    for (auto* array : {&x, &y, &z, &weight, &margin}) array->resize(capacity);
+    result.configuration = device->home();
+    before = device->home();
+  }
+
+  std::shared_ptr<const Device> device;
+  std::size_t capacity;
+  ForceAwareOptions options;
+  Twin twin;
+  int dof;
+  QuadraticProgram program;
+  Eigen::VectorXd gradient, step;
+  Eigen::MatrixXd matrix, gauss_newton, hessian;
+  Eigen::VectorXd values;
+  Eigen::MatrixXd jacobian;
+  std::vector<double> x, y, z, weight, margin;
+  SurfaceSamples samples;
+  Vector3 target = Vector3::Zero();
+  Configuration before;  ///< at the end of the last frame
+  ForceAwareResult result;
+
+  void take(const ContactSet& contact, const MatchingOptions& matching);
+  [[nodiscard]] double metric(int k) const {
+    return device->axes()[static_cast<std::size_t>(k)].metric;
+  }
+  /// The cost without its force part, m^2.
+  [[nodiscard]] double surface_cost(const Configuration& q) const {
+    return device->deviation(q, samples) +
+           options.inertia_weight * options.inertia_weight * device->squared_distance(q, before);
+  }
+  [[nodiscard]] double force_cost(const Vector3& force) const {
+    return options.force_weight * options.force_weight * (force - target).squaredNorm();
+  }
+  [[nodiscard]] bool form_step(const Configuration& q, const Vector3& force,
+                               const SurfaceJacobian& force_by_q, double damping);
+  void cut_step();
+  void search(double elapsed_friction);
+};
+
+void ForceAwareMatching::Implementation::take(const ContactSet& contact,
+                                              const MatchingOptions& matching) {
+  const double eps =
+      matching.separation_tolerance.value_or(device->settings().matching.separation_tolerance);
+  const std::size_t count = std::min(contact.samples.size(), capacity);
+  std::size_t packed = 0;
+  samples = {};
+  for (const bool touching : {true, false}) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const ContactSample& sample = contact.samples[i];
+      if (sample.in_contact != touching) continue;
+      x[packed] = sample.position_F.x();
+      y[packed] = sample.position_F.y();
+      z[packed] = sample.position_F.z();
+      weight[packed] = 1.0;
+      margin[packed] = std::clamp(sample.gap, 0.0, eps);
+      ++packed;
+    }
+    if (touching) samples.contact_count = static_cast<int>(packed);
+  }
+  samples.x = {x.data(), packed};
+  samples.y = {y.data(), packed};
+  samples.z = {z.data(), packed};
+  samples.weight = {weight.data(), packed};
+  samples.margin = {margin.data(), packed};
+}
+
+/// Damped Gauss-Newton step at q within the device's constraints, in `step` (by q).
+bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const Vector3& force,
+                                                   const SurfaceJacobian& force_by_q,
+                                                   double damping) {
+  device->deviation_derivatives(q, samples, gradient, gauss_newton, hessian);
+  const double per_newton = 2.0 * options.force_weight * options.force_weight;
+  const double inertia = 2.0 * options.inertia_weight * options.inertia_weight;
+  for (int k = 0; k < dof; ++k) {
+    gradient[k] += per_newton * force_by_q.col(k).dot(force - target) +
+                   inertia * metric(k) * metric(k) * (q[k] - before[k]);
+  }
+  double largest = 0.0;
+  for (int j = 0; j < dof; ++j) {
+    for (int i = 0; i < dof; ++i) {
+      matrix(i, j) = (gauss_newton(i, j) + per_newton * force_by_q.col(i).dot(force_by_q.col(j))) /
+                     (metric(i) * metric(j));
+    }
+    matrix(j, j) += inertia;
+    largest = std::max(largest, matrix(j, j));
+    gradient[j] /= metric(j);
+  }
+  for (int k = 0; k < dof; ++k) matrix(k, k) += damping * largest;
+  if (!program.factor(matrix)) return false;
+  if (device->constraints(q, values, jacobian)) {
+    for (int k = 0; k < dof; ++k) jacobian.col(k) /= metric(k);
+    if (!program.solve(gradient, values, jacobian)) return false;
+  } else {
+    program.solve(gradient);
+  }
+  for (int k = 0; k < dof; ++k) step[k] = program.step()[k] / metric(k);
+  return true;
+}
+
+/// Not further in one go than the linearised equilibrium is good for.
+void ForceAwareMatching::Implementation::cut_step() {
+  double longest = 1.0;
+  for (int k = 0; k < dof; ++k) {
+    const bool angle = device->axes()[static_cast<std::size_t>(k)].unit == deg;
+    longest =
+        std::max(longest, std::abs(step[k]) / (angle ? options.max_angle : options.max_length));
+  }
+  step /= longest;
+}
+
+/// From the twin's present attempt at result.configuration.
+void ForceAwareMatching::Implementation::search(double scale) {
+  Vector3 force;
+  SurfaceJacobian force_by_q;
+  if (!twin.force_and_derivative(force, force_by_q)) return;
+  double cost = surface_cost(result.configuration) + force_cost(force);
+  double damping = 0.0;
+  int rejections = 0;
+  result.force = force;
+  while (result.iterations < options.iterations && rejections < kRejections) {
+    if (!form_step(result.configuration, force, force_by_q, damping)) return;
+    cut_step();
+    Configuration trial = result.configuration + step;
+    if (!device->reachable(trial)) {
+      trial = last_reachable(*device, result.configuration, trial);
+    }
+    const double length = std::sqrt(device->squared_distance(trial, result.configuration));
+    if (length < kStepTolerance) return;
+    const bool settled = twin.attempt(trial).converged;
+    const double trial_cost = surface_cost(trial) + force_cost(normal_force_vector(twin.contact()));
+    if (!settled || !(trial_cost < cost)) {
+      ++rejections;
+      damping = std::max(10.0 * damping, kLeastDamping * 10.0);
+      continue;
+    }
+    ++result.iterations;
+    result.improved = true;
+    result.configuration = trial;
+    cost = trial_cost;
+    damping *= 0.1;
+    rejections = 0;
+    result.force = normal_force_vector(twin.contact());
+    if ((result.force - target).norm() < kForceTolerance * scale) return;
+    if (result.iterations == options.iterations) return;
+    if (!twin.force_and_derivative(force, force_by_q)) return;
+  }
+}
+
+ForceAwareMatching::ForceAwareMatching(std::shared_ptr<const FingerModel> model,
+                                       std::shared_ptr<const Device> device, int capacity,
+                                       ForceAwareOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(model), std::move(device),
+                                                       capacity, options)) {}
+ForceAwareMatching::~ForceAwareMatching() = default;
+ForceAwareMatching::ForceAwareMatching(ForceAwareMatching&&) noexcept = default;
+ForceAwareMatching& ForceAwareMatching::operator=(ForceAwareMatching&&) noexcept = default;
+
+void ForceAwareMatching::reset() {
+  implementation_->twin.reset();
+  implementation_->before = implementation_->device->home();
+}
+
+const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side,
+                                                  const Configuration& surface,
+                                                  double friction_coefficient, double elapsed,
+                                                  const MatchingOptions& matching) {
+  Implementation& self = *implementation_;
+  ForceAwareResult& result = self.result;
+  result = {};
+  self.take(virtual_side, matching);
+  self.target = normal_force_vector(virtual_side);
+  const double force = self.target.norm();
+  const bool touches = virtual_side.contact_count > 0 && force > kLeastForce;
+
+  // From where the last frame ended, unless the surface match is the better start: at first touch,
+  // and where the twin has lost contact.
+  result.configuration = surface;
+  const auto costs = [&](const Configuration& q) {
+    self.twin.begin_frame(friction_coefficient, elapsed);
+    self.twin.attempt(q);
+    return self.surface_cost(q) + self.force_cost(normal_force_vector(self.twin.contact()));
+  };
+  if (touches && self.twin.contact().contact_count > 0 && self.device->reachable(self.before)) {
+    const double from_before = costs(self.before);
+    if (from_before < costs(surface)) {
+      result.configuration = self.before;
+      costs(self.before);
+    }
+  } else {
+    self.twin.press(surface, friction_coefficient, elapsed);
+    self.twin.begin_frame(friction_coefficient, 0.0);
+    self.twin.attempt(surface);
+  }
+  result.force = normal_force_vector(self.twin.contact());
+  if (touches) self.search(force);
+  // A step that was refused is not where the frame ends.
+  if (self.twin.configuration() != result.configuration) self.twin.attempt(result.configuration);
+  self.twin.keep();
+  result.force = normal_force_vector(self.twin.contact());
+  result.deviation = self.device->deviation(result.configuration, self.samples);
+  self.before = result.configuration;
+  return result;
+}
+
+const Twin& ForceAwareMatching::twin() const { return implementation_->twin; }
+
+}  // namespace softfinger

@@ -1,0 +1,55 @@
+#include "softfinger/twin/force_rendering.hpp"
+
+#include <algorithm>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/matching/limit_clamp.hpp"
+
+namespace softfinger {
+namespace {
+
+// The correction's most change in one tick.
+constexpr double kAngle = 3.0 * deg;
+constexpr double kLength = 0.3 * mm;
+
+}  // namespace
+
+ForceRendering::ForceRendering(std::shared_ptr<const FingerModel> model,
+                               std::shared_ptr<const Device> device, MatchingOptions matching,
+                               ForceAwareOptions options)
+    : device_(std::move(device)),
+      matching_(matching),
+      force_(model, device_, static_cast<int>(model->sample_nodes.size()), options) {
+  reset();
+}
+
+void ForceRendering::reset() {
+  force_.reset();
+  correction_ = Configuration::Zero(device_->degrees_of_freedom());
+  rendered_ = {};
+  rendered_.configuration = device_->home();
+}
+
+const RenderedSurface& ForceRendering::tick(const ContactSet& contact,
+                                            const RenderedSurface& surface, double elapsed) {
+  const ForceAwareResult& matched = force_.match(contact, surface.configuration,
+                                                 contact.friction_coefficient, elapsed, matching_);
+  rendered_ = surface;
+  for (int k = 0; k < correction_.size(); ++k) {
+    const double wanted = matched.configuration[k] - surface.configuration[k];
+    const bool angle = device_->axes()[static_cast<std::size_t>(k)].unit == deg;
+    const double room = angle ? kAngle : kLength;
+    correction_[k] = std::clamp(wanted, correction_[k] - room, correction_[k] + room);
+  }
+  const Configuration wanted = surface.configuration + correction_;
+  rendered_.configuration =
+      device_->reachable(wanted) ? wanted : last_reachable(*device_, surface.configuration, wanted);
+  static_cast<void>(device_->inverse_kinematics(rendered_.configuration, rendered_.joints));
+  if (contact.contact_count > 0) {
+    rendered_.deviation = matched.deviation;
+    rendered_.iterations += matched.iterations;
+  }
+  return rendered_;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "softfinger/device/device.hpp"
+
+namespace softfinger {
+
+/// How one rigid piece of a device's solid moves as one coordinate of q does, in F.
+struct PieceMotion {
+  Vector3 origin = Vector3::Zero();    ///< of the piece's frame, m
+  Vector3 velocity = Vector3::Zero();  ///< of the origin, m by rad or m
+  Vector3 spin = Vector3::Zero();      ///< rad by rad or m
+  double growth = 0.0;                 ///< of a ball's radius, m by rad or m
+
+  /// Velocity of the surface at p_F where its outward normal is `outward`.
+  [[nodiscard]] Vector3 at(const Vector3& p_F, const Vector3& outward) const {
+    return velocity + spin.cross(p_F - origin) + growth * outward;
+  }
+  [[nodiscard]] bool moves() const {
+    return growth != 0.0 || !velocity.isZero(0.0) || !spin.isZero(0.0);
+  }
+};
+
+/// Motions of all pieces by all coordinates, from central differences of their poses, which are
+/// smooth. Allocates only in the constructor.
+class PieceMotions {
+ public:
+  explicit PieceMotions(const Device& device);
+
+  void at(const Configuration& q);
+  /// Of piece `piece` by coordinate `k`.
+  [[nodiscard]] const PieceMotion& operator()(std::size_t piece, int k) const {
+    return motions_[piece * static_cast<std::size_t>(device_.degrees_of_freedom()) +
+                    static_cast<std::size_t>(k)];
+  }
+
+ private:
+  const Device& device_;
+  std::vector<SolidPiece> forward_, backward_;
+  std::vector<PieceMotion> motions_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,108 @@
+#include "softfinger/twin/rendering_measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/base/units.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kLeastForce = 0.05;  // N; errors of smaller forces are measured against it
+
+double pressure(const ContactSample& sample) {
+  return sample.area > 0.0 ? sample.normal_force / sample.area : 0.0;
+}
+
+/// sqrt(sum w (t - v)^2 / sum w v^2); undefined where v is zero throughout.
+class RelativeError {
+ public:
+  void add(double weight, double reference, double value) {
+    difference_ += weight * (value - reference) * (value - reference);
+    reference_ += weight * reference * reference;
+  }
+  [[nodiscard]] double value() const {
+    return reference_ > 0.0 ? std::sqrt(difference_ / reference_) : RenderingMeasures::kUndefined;
+  }
+
+ private:
+  double difference_ = 0.0, reference_ = 0.0;
+};
+
+double angle_between(const Vector3& a, const Vector3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& twin) {
+  const ContactSet& v = virtual_side.contact;
+  const ContactSet& t = twin.contact;
+  RenderingMeasures result;
+  if (v.contact_count == 0 && t.contact_count == 0) return result;
+  double common = 0.0;
+  double either = 0.0;
+  RelativeError pressures;
+  for (std::size_t i = 0; i < v.samples.size(); ++i) {
+    const ContactSample& a = v.samples[i];
+    const ContactSample& b = t.samples[i];
+    if (a.in_contact && b.in_contact) common += a.rest_area;
+    if (a.in_contact || b.in_contact) either += a.rest_area;
+    pressures.add(a.rest_area, pressure(a), pressure(b));
+  }
+  result.iou = common / either;
+  if (v.contact_count == 0 || t.contact_count == 0) {
+    result.kind = v.contact_count > 0 ? FrameKind::kMissed : FrameKind::kFalse;
+    return result;
+  }
+  result.kind = FrameKind::kBoth;
+  result.centroid_shift = (t.centroid_F - v.centroid_F).norm();
+  result.normal_angle = angle_between(v.mean_normal_F, t.mean_normal_F);
+  result.normal_force_bias =
+      (t.normal_force - v.normal_force) / std::max(v.normal_force, kLeastForce);
+  result.normal_force_error = std::abs(result.normal_force_bias);
+  result.contact_area_error = std::abs(t.contact_area - v.contact_area) / v.contact_area;
+  result.pressure_error = pressures.value();
+  RelativeError energies;
+  for (std::size_t e = 0; e < virtual_side.energy_densities.size(); ++e) {
+    energies.add(virtual_side.volumes[e], virtual_side.energy_densities[e],
+                 twin.energy_densities[e]);
+  }
+  result.strain_energy_density_error = energies.value();
+  return result;
+}
+
+const std::array<MeasureName, kMeasures>& measure_names() {
+  using M = RenderingMeasures;
+  static const std::array<MeasureName, kMeasures> names{{
+      {"iou", 1.0, &M::iou},
+      {"centroid_shift_mm", mm, &M::centroid_shift},
+      {"normal_angle_deg", deg, &M::normal_angle},
+      {"normal_force_error", 1.0, &M::normal_force_error},
+      {"normal_force_bias", 1.0, &M::normal_force_bias},
+      {"contact_area_error", 1.0, &M::contact_area_error},
+      {"pressure_error", 1.0, &M::pressure_error},
+      {"strain_energy_density_error", 1.0, &M::strain_energy_density_error},
+  }};
+  return names;
+}
+
+void MeasureMeans::add(const RenderingMeasures& measures) {
+  ++frames_[static_cast<std::size_t>(measures.kind)];
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    const double value = measures.*measure_names()[k].member;
+    if (std::isnan(value)) continue;
+    sums_[k] += value;
+    ++counts_[k];
+  }
+}
+
+RenderingMeasures MeasureMeans::mean() const {
+  RenderingMeasures mean;
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    if (counts_[k] > 0) mean.*measure_names()[k].member = sums_[k] / counts_[k];
+  }
+  return mean;
+}
+
+}  // namespace softfinger

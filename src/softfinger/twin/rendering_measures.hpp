@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "softfinger/contact/contact_set.hpp"
+
+namespace softfinger {
+
+/// Which of the two sides touches in a frame.
+enum class FrameKind {
+  kBoth,
+  kFree,    ///< neither
+  kMissed,  ///< the virtual finger only: the device does not render the contact
+  kFalse    ///< the twin only: the device touches where nothing is
+};
+
+/// How far what the device renders is from the virtual contact, in one frame. NaN where undefined:
+/// all but the IoU where one side touches nothing, which is then 0, and all where neither does.
+struct RenderingMeasures {
+  static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+  FrameKind kind = FrameKind::kFree;
+  double iou = kUndefined;                 ///< of the contact sets, by rest area, 0 to 1
+  double centroid_shift = kUndefined;      ///< of the force-weighted centroids, m
+  double normal_angle = kUndefined;        ///< between mean normals, rad
+  double normal_force_error = kUndefined;  ///< |f_twin - f_virtual| / max(f_virtual, 0.05 N)
+  double normal_force_bias = kUndefined;   ///< the same with its sign
+  double contact_area_error = kUndefined;  ///< |a_twin - a_virtual| / a_virtual, deformed areas
+  double pressure_error = kUndefined;      ///< sqrt(sum a (p_t - p_v)^2 / sum a p_v^2)
+  double strain_energy_density_error = kUndefined;  ///< likewise over elements by rest volume
+};
+
+/// One side of a frame. The sides have the same samples and elements; densities in J/m^3, with the
+/// rest volumes (m^3) of the side that sets the weights.
+struct TouchedSkin {
+  const ContactSet& contact;
+  std::span<const double> energy_densities;
+  std::span<const double> volumes;
+};
+
+/// Weights (areas, volumes) are the virtual side's.
+[[nodiscard]] RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& twin);
+
+/// Every measure by its name in files, with what one unit there is in SI.
+struct MeasureName {
+  std::string_view name;  ///< "centroid_shift_mm"
+  double unit;
+  double RenderingMeasures::*member;
+};
+inline constexpr std::size_t kMeasures = 8;
+[[nodiscard]] const std::array<MeasureName, kMeasures>& measure_names();
+
+/// Means over frames, each over the frames in which it is defined.
+class MeasureMeans {
+ public:
+  void add(const RenderingMeasures& measures);
+  [[nodiscard]] RenderingMeasures mean() const;  ///< kind is meaningless
+  [[nodiscard]] int frames(FrameKind kind) const { return frames_[static_cast<std::size_t>(kind)]; }
+
+ private:
+  std::array<double, kMeasures> sums_{};
+  std::array<int, kMeasures> counts_{};
+  std::array<int, 4> frames_{};
+};
+
+}  // namespace softfinger

@@ -1,0 +1,284 @@
+#include "softfinger/twin/twin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "softfinger/finger/contact_report.hpp"
+#include "softfinger/finger/finger_potential.hpp"
+#include "softfinger/twin/piece_motion.hpp"
+
+namespace softfinger {
+namespace {
+
+/// The device moves on the skin in parts no longer than this, so that friction sees the path, m.
+constexpr double kLongestPart = 0.25e-3;
+/// A jump has no path worth following: no more parts than this.
+constexpr int kMostParts = 16;
+constexpr double kTolerance = 1e-7;  // relative residual
+constexpr int kIterations = 120;     // a press
+/// Lagged friction limits are renewed until they change by less than this, N.
+constexpr double kFrictionTolerance = 1e-5;
+constexpr int kFrictionPasses = 20;
+/// Features are met as planes, where they were seen before the skin moved: it looks again.
+constexpr int kLooks = 2;
+
+}  // namespace
+
+Vector3 normal_force_vector(const ContactSet& contact) {
+  return contact.normal_force * contact.mean_normal_F;
+}
+
+struct Twin::Implementation {
+  Implementation(std::shared_ptr<const FingerModel> the_wearer,
+                 std::shared_ptr<const Device> the_device)
+      : wearer(std::move(the_wearer)),
+        device(std::move(the_device)),
+        pieces(static_cast<std::size_t>(device->solid_piece_count())),
+        obstacles(pieces.size()),
+        motions(*device),
+        potential(*wearer, FingerPotential::Bone::kPrescribed, pieces.size(), {}),
+        kept_anchors(potential.contact().no_anchors()),
+        history(potential.elastic().make_history()),
+        anchors(kept_anchors),
+        contact(make_contact_set(*wearer)),
+        shift(potential.gradient().size()) {
+    for (std::size_t k = 0; k < pieces.size(); ++k) obstacles[k].shape = &pieces[k].shape;
+    reset();
+  }
+
+  std::shared_ptr<const FingerModel> wearer;
+  std::shared_ptr<const Device> device;
+  std::vector<SolidPiece> pieces;
+  std::vector<Obstacle> obstacles;
+  PieceMotions motions;
+  FingerPotential potential;
+  // At the end of the last frame kept.
+  std::vector<Vector3> kept_positions;
+  std::vector<FrictionAnchor> kept_anchors;
+  StressHistory history;
+  Configuration kept_q;
+  // Of the frame under way.
+  double friction_coefficient = 0.0;
+  double elapsed = 0.0;
+  Configuration q;
+  std::vector<Vector3> positions;
+  std::vector<FrictionAnchor> anchors;
+  ContactSet contact;
+  std::vector<double> shift;  ///< of the unknowns, by one coordinate of q
+
+  void reset();
+  void place();
+  void begin(std::span<const Vector3> old_positions);
+  TwinSummary attempt(const Configuration& at);
+  void keep();
+  [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
+  void drag_by(int k);
+  [[nodiscard]] Vector3 motion_of_point(std::size_t i) const;
+};
+
+void Twin::Implementation::reset() {
+  kept_positions = wearer->mesh.nodes;
+  positions = kept_positions;
+  std::fill(kept_anchors.begin(), kept_anchors.end(), FrictionAnchor{});
+  forget(history);
+  potential.forget();
+  potential.forget_features();
+  friction_coefficient = 0.0;
+  elapsed = 0.0;
+  q = device->home();
+  kept_q = q;
+  place();
+  begin(kept_positions);
+  potential.start_from(positions, Pose{});
+  report_contact(*wearer, potential, contact);
+}
+
+/// Puts the device at q, with friction as it was at the end of the last frame.
+void Twin::Implementation::place() {
+  device->solid_pieces(q, pieces);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    obstacles[k].X_WO = pieces[k].X_FS;
+    obstacles[k].friction_coefficient = friction_coefficient;
+  }
+  std::copy(kept_anchors.begin(), kept_anchors.end(), anchors.begin());
+}
+
+/// Prepares the potential for an equilibrium; features are those that skin at `old_positions` sees.
+void Twin::Implementation::begin(std::span<const Vector3> old_positions) {
+  FingerPotential::Step step;
+  step.old_positions = old_positions;
+  step.obstacles = obstacles;
+  step.anchors = anchors;
+  step.history = &history;
+  step.elapsed = elapsed;
+  potential.begin(step);
+}
+
+TwinSummary Twin::Implementation::attempt(const Configuration& at) {
+  q = at;
+  // A piece may have changed its shape, and what is known of the last must not tell.
+  potential.forget();
+  place();
+  NewtonOptions newton;
+  newton.tolerance = kTolerance;
+  newton.max_iterations = kIterations;
+  TwinSummary summary;
+  for (int look = 0; look < kLooks; ++look) {
+    begin(look == 0 ? kept_positions : positions);
+    for (int pass = 0; pass < kFrictionPasses; ++pass) {
+      potential.start_from(pass == 0 ? std::span<const Vector3>(positions) : potential.positions(),
+                           Pose{});
+      const NewtonSummary solved = untangle_and_minimise(potential, newton);
+      summary.iterations += solved.iterations;
+      summary.converged = solved.converged;
+      potential.settle();
+      if (potential.contact().update_limits(anchors) < kFrictionTolerance) break;
+    }
+    std::copy(potential.positions().begin(), potential.positions().end(), positions.begin());
+  }
+  report_contact(*wearer, potential, contact);
+  return summary;
+}
+
+void Twin::Implementation::keep() {
+  kept_q = q;
+  std::copy(positions.begin(), positions.end(), kept_positions.begin());
+  potential.elastic().end_step(potential.elastic_work(), elapsed, history);
+  potential.contact().update_anchors(potential.contact_positions(), anchors);
+  std::copy(anchors.begin(), anchors.end(), kept_anchors.begin());
+  elapsed = 0.0;
+}
+
+/// shift = how the skin's equilibrium moves by coordinate k: -A^-1 dG/dq.
+void Twin::Implementation::drag_by(int k) {
+  std::fill(shift.begin(), shift.end(), 0.0);
+  const std::size_t samples = wearer->sample_nodes.size();
+  const auto add = [&](int node, const Vector3& force) {
+    const int block = potential.unknowns().block_of_node[static_cast<std::size_t>(node)];
+    if (block >= 0) Eigen::Map<Vector3>(shift.data() + 3 * block) += force;
+  };
+  ContactPotential::PairResponse pair;
+  const std::span<const Vector3> points = potential.contact_positions();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t o = 0; o < pieces.size(); ++o) {
+      const PieceMotion& motion = motions(o, k);
+      if (!motion.moves() || !potential.contact().pair_response(i, o, pair)) continue;
+      const Vector3 force =
+          pair.hessian * motion.at(points[i], pair.outward) - motion.spin.cross(pair.gradient);
+      if (i < samples) {
+        add(wearer->sample_nodes[i], force);
+      } else {
+        const FeaturePoints::Point& feature = potential.features().points()[i - samples];
+        for (std::size_t c = 0; c < 3; ++c) add(feature.nodes[c], feature.weights[c] * force);
+      }
+    }
+  }
+  potential.solve(shift);
+}
+
+/// What drag_by() found, at contact point i.
+Vector3 Twin::Implementation::motion_of_point(std::size_t i) const {
+  const auto at = [&](int node) -> Vector3 {
+    const int block = potential.unknowns().block_of_node[static_cast<std::size_t>(node)];
+    return block < 0 ? Vector3::Zero()
+                     : Vector3(Eigen::Map<const Vector3>(shift.data() + 3 * block));
+  };
+  const std::size_t samples = wearer->sample_nodes.size();
+  if (i < samples) return at(wearer->sample_nodes[i]);
+  const FeaturePoints::Point& feature = potential.features().points()[i - samples];
+  Vector3 motion = Vector3::Zero();
+  for (std::size_t c = 0; c < 3; ++c) motion += feature.weights[c] * at(feature.nodes[c]);
+  return motion;
+}
+
+bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
+  const int dof = device->degrees_of_freedom();
+  by_q.setZero(3, dof);
+  const std::span<const Vector3> points = potential.contact_positions();
+  ContactPotential::PairResponse pair;
+  double magnitude = 0.0;
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t o = 0; o < pieces.size(); ++o) {
+      if (!potential.contact().pair_response(i, o, pair)) continue;
+      magnitude += pair.normal_force.norm();
+      sum += pair.normal_force;
+    }
+  }
+  force.setZero();
+  const double length = sum.norm();
+  if (!(length > 0.0)) return true;
+  const Vector3 direction = sum / length;
+  force = magnitude * direction;
+  if (!potential.factorise(HessianKind::kFull) &&
+      !potential.factorise(HessianKind::kNoContactCurvature)) {
+    return false;
+  }
+  motions.at(q);
+  for (int k = 0; k < dof; ++k) {
+    drag_by(k);
+    double magnitude_rate = 0.0;
+    Vector3 sum_rate = Vector3::Zero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t o = 0; o < pieces.size(); ++o) {
+        if (!potential.contact().pair_response(i, o, pair)) continue;
+        const double one = pair.normal_force.norm();
+        if (!(one > 0.0)) continue;
+        const PieceMotion& motion = motions(o, k);
+        const Vector3 approach = motion_of_point(i) - motion.at(points[i], pair.outward);
+        const Vector3 rate =
+            motion.spin.cross(pair.normal_force) - pair.normal_stiffness * approach;
+        sum_rate += rate;
+        magnitude_rate += rate.dot(pair.normal_force) / one;
+      }
+    }
+    by_q.col(k) = magnitude_rate * direction +
+                  magnitude / length * (sum_rate - direction * direction.dot(sum_rate));
+  }
+  return true;
+}
+
+Twin::Twin(std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device)
+    : implementation_(std::make_unique<Implementation>(std::move(wearer), std::move(device))) {}
+Twin::~Twin() = default;
+Twin::Twin(Twin&&) noexcept = default;
+Twin& Twin::operator=(Twin&&) noexcept = default;
+
+void Twin::reset() { implementation_->reset(); }
+
+TwinSummary Twin::press(const Configuration& q, double friction_coefficient, double elapsed) {
+  Implementation& self = *implementation_;
+  const Configuration from = self.kept_q;
+  const double way = std::sqrt(self.device->squared_distance(q, from));
+  const int parts = std::clamp(static_cast<int>(std::ceil(way / kLongestPart)), 1, kMostParts);
+  TwinSummary summary;
+  for (int part = 1; part <= parts; ++part) {
+    begin_frame(friction_coefficient, elapsed / parts);
+    const TwinSummary one =
+        attempt(part == parts ? q : Configuration(from + (q - from) * part / parts));
+    summary.iterations += one.iterations;
+    summary.converged = one.converged;
+    keep();
+  }
+  return summary;
+}
+
+void Twin::begin_frame(double friction_coefficient, double elapsed) {
+  implementation_->friction_coefficient = friction_coefficient;
+  implementation_->elapsed = elapsed;
+}
+TwinSummary Twin::attempt(const Configuration& q) { return implementation_->attempt(q); }
+void Twin::keep() { implementation_->keep(); }
+
+const Configuration& Twin::configuration() const { return implementation_->q; }
+bool Twin::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
+  return implementation_->force_and_derivative(force, by_q);
+}
+
+const FingerModel& Twin::wearer() const { return *implementation_->wearer; }
+const Device& Twin::device() const { return *implementation_->device; }
+const ContactSet& Twin::contact() const { return implementation_->contact; }
+std::span<const Vector3> Twin::positions() const { return implementation_->positions; }
+
+}  // namespace softfinger

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/device/device.hpp"
+#include "softfinger/finger/finger_model.hpp"
+
+namespace softfinger {
+
+/// How one press of the twin ended.
+struct TwinSummary {
+  int iterations = 0;
+  bool converged = true;
+};
+
+/// Normal contact force of device on skin, as one vector: as long as the sum of the samples'
+/// magnitudes, along the sum of their vectors; in F, N.
+[[nodiscard]] Vector3 normal_force_vector(const ContactSet& contact);
+
+/// A second finger in F: bone held at F's origin, skin at quasi-static equilibrium against the
+/// device's solid, so that its contact is what the device makes the wearer feel. The way there
+/// counts where there is friction or relaxation: each frame starts from the last one kept.
+/// Allocates only in the constructor.
+class Twin {
+ public:
+  /// `wearer` may differ from the simulated finger in size and constants.
+  Twin(std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device);
+  ~Twin();
+  Twin(Twin&&) noexcept;
+  Twin& operator=(Twin&&) noexcept;
+
+  /// Rest shape, nothing touches, the device at its home.
+  void reset();
+  /// Moves the device to q in one frame, in as many parts as friction needs, `elapsed` s after the
+  /// last one (relaxing skin only). `friction_coefficient` of device on skin, >= 0.
+  TwinSummary press(const Configuration& q, double friction_coefficient, double elapsed);
+
+  // A frame in pieces, for those who look for a q: any number of attempts, of which the last stays.
+  void begin_frame(double friction_coefficient, double elapsed);
+  TwinSummary attempt(const Configuration& q);
+  void keep();
+
+  /// Of the last attempt.
+  [[nodiscard]] const Configuration& configuration() const;
+  /// normal_force_vector() at the last attempt and its derivative by q (3 x dof, N by rad or m), by
+  /// the implicit function theorem: the skin's equilibrium moves with q. The device's own motion is
+  /// by differences of its pieces' poses, all else exact; friction limits stay. False where the
+  /// equilibrium is not stable enough to be solved for.
+  [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
+
+  [[nodiscard]] const FingerModel& wearer() const;
+  [[nodiscard]] const Device& device() const;
+  /// Contact with the device, in F, of the last attempt.
+  [[nodiscard]] const ContactSet& contact() const;
+  /// All nodes, in F, m, of the last attempt.
+  [[nodiscard]] std::span<const Vector3> positions() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger

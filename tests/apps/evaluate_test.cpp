@@ -1,0 +1,86 @@
+// `evaluate` as its users call it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+#include "workplace.hpp"
+
+namespace softfinger {
+namespace {
+
+using testing::HasSubstr;
+using Answer = nlohmann::json;
+
+Answer evaluated(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{"evaluate", "--json"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  const ProgramRun run = run_program(words);
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_EQ(run.errors, "");
+  return Answer::parse(run.output);
+}
+
+// A disk renders a plane exactly, so the twin feels what the virtual finger does.
+TEST(Evaluate, APlaneIsRenderedFaithfully) {
+  const Workplace place;
+  const Answer answer = evaluated({place.path("scenes/plane.toml")});
+  const Answer& mean = answer.at("mean");
+  EXPECT_GT(mean.at("iou").get<double>(), 0.9);
+  EXPECT_LT(mean.at("normal_force_error").get<double>(), 0.05);
+  EXPECT_LT(mean.at("normal_angle_deg").get<double>(), 1.0);
+  EXPECT_LT(mean.at("centroid_shift_mm").get<double>(), 0.2);
+  EXPECT_EQ(answer.at("frames_missed"), 0);
+  EXPECT_GT(answer.at("frames_free"), 10);
+  EXPECT_EQ(answer.at("frames_unconverged"), 0);
+  const Answer& frames = answer.at("frames");
+  // One a device tick: 30 a second.
+  EXPECT_EQ(frames.size(), answer.at("commands_sent"));
+  int free = 0;
+  for (const Answer& frame : frames) {
+    for (const auto& [name, value] : mean.items()) EXPECT_TRUE(frame.contains(name)) << name;
+    EXPECT_TRUE(frame.at("lagged").contains("iou"));
+    free += frame.at("iou").is_null() ? 1 : 0;
+  }
+  EXPECT_EQ(answer.at("frames_free"), free);
+  // Servos are late, so what is felt is farther off.
+  EXPECT_GT(answer.at("lagged_mean").at("normal_force_error"), mean.at("normal_force_error"));
+  for (const Answer& verdict : answer.at("verdict")) {
+    EXPECT_EQ(verdict.at("noticeable"), verdict.at("mean") >= verdict.at("threshold"));
+    EXPECT_FALSE(verdict.at("source").get<std::string>().empty());
+  }
+}
+
+TEST(Evaluate, AWearerOfAnotherSizeFeelsOtherForces) {
+  const Workplace place;
+  place.write("fingers/larger.toml", place.read("fingers/index.toml") +
+                                         "\n[size]\nlength_mm = 26.2\nbreadth_mm = 16.8\n"
+                                         "depth_mm = 14.2\n");
+  const Answer answer =
+      evaluated({place.path("scenes/plane.toml"), "--wearer", place.path("fingers/larger.toml")});
+  EXPECT_GT(answer.at("mean").at("normal_force_error"), 0.5);
+  EXPECT_GT(answer.at("mean").at("normal_force_bias"), 0.5);
+}
+
+TEST(Evaluate, SaysInOneLineWhatIsWrong) {
+  const Workplace place;
+  const std::string scene = place.path("scenes/plane.toml");
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& what) {
+    std::vector<std::string> arguments{"evaluate"};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.status, 2);
+    EXPECT_EQ(run.output, "");
+    EXPECT_EQ(std::ranges::count(run.errors, '\n'), 1) << run.errors;
+    EXPECT_THAT(run.errors, HasSubstr(what));
+  };
+  refused({scene, "--wearer", place.path("fingers/index-medium.toml")}, "not connected");
+  refused({scene, "--duration-s", "-1"}, "--duration-s");
+  place.replace_line("scenes/plane.toml", "device", "");
+  refused({scene}, "no device");
+}
+
+}  // namespace
+}  // namespace softfinger

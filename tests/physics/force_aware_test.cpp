@@ -1,0 +1,161 @@
+// Objective "surface_and_force" over poses of the finger on planes and spheres: what a twin pressed
+// from afar feels at the configuration found, against the virtual contact.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/finger/finger_simulation.hpp"
+#include "softfinger/matching/contact_surface_matching.hpp"
+#include "softfinger/twin/force_aware_matching.hpp"
+
+namespace softfinger {
+namespace {
+
+const std::filesystem::path kProject = SOFTFINGER_SOURCE_DIR;
+constexpr double kStep = 1e-3;
+
+struct PressedPose {
+  Matrix3 R_WF;
+  double depth;   ///< of the bone after first touch, m
+  double radius;  ///< of the sphere; 0: plane
+};
+
+/// The seed is part of the test: these are always the same poses.
+std::vector<PressedPose> pressed_poses(int count) {
+  std::mt19937 random(2015);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<PressedPose> poses;
+  for (int k = 0; k < count; ++k) {
+    const double tilt = 20.0 * deg * unit(random);
+    const double azimuth = 2.0 * std::numbers::pi * unit(random);
+    const double depth = (0.5 + 1.5 * unit(random)) * mm;
+    const double radius = k % 2 == 0 ? 0.0 : (8.0 + 12.0 * unit(random)) * mm;
+    poses.push_back(
+        {exp_rotation(tilt * Vector3(std::cos(azimuth), std::sin(azimuth), 0.0)), depth, radius});
+  }
+  return poses;
+}
+
+/// The finger that the tracked pose moves as if it held the bone itself.
+std::shared_ptr<const FingerModel> tightly_held(const std::string& name) {
+  auto model =
+      std::make_shared<FingerModel>(*FingerModel::load(kProject / "fingers" / (name + ".toml")));
+  model->coupling = {1e5, 100.0, 20.0, 0.02};
+  return model;
+}
+
+/// Presses the finger down on the object and waits until it rests.
+ContactSet virtual_contact(const std::shared_ptr<const FingerModel>& model,
+                           const PressedPose& pose) {
+  VirtualObject object;
+  object.name = "object";
+  if (pose.radius > 0.0) object.shape = Ball{pose.radius};
+  Waypoint still;
+  if (pose.radius > 0.0) still.pose.translation.z() = -pose.radius;
+  object.motion = Trajectory({still});
+  double low = -0.1;
+  double high = 0.1;
+  const Pose X_OW = still.pose.inverse();
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    double gap = 1.0;
+    for (const int node : model->sample_nodes) {
+      const Vector3 p =
+          pose.R_WF * model->mesh.nodes[static_cast<std::size_t>(node)] + Vector3(0.0, 0.0, middle);
+      gap = std::min(gap, signed_distance(object.shape, X_OW * p).distance);
+    }
+    (gap > 0.0 ? high : low) = middle;
+  }
+  FingerSimulation simulation(model, {&object, 1}, kStep);
+  Pose X_WFt{pose.R_WF, Vector3(0.0, 0.0, high + 0.2 * mm)};
+  simulation.reset(X_WFt);
+  const double bottom = high - pose.depth;
+  for (int step = 1; step <= 220; ++step) {
+    X_WFt.translation.z() = std::max(bottom, X_WFt.translation.z() - 0.02 * mm);
+    simulation.step(X_WFt, step * kStep);
+  }
+  return simulation.contact();
+}
+
+struct Outcome {
+  std::vector<double> errors;
+  int unreachable = 0, unconverged = 0;
+  [[nodiscard]] double percentile(double part) const {
+    std::vector<double> sorted = errors;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
+  }
+};
+
+Outcome render_poses(const std::string& finger, int count) {
+  const auto device = load_device(kProject / "devices" / "thimble-3rrs.toml");
+  const auto model = tightly_held(finger);
+  const auto samples = static_cast<int>(model->sample_nodes.size());
+  Outcome outcome;
+  int number = 0;
+  for (const PressedPose& pose : pressed_poses(count)) {
+    const ContactSet contact = virtual_contact(model, pose);
+    std::vector<Vector3> points;
+    std::vector<std::uint8_t> in_contact;
+    std::vector<double> gaps;
+    for (const ContactSample& sample : contact.samples) {
+      points.push_back(sample.position_F);
+      in_contact.push_back(sample.in_contact ? 1 : 0);
+      gaps.push_back(sample.gap);
+    }
+    ContactSurfaceMatching surface(device, samples);
+    const MatchingResult start = surface.solve({points, in_contact, {}, gaps}, {});
+    ForceAwareMatching force(model, device, samples);
+    Configuration q;
+    for (int frame = 0; frame < 5; ++frame) {
+      q = force.match(contact, start.configuration, contact.friction_coefficient, 1.0 / 30.0, {})
+              .configuration;
+    }
+    Twin judge(model, device);
+    if (!judge.press(q, contact.friction_coefficient, 0.0).converged) ++outcome.unconverged;
+    const double error =
+        std::abs(judge.contact().normal_force - contact.normal_force) / contact.normal_force;
+    // At a limit of its workspace the device can do no more.
+    Eigen::VectorXd values(device->constraint_count());
+    Eigen::MatrixXd jacobian(device->constraint_count(), 3);
+    const bool at_limit = !device->constraints(q, values, jacobian) || values.maxCoeff() > -1e-6;
+    ++number;
+    if (at_limit && error > 0.01) {
+      ++outcome.unreachable;
+      std::cout << "unreachable: pose " << number << ", error " << error << "\n";
+      continue;
+    }
+    outcome.errors.push_back(error);
+  }
+  std::cout << finger << ": " << outcome.errors.size() << " poses, force error median "
+            << outcome.percentile(0.5) << ", 90 % " << outcome.percentile(0.9) << ", worst "
+            << outcome.percentile(1.0) << "\n";
+  return outcome;
+}
+
+TEST(ForceAwareMatching, MeetsTheForceOnPlanesAndSpheres) {
+  const Outcome outcome = render_poses("index", 200);
+  EXPECT_LE(outcome.percentile(0.5), 0.01);
+  EXPECT_LE(outcome.percentile(0.9), 0.05);
+  EXPECT_LE(outcome.unreachable, 40);
+  EXPECT_EQ(outcome.unconverged, 0);
+}
+
+TEST(ForceAwareMatching, MeetsTheForceOnAFinerFinger) {
+  const Outcome outcome = render_poses("index-medium", 8);
+  EXPECT_LE(outcome.percentile(0.5), 0.01);
+  EXPECT_LE(outcome.percentile(0.9), 0.05);
+  EXPECT_EQ(outcome.unconverged, 0);
+}
+
+}  // namespace
+}  // namespace softfinger

@@ -1,0 +1,113 @@
+#include "softfinger/twin/rendering_measures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/twin/perception.hpp"
+
+namespace softfinger {
+namespace {
+
+/// Samples of these areas (mm2) and normal forces (N) along z; those with a force are in contact.
+ContactSet contact_of(const std::vector<double>& areas, const std::vector<double>& forces) {
+  ContactSet set;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    ContactSample sample;
+    sample.rest_area = sample.area = areas[i] * mm2;
+    sample.normal_force = forces[i];
+    sample.in_contact = forces[i] > 0.0;
+    sample.position_F = Vector3(static_cast<double>(i) * mm, 0.0, 0.0);
+    set.samples.push_back(sample);
+    if (!sample.in_contact) continue;
+    ++set.contact_count;
+    set.contact_area += sample.area;
+    set.normal_force += forces[i];
+    set.centroid_F += forces[i] * sample.position_F;
+  }
+  if (set.normal_force > 0.0) set.centroid_F /= set.normal_force;
+  set.mean_normal_F = Vector3::UnitZ();
+  return set;
+}
+
+RenderingMeasures compare_contacts(const ContactSet& v, const ContactSet& t) {
+  const std::vector<double> v_energy{1.0, 2.0};
+  const std::vector<double> t_energy{1.0, 4.0};
+  const std::vector<double> volumes{3.0, 1.0};
+  return compare({v, v_energy, volumes}, {t, t_energy, volumes});
+}
+
+TEST(RenderingMeasures, AreThoseOfAWorkedExample) {
+  const ContactSet v = contact_of({1, 2, 3, 4}, {0.2, 0.4, 0.0, 0.0});
+  ContactSet t = contact_of({1, 2, 3, 4}, {0.0, 0.4, 0.3, 0.0});
+  t.mean_normal_F = Vector3(std::sin(0.1), 0.0, std::cos(0.1));
+  const RenderingMeasures m = compare_contacts(v, t);
+  EXPECT_EQ(m.kind, FrameKind::kBoth);
+  EXPECT_NEAR(m.iou, 2.0 / 6.0, 1e-12);  // common: 2 mm2, either: 1 + 2 + 3
+  EXPECT_NEAR(m.normal_force_bias, 0.1 / 0.6, 1e-12);
+  EXPECT_NEAR(m.normal_force_error, 0.1 / 0.6, 1e-12);
+  EXPECT_NEAR(m.contact_area_error, 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(m.normal_angle, 0.1, 1e-12);
+  // Centroids at 0.4 / 0.6 and (0.4 + 0.6) / 0.7 mm.
+  EXPECT_NEAR(m.centroid_shift, (1.0 / 0.7 - 0.4 / 0.6) * mm, 1e-12);
+  // Pressures 0.2, 0.2, 0 against 0, 0.2, 0.1 N/mm2, weighted by 1, 2, 3.
+  EXPECT_NEAR(m.pressure_error, std::sqrt((0.04 + 3 * 0.01) / (0.04 + 2 * 0.04)), 1e-12);
+  EXPECT_NEAR(m.strain_energy_density_error, std::sqrt(4.0 / (3.0 + 4.0)), 1e-12);
+}
+
+TEST(RenderingMeasures, OfASideWithItselfAreZero) {
+  const ContactSet v = contact_of({1, 2, 3}, {0.2, 0.4, 0.0});
+  const std::vector<double> energy{1.0, 2.0};
+  const RenderingMeasures m = compare({v, energy, energy}, {v, energy, energy});
+  EXPECT_EQ(m.iou, 1.0);
+  for (const MeasureName& name : measure_names()) {
+    if (name.name != "iou") {
+      EXPECT_EQ(m.*name.member, 0.0) << name.name;
+    }
+  }
+}
+
+TEST(RenderingMeasures, SmallForcesAreMeasuredAgainstALeastForce) {
+  const ContactSet v = contact_of({1}, {0.01});
+  const ContactSet t = contact_of({1}, {0.02});
+  EXPECT_NEAR(compare_contacts(v, t).normal_force_error, 0.01 / 0.05, 1e-12);
+}
+
+TEST(RenderingMeasures, TellWhichSideTouches) {
+  const ContactSet touching = contact_of({1, 2}, {0.2, 0.0});
+  const ContactSet free = contact_of({1, 2}, {0.0, 0.0});
+  MeasureMeans means;
+  const RenderingMeasures none = compare_contacts(free, free);
+  EXPECT_EQ(none.kind, FrameKind::kFree);
+  EXPECT_TRUE(std::isnan(none.iou));
+  const RenderingMeasures missed = compare_contacts(touching, free);
+  EXPECT_EQ(missed.kind, FrameKind::kMissed);
+  EXPECT_EQ(missed.iou, 0.0);
+  EXPECT_TRUE(std::isnan(missed.normal_force_error));
+  const RenderingMeasures wrong = compare_contacts(free, touching);
+  EXPECT_EQ(wrong.kind, FrameKind::kFalse);
+  for (const auto& measures : {none, missed, wrong, compare_contacts(touching, touching)}) {
+    means.add(measures);
+  }
+  EXPECT_EQ(means.frames(FrameKind::kFree), 1);
+  EXPECT_EQ(means.frames(FrameKind::kMissed), 1);
+  EXPECT_EQ(means.frames(FrameKind::kFalse), 1);
+  EXPECT_NEAR(means.mean().iou, 1.0 / 3.0, 1e-12);  // free frames are left out, wrong ones count
+  EXPECT_EQ(means.mean().normal_force_error, 0.0);
+}
+
+TEST(Perception, NamesMeasuresThatExist) {
+  for (const PerceptionThreshold& threshold : perception_thresholds()) {
+    EXPECT_EQ(perception_threshold(threshold.measure), &threshold);
+    bool known = false;
+    for (const MeasureName& name : measure_names()) known = known || name.name == threshold.measure;
+    EXPECT_TRUE(known) << threshold.measure;
+    EXPECT_GT(threshold.threshold, 0.0);
+  }
+  EXPECT_EQ(perception_threshold("iou"), nullptr);
+}
+
+}  // namespace
+}  // namespace softfinger
