@@ -37,7 +37,8 @@ TEST(Evaluate, APlaneIsRenderedFaithfully) {
   EXPECT_EQ(answer.at("frames_unconverged"), 0);
   const Answer& frames = answer.at("frames");
   // One a device tick: 30 a second, the first at the start.
-  EXPECT_NEAR(static_cast<double>(frames.size()), 30.0 * answer.at("steps").get<double>() / 1000.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(frames.size()), 30.0 * answer.at("steps").get<double>() / 1000.0,
+              1.0);
   int free = 0;
   for (const Answer& frame : frames) {
     for (const auto& [name, value] : mean.items()) EXPECT_TRUE(frame.contains(name)) << name;
@@ -76,7 +77,7 @@ TEST(Evaluate, SaysInOneLineWhatIsWrong) {
     EXPECT_EQ(std::ranges::count(run.errors, '\n'), 1) << run.errors;
     EXPECT_THAT(run.errors, HasSubstr(what));
   };
-  refused({scene, "--wearer", place.path("fingers/index-medium.toml")}, "not connected");
+  refused({scene, "--wearer", SOFTFINGER_SOURCE_DIR "/fingers/index-medium.toml"}, "not connected");
   refused({scene, "--duration-s", "-1"}, "--duration-s");
   place.replace_line("scenes/plane.toml", "device", "");
   refused({scene}, "no device");
