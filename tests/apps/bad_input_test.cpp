@@ -393,6 +393,8 @@ TEST(BadInput, WrongUsage) {
   expect_refused({"device", "solve", device, "--configuration", "yaw_deg=5"},
                  {"--configuration", "yaw_deg"});
   expect_refused({"device", "pose", device, "--joints-deg", "1,2"}, {"--joints-deg"});
+  expect_refused({"device", "pose", device, "--joints-mm", "1,2,3"}, {"--joints-deg"});
+  expect_refused({"device", "schema", "pin_arrow"}, {"pin_array", "membrane"});
 }
 
 TEST(BadInput, PoseOutsideTheWorkspaceIsAnAnswer) {

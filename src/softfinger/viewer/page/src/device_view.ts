@@ -8,7 +8,7 @@ import type { FingerDescription, FingerSnapshot } from "./wire";
 
 const kDiskThickness = 1.2; // mm
 
-/** The 3-RRS platform about the finger, in F: base on the nail side, legs, moving disk. */
+/** A device with legs or a disk about the finger, in F: base, legs, moving disk. Others are not drawn. */
 export class DeviceView {
   readonly group = new Group();
   private readonly platform = new Group();
@@ -29,7 +29,8 @@ export class DeviceView {
   update(snapshot: FingerSnapshot): void {
     if (!snapshot.linkage_mm.every(Number.isFinite)) return;
     const points = linkagePoints(snapshot.linkage_mm);
-    if (points.length < 3 * this.legs.length || this.legs.length === 0) {
+    const nothing = this.legs.length === 0 && this.description.disk_radius_mm === 0;
+    if (points.length < 3 * this.legs.length || nothing) {
       this.group.visible = false;
       return;
     }
@@ -49,7 +50,7 @@ export class DeviceView {
     const inverse = this.platform.matrix.clone().invert();
     const ends = this.legs.map((_, i) => points[3 * i + 2]!.clone().applyMatrix4(inverse));
     this.buildPlatform(ends);
-    this.buildBase(bases);
+    if (bases.length > 0) this.buildBase(bases);
   }
 
   private buildPlatform(ends: Vector3[]): void {
