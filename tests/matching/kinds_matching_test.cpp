@@ -40,6 +40,12 @@ double random_search(const Device& device, const SurfaceSamples& samples, std::m
   return least;
 }
 
+std::string name_of_kind(const testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
 class KindsMatching : public testing::TestWithParam<std::string> {};
 
 // Cold and from the last answer, within 0.1 % of what the search finds.
@@ -77,11 +83,7 @@ TEST_P(KindsMatching, FindsTheGlobalMinimum) {
 INSTANTIATE_TEST_SUITE_P(Devices, KindsMatching,
                          testing::Values("plate-2dof", "cable-prattichizzo", "delta-schorr",
                                          "membrane", "roller-provancher"),
-                         [](const auto& info) {
-                           std::string name = info.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         name_of_kind);
 
 }  // namespace
 }  // namespace softfinger
