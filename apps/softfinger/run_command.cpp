@@ -18,6 +18,8 @@
 
 namespace {
 
+constexpr int kMostThreads = 64;
+
 using namespace softfinger;
 
 struct RunFlags {
@@ -46,6 +48,10 @@ void check(const RunFlags& flags) {
   if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
     throw InputError(
         fmt::format("--duration-s {}: must be a time above 0 in seconds", *flags.duration_s));
+  }
+  if (flags.options.threads < 1 || flags.options.threads > kMostThreads) {
+    throw InputError(
+        fmt::format("--threads {}: must be 1 to {}", flags.options.threads, kMostThreads));
   }
   if (flags.options.as_fast_as_possible && !flags.headless) {
     throw InputError(
@@ -127,6 +133,8 @@ void add_run_command(CLI::App& app) {
   command->add_flag("--wait-for-device", options.wait_for_device,
                     "start although a device's port is absent, and connect when it appears");
   command->add_flag("--repeat", flags->repeat, "live: a script that ends starts over");
+  command->add_option("--threads", options.threads,
+                      "that step several fingers side by side, or one with a large mesh");
   command->add_option("--simd", flags->simd, "instruction set: baseline, avx2 or avx512");
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] { run(*flags); });

@@ -18,9 +18,10 @@ namespace fs = std::filesystem;
 const fs::path kScenes = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes";
 
 RunSummary record(const fs::path& scene, const fs::path& file, double duration,
-                  std::vector<std::string> trackers = {}) {
+                  std::vector<std::string> trackers = {}, int threads = 1) {
   RunOptions options;
   options.scene = scene;
+  options.threads = threads;
   options.trackers = std::move(trackers);
   options.duration = duration;
   options.as_fast_as_possible = true;
@@ -54,20 +55,27 @@ TEST(Run, HeadlessTicksOnSimulatedTime) {
   }
 }
 
+/// How many steps both recordings have, all alike.
+int steps_alike(const fs::path& one, const fs::path& other) {
+  RecordingReader a(one);
+  RecordingReader b(other);
+  StepRecord step_a, step_b;
+  int rows = 0;
+  while (a.next(step_a)) {
+    EXPECT_TRUE(b.next(step_b));
+    const char* difference = first_difference(step_a, step_b);
+    EXPECT_EQ(difference, nullptr) << "step " << step_a.step;
+    if (difference != nullptr) break;
+    ++rows;
+  }
+  return rows;
+}
+
 TEST(Run, TwoRunsHaveTheSameBits) {
   const TemporaryDirectory directory;
   record(kScenes / "edge.toml", directory / "a.db", 2.0);
   record(kScenes / "edge.toml", directory / "b.db", 2.0);
-  RecordingReader a(directory / "a.db");
-  RecordingReader b(directory / "b.db");
-  StepRecord step_a, step_b;
-  std::int64_t rows = 0;
-  while (a.next(step_a)) {
-    ASSERT_TRUE(b.next(step_b));
-    ASSERT_EQ(first_difference(step_a, step_b), nullptr) << "step " << step_a.step;
-    ++rows;
-  }
-  EXPECT_EQ(rows, 2001);
+  EXPECT_EQ(steps_alike(directory / "a.db", directory / "b.db"), 2001);
 }
 
 TEST(Run, EveryStepConvergesAndForcesStayInBounds) {
@@ -276,6 +284,14 @@ TEST_F(SceneOfItsOwn, SeveralFingersHaveEachTheirDevice) {
   options.scene = scene;
   options.devices = {"some.toml"};
   EXPECT_THROW(load_setup(options), InputError) << "NAME= is needed";
+}
+
+TEST_F(SceneOfItsOwn, FingersSideBySideHaveTheSameBits) {
+  const fs::path scene = write_scene({"thumb", "index", "middle"}, "devices/thimble-3rrs.toml");
+  record(scene, directory_ / "alone.db", 0.6);
+  record(scene, directory_ / "shared.db", 0.6, {}, 2);
+  EXPECT_EQ(steps_alike(directory_ / "alone.db", directory_ / "shared.db"), 3 * 601);
+  EXPECT_TRUE(replay({.recording = directory_ / "shared.db", .scene = {}}).agree);
 }
 
 TEST_F(SceneOfItsOwn, FingerWithoutDeviceRuns) {

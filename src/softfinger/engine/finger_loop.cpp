@@ -20,8 +20,8 @@ Pose moved_towards(const Pose& from, const Pose& to, double distance, double ang
 
 FingerLoop::FingerLoop(std::int64_t finger, std::shared_ptr<const FingerModel> model,
                        std::span<const VirtualObject> objects, double simulation_rate,
-                       bool with_state)
-    : simulation_(std::move(model), objects, 1.0 / simulation_rate),
+                       bool with_state, ThreadTeam* team)
+    : simulation_(std::move(model), objects, 1.0 / simulation_rate, team),
       simulation_rate_(simulation_rate) {
   record_.finger = finger;
   if (with_state) {

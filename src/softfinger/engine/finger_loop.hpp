@@ -20,9 +20,10 @@ inline constexpr double kMaxTrackedAngularSpeed = 67.0;  ///< rad/s
 class FingerLoop {
  public:
   /// `objects` must outlive the loop. simulation_rate in Hz. `with_state`: records carry nodes and
-  /// samples.
+  /// samples. `team`: see FingerSimulation.
   FingerLoop(std::int64_t finger, std::shared_ptr<const FingerModel> model,
-             std::span<const VirtualObject> objects, double simulation_rate, bool with_state);
+             std::span<const VirtualObject> objects, double simulation_rate, bool with_state,
+             ThreadTeam* team = nullptr);
 
   /// Step 0: at rest at the tracked pose, or waiting for the first valid one.
   void start(const TrackedInput& tracked);

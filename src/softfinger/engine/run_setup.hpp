@@ -26,6 +26,9 @@ struct RunOptions {
   bool wait_for_device = false;      ///< an absent port is no error
   std::string objective;             ///< of the matching; empty: as the device files say
   std::string port;                  ///< of every device, instead of its file's; empty: the file's
+  /// That step several fingers side by side, or one with a large mesh; the bits do not depend on
+  /// it.
+  int threads = 1;
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
   LoadObserver load_observer;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "softfinger/base/thread_priority.hpp"
+#include "softfinger/base/thread_team.hpp"
 #include "softfinger/engine/device_clock.hpp"
 #include "softfinger/engine/device_loop.hpp"
 #include "softfinger/engine/finger_loop.hpp"
@@ -40,9 +41,10 @@ struct TickContext {
 };
 
 struct SceneRun::Finger {
-  Finger(std::int64_t index, const RunSetup& setup, const RunOptions& options, Mode mode)
+  Finger(std::int64_t index, const RunSetup& setup, const RunOptions& options, Mode mode,
+         ThreadTeam* team)
       : loop(index, setup.models[static_cast<std::size_t>(index)], setup.scene.objects,
-             setup.scene.simulation_rate, options.record_state && options.recording),
+             setup.scene.simulation_rate, options.record_state && options.recording, team),
         clock(setup.scene.simulation_rate, 1.0) {
     const auto i = static_cast<std::size_t>(index);
     const SceneFinger& scene_finger = setup.scene.fingers[i];
@@ -70,6 +72,8 @@ struct SceneRun::Finger {
   std::uint64_t known_tick_hash = 0;
   double known_match_time = 0.0;
   TickContext last_sent{};
+  Clock::time_point arrival;  // of the step's pose
+  TrackedPose tracked;
   FingerSummary summary;  // simulation thread
 
   // Live: between the simulation thread and this finger's device thread.
@@ -90,9 +94,11 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       generation_(generation),
       snapshot_interval_(
           std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))) {
-  for (std::size_t i = 0; i < setup_->scene.fingers.size(); ++i) {
-    fingers_.push_back(
-        std::make_unique<Finger>(static_cast<std::int64_t>(i), *setup_, options, mode));
+  if (options.threads > 1) team_ = std::make_unique<ThreadTeam>(options.threads);
+  const std::size_t count = setup_->scene.fingers.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    fingers_.push_back(std::make_unique<Finger>(static_cast<std::int64_t>(i), *setup_, options,
+                                                mode, count == 1 ? team_.get() : nullptr));
   }
   std::optional<double> end = options.duration;
   if (!end) {
@@ -190,31 +196,42 @@ void SceneRun::simulate() {
 }
 
 void SceneRun::simulate_step(std::int64_t step) {
+  const bool side_by_side = team_ && fingers_.size() > 1;
+  if (side_by_side) {
+    team_->run(fingers_.size(), [&](std::size_t i, int) { step_finger(*fingers_[i], step); });
+  }
+  for (const auto& finger : fingers_) {
+    if (!side_by_side) step_finger(*finger, step);
+    conclude_step(*finger, step);
+  }
+}
+
+void SceneRun::step_finger(Finger& finger, std::int64_t step) {
+  finger.arrival = Clock::now();
+  finger.tracked = finger.tracker->sample(static_cast<double>(step) / rate_);
+  finger.loop.step(step, TrackedInput(finger.tracked));
+}
+
+void SceneRun::conclude_step(Finger& finger, std::int64_t step) {
   const double time = static_cast<double>(step) / rate_;
-  for (const auto& each : fingers_) {
-    Finger& finger = *each;
-    const Clock::time_point arrival = Clock::now();
-    const TrackedPose tracked = finger.tracker->sample(time);
-    finger.loop.step(step, TrackedInput(tracked));
-    if (finger.device) {
-      const bool due = finger.clock.ticks(step);
-      const TickContext context{step, time, tracked.valid, arrival};
-      if (mode_ == Mode::kHeadless) {
-        if (due) tick_here(finger, context);
-      } else {
-        if (due) send_to_device(finger, context);
-        if (finger.feedback->refresh()) {
-          const TickRecord& tick = finger.feedback->latest().tick;
-          finger.known_tick = tick.tick;
-          finger.known_tick_hash = tick.hash;
-          finger.known_match_time = tick.cpu_time;
-        }
+  if (finger.device) {
+    const bool due = finger.clock.ticks(step);
+    const TickContext context{step, time, finger.tracked.valid, finger.arrival};
+    if (mode_ == Mode::kHeadless) {
+      if (due) tick_here(finger, context);
+    } else {
+      if (due) send_to_device(finger, context);
+      if (finger.feedback->refresh()) {
+        const TickRecord& tick = finger.feedback->latest().tick;
+        finger.known_tick = tick.tick;
+        finger.known_tick_hash = tick.hash;
+        finger.known_match_time = tick.cpu_time;
       }
     }
-    const StepRecord& record = finger.loop.seal(finger.known_tick, finger.known_tick_hash);
-    if (recording_) recording_->push(record);
-    finger.summary.add(record);
   }
+  const StepRecord& record = finger.loop.seal(finger.known_tick, finger.known_tick_hash);
+  if (recording_) recording_->push(record);
+  finger.summary.add(record);
 }
 
 void SceneRun::tick_here(Finger& finger, const TickContext& context) {

@@ -19,6 +19,7 @@ namespace softfinger {
 
 class DeviceLoop;
 class FingerLoop;
+class ThreadTeam;
 struct TickContext;
 
 /// One run of one scene from start to end: the simulation thread and, in a live run, one device
@@ -74,6 +75,8 @@ class SceneRun {
   void open_recording();
   void simulate();
   void simulate_step(std::int64_t step);
+  void step_finger(Finger& finger, std::int64_t step);
+  void conclude_step(Finger& finger, std::int64_t step);
   void tick_here(Finger& finger, const TickContext& context);
   void send_to_device(Finger& finger, const TickContext& context);
   void keep_devices_alive();
@@ -88,6 +91,7 @@ class SceneRun {
   double rate_;
   Hooks hooks_;
   std::optional<std::int64_t> total_steps_;
+  std::unique_ptr<ThreadTeam> team_;  ///< null: one thread
   std::vector<std::unique_ptr<Finger>> fingers_;
   std::filesystem::path recording_file_;  ///< empty: none
   bool record_state_ = false;

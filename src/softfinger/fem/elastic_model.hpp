@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "softfinger/base/thread_team.hpp"
 #include "softfinger/fem/element_kernels.hpp"
 #include "softfinger/fem/relaxation.hpp"
 #include "softfinger/fem/strain_limit.hpp"
@@ -43,6 +44,9 @@ class ElasticModel {
     // Of the step under way, see begin_step().
     double factor = 1.0;
     std::vector<ElementStress> memory;  ///< per group; empty for elastic solids
+    // Per group, where evaluations may be shared among threads; else empty.
+    std::vector<ElementForces> forces;
+    std::vector<double> energies;
   };
   /// Elements that share their change of volume: energy 1/2 lambda V (mean dilatation)^2.
   struct Patch {
@@ -73,8 +77,9 @@ class ElasticModel {
   void end_step(const Work& work, double time_step, StressHistory& history) const;
 
   /// Returns the strain energy at `positions` (n nodes, m), J; adds its gradient to `gradient`, N.
+  /// With a team the same bits, in less time where there are elements enough.
   double energy_gradient(std::span<const Vector3> positions, Work& work,
-                         std::span<Vector3> gradient) const;
+                         std::span<Vector3> gradient, ThreadTeam* team = nullptr) const;
   /// Element Hessians of group `group` at the positions last evaluated with `work`.
   void hessian(std::size_t group, const Work& work, bool projected,
                ElementHessians& hessians) const;
@@ -115,6 +120,11 @@ class ElasticModel {
   void add_element(const TetrahedralMesh& mesh, std::size_t e, const ElasticMaterial& material,
                    const std::vector<bool>& tied, int patch);
   void number_patch_nodes();
+  void list_contributions();
+  double evaluate_group(std::size_t group, std::span<const Vector3> positions, Work& work,
+                        ElementForces& forces) const;
+  double energy_gradient_shared(std::span<const Vector3> positions, Work& work,
+                                std::span<Vector3> gradient, ThreadTeam& team) const;
   [[nodiscard]] ElementViscosity viscosity(const Work& work, std::size_t group) const {
     return {work.factor, work.memory.empty() ? nullptr : &work.memory[group]};
   }
@@ -129,6 +139,9 @@ class ElasticModel {
   std::vector<Patch> patches_;
   std::vector<int> patch_of_tetrahedron_;
   std::vector<Membership> memberships_;  ///< per element; empty without patches
+  /// Forces that add to each node's: 4 * element + corner, in order; those of node n begin at
+  /// first_contribution_[n].
+  std::vector<int> contributions_, first_contribution_;
   std::vector<double> masses_;
   Relaxation relaxation_;
   ElementLimits limits_{};

@@ -70,10 +70,10 @@ UnknownMap make_unknown_map(const std::vector<bool>& tied, bool body_moves) {
 }
 
 StiffnessAssembly::StiffnessAssembly(const ElasticModel& model, const UnknownMap& map,
-                                     InstructionSet set)
+                                     InstructionSet set, int threads)
     : map_(map), lever_arms_(map.block_of_node.size(), Vector3::Zero()) {
   const Pattern pattern = pattern_of(model, map);
-  cholesky_ = BlockCholesky(map.blocks(), pattern.pairs, set);
+  cholesky_ = BlockCholesky(map.blocks(), pattern.pairs, set, threads);
   pair_slots_.resize(model.elements());
   const auto slot_of = [&](int a, int b) {
     const int i = map.block_of_node[static_cast<std::size_t>(a)];

@@ -27,7 +27,9 @@ struct UnknownMap {
 /// a block Cholesky factorisation. Immutable but for the factorisation it owns.
 class StiffnessAssembly {
  public:
-  StiffnessAssembly(const ElasticModel& model, const UnknownMap& map, InstructionSet set);
+  /// `threads`: of the largest team that will solve.
+  StiffnessAssembly(const ElasticModel& model, const UnknownMap& map, InstructionSet set,
+                    int threads = 1);
 
   /// Starts over with a zero matrix. `lever_arms[n]` = r of tied node n in W, m.
   void clear(std::span<const Vector3> lever_arms);
@@ -45,7 +47,9 @@ class StiffnessAssembly {
   /// Finishes and factors. False where the matrix is not positive definite.
   [[nodiscard]] bool factor();
   void solve(std::span<double> x) const { cholesky_.solve(x); }
-  void solve_together(std::span<const std::span<double>> xs) const { cholesky_.solve_together(xs); }
+  void solve_together(std::span<const std::span<double>> xs, ThreadTeam* team) const {
+    cholesky_.solve_together(xs, team);
+  }
   [[nodiscard]] const BlockCholesky& cholesky() const { return cholesky_; }
 
  private:

@@ -32,8 +32,10 @@ Vector3 moved(const ContactCorrection::Carrier& carrier, std::span<const double>
 
 }  // namespace
 
-ContactCorrection::ContactCorrection(std::vector<Carrier> carriers, std::size_t unknowns)
-    : carriers_(std::move(carriers)),
+ContactCorrection::ContactCorrection(std::vector<Carrier> carriers, std::size_t unknowns,
+                                     ThreadTeam* team)
+    : team_(team),
+      carriers_(std::move(carriers)),
       held_(carriers_.size(), Matrix3::Zero()),
       start_(carriers_.size(), Vector3::Zero()),
       most_columns_(
@@ -104,7 +106,7 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
     amplitudes_[static_cast<std::size_t>(count_)] = 0.0;
     ++count_;
   }
-  assembly.solve_together({responses.data(), added});
+  assembly.solve_together({responses.data(), added}, team_);
   return added > 0;
 }
 

@@ -30,7 +30,8 @@ class ContactCorrection {
     std::array<double, 3> weights{1.0, 0.0, 0.0};
     [[nodiscard]] bool is_tied() const { return blocks[0] < 0; }
   };
-  ContactCorrection(std::vector<Carrier> carriers, std::size_t unknowns);
+  /// `team`: shares the solves of columns; null: none.
+  ContactCorrection(std::vector<Carrier> carriers, std::size_t unknowns, ThreadTeam* team);
   void set_carrier(std::size_t point, const Carrier& carrier) { carriers_[point] = carrier; }
 
   /// After a factorisation whose matrix holds `blocks[i]` for point i, and nothing for those
@@ -68,6 +69,7 @@ class ContactCorrection {
                    std::span<const double> direction);
   void correct(std::span<const double> uncorrected, std::span<double> direction) const;
 
+  ThreadTeam* team_;
   std::vector<Carrier> carriers_;
   std::vector<Matrix3> held_;   ///< per point: second derivative in the factored matrix
   std::vector<Vector3> start_;  ///< per point: gradient where the direction starts, N

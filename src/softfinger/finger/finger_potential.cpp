@@ -50,11 +50,13 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       elastic_(model.mesh, elastic_materials(model), model.tetrahedron_material,
                model.node_is_rigid, strain_limit(model, options.strain_limits), model.dilatation,
                model.relaxation, options.instruction_set),
-      assembly_(elastic_, map_, options.instruction_set),
+      assembly_(elastic_, map_, options.instruction_set,
+                options.team == nullptr ? 1 : options.team->threads()),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),
       contact_(contact_areas(model), model.sample_nodes.size(), obstacle_count, options.contact),
-      correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks())),
+      correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks()), options.team),
       features_(model, obstacle_count),
+      team_(options.team),
       X_OW_old_(obstacle_count),
       work_(elastic_.make_work()) {
   const std::size_t nodes = model.mesh.nodes.size();
@@ -172,7 +174,7 @@ void FingerPotential::settle() {
 
 void FingerPotential::evaluate(Point& point) {
   std::fill(node_gradient_.begin(), node_gradient_.end(), Vector3::Zero());
-  point.elastic_energy = elastic_.energy_gradient(point.positions, work_, node_gradient_);
+  point.elastic_energy = elastic_.energy_gradient(point.positions, work_, node_gradient_, team_);
   point.energy = point.elastic_energy;
 
   put_contact_points(point.positions);

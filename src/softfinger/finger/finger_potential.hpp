@@ -29,6 +29,7 @@ class FingerPotential {
     bool strain_limits = true;
     ContactPotential::Options contact{};
     InstructionSet instruction_set = active_instruction_set();
+    ThreadTeam* team = nullptr;  ///< shares the work of large meshes; must outlive the potential
   };
   /// One step to minimise. Spans must outlive it.
   struct Step {
@@ -125,6 +126,7 @@ class FingerPotential {
   ContactPotential contact_;
   ContactCorrection correction_;
   FeaturePoints features_;
+  ThreadTeam* team_;
   std::vector<Pose> X_OW_old_;
   Step step_;
 

@@ -21,11 +21,11 @@ void add(Hash& hash, const ElementStress& stress) {
 
 struct FingerSimulation::Implementation {
   Implementation(std::shared_ptr<const FingerModel> m, std::span<const VirtualObject> things,
-                 double dt)
+                 double dt, ThreadTeam* team)
       : model(std::move(m)),
         objects(things),
         time_step(dt),
-        potential(*model, FingerPotential::Bone::kCoupled, things.size(), {}),
+        potential(*model, FingerPotential::Bone::kCoupled, things.size(), {.team = team}),
         obstacles(things.size()),
         anchors(potential.contact().no_anchors()),
         positions(model->mesh.nodes),
@@ -118,8 +118,10 @@ struct FingerSimulation::Implementation {
 };
 
 FingerSimulation::FingerSimulation(std::shared_ptr<const FingerModel> model,
-                                   std::span<const VirtualObject> objects, double time_step)
-    : implementation_(std::make_unique<Implementation>(std::move(model), objects, time_step)) {
+                                   std::span<const VirtualObject> objects, double time_step,
+                                   ThreadTeam* team)
+    : implementation_(
+          std::make_unique<Implementation>(std::move(model), objects, time_step, team)) {
   reset(Pose{});
 }
 FingerSimulation::~FingerSimulation() = default;

@@ -13,6 +13,7 @@
 namespace softfinger {
 
 class FingerModel;
+class ThreadTeam;
 
 /// How one step ended.
 struct StepSummary {
@@ -25,9 +26,10 @@ struct StepSummary {
 /// step() allocates nothing after the first call and throws nothing.
 class FingerSimulation {
  public:
-  /// `objects` must outlive the simulation. time_step in s.
+  /// `objects` must outlive the simulation, as must the `team` that shares the steps of large
+  /// meshes; the bits are the same with and without. time_step in s.
   FingerSimulation(std::shared_ptr<const FingerModel> model, std::span<const VirtualObject> objects,
-                   double time_step);
+                   double time_step, ThreadTeam* team = nullptr);
   ~FingerSimulation();
   FingerSimulation(FingerSimulation&&) noexcept;
   FingerSimulation& operator=(FingerSimulation&&) noexcept;

@@ -56,8 +56,9 @@ std::vector<std::vector<int>> factor_structure(const std::vector<int>& position,
 
 }  // namespace
 
-BlockCholesky::BlockCholesky(int blocks, Pairs pairs, InstructionSet set) : set_(set) {
+BlockCholesky::BlockCholesky(int blocks, Pairs pairs, InstructionSet set, int threads) : set_(set) {
   order_and_analyse(blocks, pairs);
+  work_.assign(work_size_ * static_cast<std::size_t>(threads), 0.0F);
 }
 
 void BlockCholesky::order_and_analyse(int blocks, Pairs pairs) {
@@ -106,8 +107,7 @@ void BlockCholesky::order_and_analyse(int blocks, Pairs pairs) {
   values_.assign(value_count + 2 * kPanelAlignment, 0.0F);
   const auto side = static_cast<std::size_t>(padded(3 * max_rows));
   update_.assign(side * side + 2 * kPanelAlignment, 0.0F);
-  work_.assign(kTogether * (static_cast<std::size_t>(3 * blocks) + side) + 2 * kPanelAlignment,
-               0.0F);
+  work_size_ = kTogether * (static_cast<std::size_t>(3 * blocks) + side) + 2 * kPanelAlignment;
   relative_.assign(static_cast<std::size_t>(blocks), 0);
   head_.assign(supernodes_.size(), -1);
   next_.assign(supernodes_.size(), -1);
@@ -200,16 +200,17 @@ bool BlockCholesky::factor() {
 }
 
 template <std::size_t kCount>
-void BlockCholesky::solve_batch(std::span<const std::span<double>> xs) const {
+void BlockCholesky::solve_batch(std::span<const std::span<double>> xs, int thread) const {
   const DensePanelKernels& kernels = dense_panel_kernels(set_);
   const auto forward = kCount == 1 ? kernels.solve_forward : kernels.solve_forward_together;
   const auto backward = kCount == 1 ? kernels.solve_backward : kernels.solve_backward_together;
   const std::size_t blocks = position_.size();
+  float* const work = work_.data() + work_size_ * static_cast<std::size_t>(thread);
   // Brought to the size of one: the smallest right-hand sides would lose digits otherwise.
   std::array<double, kCount> greatest{};
   std::array<float*, kCount> y{};
   for (std::size_t s = 0; s < kCount; ++s) {
-    y[s] = work_.data() + 3 * blocks * s;
+    y[s] = work + 3 * blocks * s;
     if (s < xs.size()) {
       for (const double v : xs[s]) greatest[s] = std::max(greatest[s], std::abs(v));
     }
@@ -226,7 +227,7 @@ void BlockCholesky::solve_batch(std::span<const std::span<double>> xs) const {
       }
     }
   }
-  float* const t = work_.data() + 3 * blocks * kCount;
+  float* const t = work + 3 * blocks * kCount;
   for (const Supernode& node : supernodes_) {
     const int* rows = rows_.data() + node.row_begin;
     const int own = 3 * node.width;
@@ -275,15 +276,24 @@ void BlockCholesky::solve_batch(std::span<const std::span<double>> xs) const {
   }
 }
 
-void BlockCholesky::solve(std::span<double> x) const { solve_batch<1>({&x, 1}); }
+void BlockCholesky::solve(std::span<double> x) const { solve_batch<1>({&x, 1}, 0); }
 
-void BlockCholesky::solve_together(std::span<const std::span<double>> xs) const {
-  while (xs.size() > 1) {
-    const auto batch = xs.first(std::min<std::size_t>(kTogether, xs.size()));
-    solve_batch<kTogether>(batch);
-    xs = xs.subspan(batch.size());
+void BlockCholesky::solve_together(std::span<const std::span<double>> xs, ThreadTeam* team) const {
+  const auto batch = [&](std::size_t b, int thread) {
+    const std::size_t first = b * kTogether;
+    const std::size_t count = std::min<std::size_t>(kTogether, xs.size() - first);
+    if (count == 1) {
+      solve_batch<1>(xs.subspan(first, 1), thread);
+    } else {
+      solve_batch<kTogether>(xs.subspan(first, count), thread);
+    }
+  };
+  const std::size_t batches = (xs.size() + kTogether - 1) / kTogether;
+  if (team != nullptr) {
+    team->run(batches, batch);
+  } else {
+    for (std::size_t b = 0; b < batches; ++b) batch(b, 0);
   }
-  if (!xs.empty()) solve_batch<1>(xs);
 }
 
 }  // namespace softfinger

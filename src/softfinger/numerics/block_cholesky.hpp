@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/base/instruction_set.hpp"
+#include "softfinger/base/thread_team.hpp"
 
 namespace softfinger {
 
@@ -30,7 +31,9 @@ class BlockCholesky {
   BlockCholesky() = default;
   /// `blocks` block rows; `pairs` lists the blocks (i, j), i != j, that may be non-zero, either
   /// triangle, repetitions allowed. Diagonal blocks are always there.
-  BlockCholesky(int blocks, std::span<const std::pair<int, int>> pairs, InstructionSet set);
+  /// `threads`: of the largest team that will solve.
+  BlockCholesky(int blocks, std::span<const std::pair<int, int>> pairs, InstructionSet set,
+                int threads = 1);
 
   [[nodiscard]] int blocks() const { return static_cast<int>(position_.size()); }
   /// Slot of block (i, j). The pair must be in the pattern. Only one triangle is stored: assemble
@@ -55,7 +58,7 @@ class BlockCholesky {
   /// Solves A x = b in place; x has 3 * blocks() entries, block i at 3 i.
   void solve(std::span<double> x) const;
   /// Several of them, each with the same bits as alone, in less time.
-  void solve_together(std::span<const std::span<double>> xs) const;
+  void solve_together(std::span<const std::span<double>> xs, ThreadTeam* team = nullptr) const;
   /// Number of stored entries of L.
   [[nodiscard]] std::size_t entries() const { return values_.size(); }
 
@@ -70,7 +73,7 @@ class BlockCholesky {
   };
   void order_and_analyse(int blocks, std::span<const std::pair<int, int>> pairs);
   template <std::size_t kCount>
-  void solve_batch(std::span<const std::span<double>> xs) const;
+  void solve_batch(std::span<const std::span<double>> xs, int thread) const;
   void subtract_update(const Supernode& source, int from, Supernode& target);
 
   InstructionSet set_ = InstructionSet::kBaseline;
@@ -83,6 +86,7 @@ class BlockCholesky {
   std::vector<float> update_;
   std::vector<int> relative_;
   std::vector<int> head_, next_, progress_;
+  std::size_t work_size_ = 0;  ///< of one thread
   mutable std::vector<float> work_;
 };
 
