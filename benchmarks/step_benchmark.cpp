@@ -1,16 +1,19 @@
 // One step of the finger in the shipped scenes: thread CPU time, median and 99th percentile, and
-// the ratio to the plain step, whose answer is compared with ours before either is timed.
+// the ratio to the plain step, whose answer is compared with ours before either is timed. And one
+// step shared by two threads: wall time, beside the same step alone.
 
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <ctime>
 #include <string>
 #include <vector>
 
 #include "plain_step.hpp"
 #include "scenario.hpp"
 #include "softfinger/base/thread_clock.hpp"
+#include "softfinger/base/thread_team.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 
@@ -23,30 +26,35 @@ double quantile(std::vector<double> values, double q) {
   return values[at];
 }
 
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
+
 /// A scenario run over and over, a step at a time.
 class TimedRun {
  public:
-  explicit TimedRun(const Scenario& scenario)
-      : scenario_(scenario), finger_(scenario.model, scenario.objects, scenario.time_step) {}
+  explicit TimedRun(const Scenario& scenario, ThreadTeam* team = nullptr)
+      : scenario_(scenario), finger_(scenario.model, scenario.objects, scenario.time_step, team) {}
 
   void step() {
     if (at_ == scenario_.steps()) at_ = 0;
     if (at_ == 0) finger_.reset(scenario_.path[0]);
     ++at_;
     const double time = static_cast<double>(at_) * scenario_.time_step;
+    const double wall_start = monotonic_time();
     const double start = thread_cpu_time();
     const StepSummary summary = finger_.step(scenario_.path[at_], time);
     times_.push_back((thread_cpu_time() - start) / us);
+    wall_times_.push_back((monotonic_time() - wall_start) / us);
     iterations_ += summary.iterations;
     unconverged_ += summary.converged ? 0 : 1;
   }
   [[nodiscard]] double median() const { return quantile(times_, 0.5); }
-  [[nodiscard]] double mean() const {
-    double sum = 0.0;
-    for (const double t : times_) sum += t;
-    return sum / static_cast<double>(times_.size());
-  }
-  [[nodiscard]] const std::vector<double>& times() const { return times_; }  ///< us
+  [[nodiscard]] double mean() const { return mean_of(times_); }
+  [[nodiscard]] const std::vector<double>& times() const { return times_; }            ///< us
+  [[nodiscard]] const std::vector<double>& wall_times() const { return wall_times_; }  ///< us
   [[nodiscard]] const FingerSimulation& finger() const { return finger_; }
 
   void report(benchmark::State& state) const {
@@ -65,7 +73,7 @@ class TimedRun {
   const Scenario& scenario_;
   FingerSimulation finger_;
   std::size_t at_ = 0;
-  std::vector<double> times_;
+  std::vector<double> times_, wall_times_;
   double iterations_ = 0.0, unconverged_ = 0.0;
 };
 
@@ -199,6 +207,49 @@ BENCHMARK_CAPTURE(press, S_16ms, "index", 16e-3)->Iterations(100);
 BENCHMARK_CAPTURE(press, M_16ms, "index-medium", 16e-3)->Iterations(100);
 BENCHMARK_CAPTURE(press, L_16ms, "index-fine", 16e-3)->Iterations(100);
 BENCHMARK_CAPTURE(press, R_16ms, "index-reference", 16e-3)->Iterations(100);
+
+/// The same path with one thread and with two, by turns. Wall time, since that is what a second
+/// thread is for; and what it costs, the CPU time of both.
+void threads(benchmark::State& state, const Scenario& scenario) {
+  ThreadTeam team(2);
+  TimedRun alone(scenario);
+  TimedRun shared(scenario, &team);
+  double cpu_clocks = 0.0;
+  for ([[maybe_unused]] auto unused : state) {
+    for (std::size_t k = 0; k < scenario.steps(); ++k) alone.step();
+    const std::clock_t start = std::clock();
+    for (std::size_t k = 0; k < scenario.steps(); ++k) shared.step();
+    cpu_clocks += static_cast<double>(std::clock() - start);
+  }
+  if (alone.finger().state_hash() != shared.finger().state_hash()) {
+    state.SkipWithError("two threads have other bits than one");
+    return;
+  }
+  shared.report(state);
+  const auto count = static_cast<double>(shared.times().size());
+  state.counters["alone_median_us"] = quantile(alone.wall_times(), 0.5);
+  state.counters["alone_p99_us"] = quantile(alone.wall_times(), 0.99);
+  state.counters["alone_mean_us"] = mean_of(alone.wall_times());
+  state.counters["alone_cpu_us"] = alone.mean();
+  state.counters["wall_median_us"] = quantile(shared.wall_times(), 0.5);
+  state.counters["wall_p99_us"] = quantile(shared.wall_times(), 0.99);
+  state.counters["wall_mean_us"] = mean_of(shared.wall_times());
+  state.counters["both_cpu_us"] = cpu_clocks / CLOCKS_PER_SEC / us / count;
+}
+void threads_scene(benchmark::State& state, const char* scene, const char* finger,
+                   double time_step) {
+  threads(state, scripted(scene, finger, time_step));
+}
+void threads_press(benchmark::State& state, const char* finger, double time_step) {
+  threads(state, scripted("plane", finger, time_step, 0.9, 2.5));
+}
+BENCHMARK_CAPTURE(threads_scene, M_plane, "plane", "index-medium", 1e-3)->Iterations(1);
+BENCHMARK_CAPTURE(threads_scene, M_sphere, "sphere", "index-medium", 1e-3)->Iterations(1);
+BENCHMARK_CAPTURE(threads_scene, L_plane_16ms, "plane", "index-fine", 16e-3)->Iterations(1);
+BENCHMARK_CAPTURE(threads_press, M_1ms, "index-medium", 1e-3)->Iterations(2);
+BENCHMARK_CAPTURE(threads_press, L_1ms, "index-fine", 1e-3)->Iterations(1);
+BENCHMARK_CAPTURE(threads_press, L_16ms, "index-fine", 16e-3)->Iterations(3);
+BENCHMARK_CAPTURE(threads_press, R_16ms, "index-reference", 16e-3)->Iterations(1);
 
 }  // namespace
 }  // namespace softfinger

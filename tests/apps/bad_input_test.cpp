@@ -332,6 +332,15 @@ TEST(BadInput, RecordingIsNeverOverwritten) {
   EXPECT_EQ(place.read("keep.sqlite"), "precious");
 }
 
+TEST(BadInput, NumberOfThreads) {
+  const Workplace place;
+  for (const char* threads : {"0", "-1", "65"}) {
+    expect_refused({"run", place.path("scenes/plane.toml"), "--headless", "--duration-s", "0.1",
+                    "--threads", threads},
+                   {"--threads", threads, "1 to 64"});
+  }
+}
+
 TEST(BadInput, PortInUse) {
   const int listener = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <numeric>
+#include <thread>
+#include <vector>
+
+#include "softfinger/base/spin_until.hpp"
 
 namespace softfinger {
 namespace {
@@ -38,6 +43,55 @@ TEST(ThreadTeam, AJobSeesWhatTheOneBeforeWrote) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     EXPECT_EQ(values[i], static_cast<long>((i + 5000) % values.size()));
   }
+}
+
+TEST(ThreadTeam, ACallMayWaitForEarlierOnes) {
+  for (const int threads : {1, 2, 4}) {
+    ThreadTeam team(threads);
+    for (int repetition = 0; repetition < 500; ++repetition) {
+      std::atomic<std::size_t> finished{0};
+      team.run(40, [&](std::size_t i, int) {
+        spin_until([&] { return finished.load() == i; });
+        finished.store(i + 1);
+      });
+      EXPECT_EQ(finished.load(), 40U);
+    }
+  }
+}
+
+TEST(ThreadTeam, ShortJobsDoNotRunIntoEachOther) {
+  // Of different lengths, so that who comes late to one could take too much of it.
+  ThreadTeam team(4);
+  for (std::size_t job = 0; job < 100000; ++job) {
+    const std::size_t count = 2 + job % 5;
+    std::atomic<std::size_t> calls{0};
+    team.run(count, [&](std::size_t i, int) {
+      EXPECT_LT(i, count);
+      calls.fetch_add(1, std::memory_order_relaxed);
+    });
+    ASSERT_EQ(calls.load(), count) << job;
+  }
+}
+
+TEST(ThreadTeam, BothEndsMeet) {
+  for (const int threads : {1, 2, 4}) {
+    ThreadTeam team(threads);
+    for (ThreadTeam* shared : {&team, static_cast<ThreadTeam*>(nullptr)}) {
+      for (int repetition = 0; repetition < 200; ++repetition) {
+        std::vector<int> times(9, 0);
+        share_from_both_ends(shared, times.size(), [&](std::size_t i, int) { ++times[i]; });
+        EXPECT_EQ(times, std::vector<int>(9, 1));
+      }
+    }
+  }
+}
+
+TEST(ThreadTeam, EveryHelperIsToldFirst) {
+  std::atomic<int> told{0};
+  {
+    const ThreadTeam team(3, [&] { told.fetch_add(1); });
+  }
+  EXPECT_EQ(told.load(), 2);
 }
 
 TEST(ThreadTeam, SleepingHelpersWake) {

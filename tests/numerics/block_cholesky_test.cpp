@@ -111,6 +111,30 @@ TEST_P(EveryInstructionSet, SeveralRightSidesGetTheSameBitsAsAlone) {
   }
 }
 
+TEST_P(EveryInstructionSet, AnyNumberOfThreadsGivesTheSameBits) {
+  const int blocks = 600;
+  const RandomSystem system = random_system(blocks, 9);
+  ASSERT_GT(elimination_order(blocks, system.pairs).part_begin.size(), 1U) << "nothing to share";
+  const auto solution = [&](ThreadTeam* team) {
+    BlockCholesky cholesky(blocks, system.pairs, GetParam(), team == nullptr ? 1 : team->threads());
+    std::vector<std::vector<double>> xs(5, std::vector<double>(3 * blocks, 1.0));
+    for (int repetition = 0; repetition < 3; ++repetition) {
+      assemble(system, cholesky);
+      EXPECT_TRUE(cholesky.factor(team));
+      for (std::size_t n = 0; n < xs.size(); ++n) xs[n][7 * n] += 1.0;
+      cholesky.solve(xs[0], team);
+      std::vector<std::span<double>> spans(xs.begin() + 1, xs.end());
+      cholesky.solve_together(spans, team);
+    }
+    return xs;
+  };
+  const auto alone = solution(nullptr);
+  for (const int threads : {1, 2, 3, 5}) {
+    ThreadTeam team(threads);
+    EXPECT_EQ(solution(&team), alone) << threads;
+  }
+}
+
 TEST_P(EveryInstructionSet, RefusesAnIndefiniteMatrix) {
   RandomSystem system = random_system(40, 3);
   BlockCholesky cholesky(40, system.pairs, GetParam());

@@ -50,6 +50,13 @@ class PlotBenchmarks(unittest.TestCase):
         self.assertIn("| S (`index`) | 411 | 16 ms | 1,230 | 99.9 | 1 | 2.0 | 0 |", text)
         self.assertIn("| L (`index-fine`) | 5,283 | 1 ms |", text)
 
+    def test_two_threads_are_judged_by_wall_time(self):
+        times = {"alone_median_us": 600.0, "alone_p99_us": 2000.0, "alone_mean_us": 800.0, "alone_cpu_us": 790.0,
+                 "wall_median_us": 300.0, "wall_p99_us": 1000.0, "wall_mean_us": 500.0, "both_cpu_us": 900.0}
+        text = tool.threads(run_of(*({"name": f"{name}/iterations:9", **times} for name in tool.THREADS)))
+        self.assertIn("| M, plane | 600 / 2,000 / 800 | 300 / 1,000 / 500 | **2.00**, **1.60** | 790, 900 | 300 / 600 "
+                      "| median |", text)
+
     def test_refuses_what_is_missing_or_failed(self):
         with self.assertRaisesRegex(SystemExit, "step/S_plane is not in this run"):
             tool.steps(run_of(press("S_16ms")))

@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "softfinger/base/spin_until.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -12,17 +14,14 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kLookout = std::chrono::microseconds(100);
 constexpr int kLooksAClock = 64;
 
-void pause() {
-#if defined(__x86_64__)
-  __builtin_ia32_pause();
-#endif
-}
-
 }  // namespace
 
-ThreadTeam::ThreadTeam(int threads) {
+ThreadTeam::ThreadTeam(int threads, const std::function<void()>& on_helper) {
   for (int thread = 1; thread < threads; ++thread) {
-    helpers_.emplace_back([this, thread] { help(thread); });
+    helpers_.emplace_back([this, thread, on_helper] {
+      if (on_helper) on_helper();
+      help(thread);
+    });
   }
 }
 
@@ -33,31 +32,30 @@ ThreadTeam::~ThreadTeam() {
   for (std::thread& helper : helpers_) helper.join();
 }
 
-void ThreadTeam::share(std::size_t count, const void* work, Call call) {
+void ThreadTeam::share_out(std::size_t count, const void* work, Call call) {
   const std::uint32_t job = job_.load(std::memory_order_relaxed) + 1;
   done_.store(0, std::memory_order_relaxed);
   work_.store(work, std::memory_order_relaxed);
   call_.store(call, std::memory_order_relaxed);
   count_.store(count, std::memory_order_relaxed);
-  next_.store(std::uint64_t{job} << 32, std::memory_order_release);
+  left_.store(std::uint64_t{job} << 32 | count, std::memory_order_release);
   job_.store(job);  // before asleep_ is read: who goes to sleep counts itself first, then looks
   if (asleep_.load() > 0) job_.notify_all();
   take_part(job, 0);
-  while (done_.load(std::memory_order_acquire) < count) pause();
+  spin_until([&] { return done_.load(std::memory_order_acquire) == count; });
 }
 
 void ThreadTeam::take_part(std::uint32_t job, int thread) {
-  std::uint64_t next = next_.load(std::memory_order_acquire);
-  while (next >> 32 == job) {
+  std::uint64_t left = left_.load(std::memory_order_acquire);
+  while (left >> 32 == job && (left & 0xffffffffU) > 0) {
+    // Of this job, if the exchange succeeds: the next one starts only when nothing is left.
     const std::size_t count = count_.load(std::memory_order_relaxed);
     const void* work = work_.load(std::memory_order_relaxed);
     const Call call = call_.load(std::memory_order_relaxed);
-    const std::size_t i = next & 0xffffffffU;
-    if (i >= count) return;
-    if (!next_.compare_exchange_weak(next, next + 1, std::memory_order_acq_rel)) continue;
-    call(work, i, thread);
+    if (!left_.compare_exchange_weak(left, left - 1, std::memory_order_acq_rel)) continue;
+    call(work, count - (left & 0xffffffffU), thread);
     done_.fetch_add(1, std::memory_order_acq_rel);
-    next = next_.load(std::memory_order_acquire);
+    left = left_.load(std::memory_order_acquire);
   }
 }
 
@@ -68,7 +66,7 @@ void ThreadTeam::help(int thread) {
     const Clock::time_point until = Clock::now() + kLookout;
     while (job == known && !ending_.load(std::memory_order_relaxed)) {
       for (int look = 0; look < kLooksAClock && job == known; ++look) {
-        pause();
+        pause_while_looking();
         job = job_.load(std::memory_order_acquire);
       }
       if (job != known || Clock::now() < until) continue;

@@ -94,7 +94,12 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       generation_(generation),
       snapshot_interval_(
           std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))) {
-  if (options.threads > 1) team_ = std::make_unique<ThreadTeam>(options.threads);
+  if (options.threads > 1) {
+    team_ = std::make_unique<ThreadTeam>(options.threads, [this] {
+      if (paced_) prefer_this_thread(LoopThread::kSimulation);
+      if (hooks_.on_loop_thread) hooks_.on_loop_thread();
+    });
+  }
   const std::size_t count = setup_->scene.fingers.size();
   for (std::size_t i = 0; i < count; ++i) {
     fingers_.push_back(std::make_unique<Finger>(static_cast<std::int64_t>(i), *setup_, options,

@@ -30,7 +30,8 @@ class SceneRun {
   enum class Mode { kHeadless, kLive };
   struct Hooks {
     /// Called once on the simulation thread and on each device thread, after its first step or
-    /// tick; from then on the thread neither allocates nor locks. For scheduling, and for tests.
+    /// tick, and on each helper of the simulation before it helps; from then on the thread neither
+    /// allocates nor locks. For scheduling, and for tests.
     std::function<void()> on_loop_thread;
     /// Headless: after each device tick, on the simulation thread, with the finger's number. May
     /// take its time; simulated time stands still.

@@ -12,8 +12,8 @@ namespace {
 
 /// Fewer elements are evaluated before another thread has noticed.
 constexpr std::size_t kWorthSharing = 1000;
-constexpr std::size_t kGroupsAChunk = 8;
-constexpr std::size_t kNodesAChunk = 64;
+/// Parts of an evaluation that threads share.
+constexpr std::size_t kSlices = 4;
 
 Matrix3 edges(std::span<const Vector3> x, const std::array<int, 4>& t) {
   const auto at = [&](int a) -> const Vector3& {
@@ -64,7 +64,6 @@ ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticM
   // Last, so that few groups have anything to do with the body.
   first_body_group_ = elements_ / kLaneCount;
   for (const std::size_t e : beside_body) add(e);
-  list_contributions();
   if (patches_.empty()) return;
   number_patch_nodes();
   patch_of_tetrahedron_ = std::move(patch);
@@ -124,15 +123,16 @@ void ElasticModel::number_patch_nodes() {
   }
 }
 
+bool ElasticModel::is_worth_sharing() const { return elements_ >= kWorthSharing; }
+
 ElasticModel::Work ElasticModel::make_work() const {
   Work work;
   work.decompositions.resize(groups_.size());
   if (!patches_.empty()) work.dilatations.resize(groups_.size());
   work.pressures.assign(patches_.size(), 0.0);
   if (!relaxation_.terms.empty()) work.memory.resize(groups_.size());
-  if (elements_ >= kWorthSharing) {
-    work.forces.resize(groups_.size());
-    work.energies.resize(groups_.size());
+  if (is_worth_sharing()) {
+    work.slices.assign(kSlices, {0.0, std::vector<Vector3>(masses_.size(), Vector3::Zero())});
   }
   reset(work);
   return work;
@@ -187,88 +187,51 @@ void ElasticModel::read_pressures(const Work& work, std::size_t group, double sc
   }
 }
 
-double ElasticModel::evaluate_group(std::size_t g, std::span<const Vector3> positions, Work& work,
-                                    ElementForces& forces) const {
+double ElasticModel::evaluate_groups(std::size_t begin, std::size_t end,
+                                     std::span<const Vector3> positions, Work& work,
+                                     std::span<Vector3> gradient) const {
   ElementLimits limits = limits_;
   if (!work.limited) limits.stiffness = 0.0;
-  return kernels_->energy_gradient(groups_[g], limits, viscosity(work, g), positions.data()->data(),
-                                   &work.decompositions[g], &forces,
-                                   patches_.empty() ? nullptr : &work.dilatations[g]);
+  double energy = 0.0;
+  ElementForces forces;
+  for (std::size_t g = begin; g < end; ++g) {
+    const ElementGroup& group = groups_[g];
+    energy += kernels_->energy_gradient(group, limits, viscosity(work, g), positions.data()->data(),
+                                        &work.decompositions[g], &forces,
+                                        patches_.empty() ? nullptr : &work.dilatations[g]);
+    const std::size_t lanes = std::min(kLaneCount, elements_ - g * kLaneCount);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      for (std::size_t a = 0; a < 4; ++a) {
+        Vector3& sum = gradient[static_cast<std::size_t>(group.nodes[a][lane])];
+        sum.x() += forces.force[a][0][lane];
+        sum.y() += forces.force[a][1][lane];
+        sum.z() += forces.force[a][2][lane];
+      }
+    }
+  }
+  return energy;
 }
 
 double ElasticModel::energy_gradient(std::span<const Vector3> positions, Work& work,
                                      std::span<Vector3> gradient, ThreadTeam* team) const {
   double energy = 0.0;
-  if (team != nullptr && team->threads() > 1 && !work.forces.empty()) {
-    energy = energy_gradient_shared(positions, work, gradient, *team);
+  if (work.slices.empty()) {
+    energy = evaluate_groups(0, groups_.size(), positions, work, gradient);
   } else {
-    ElementForces forces;
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      energy += evaluate_group(g, positions, work, forces);
-      const ElementGroup& group = groups_[g];
-      const std::size_t lanes = std::min(kLaneCount, elements_ - g * kLaneCount);
-      for (std::size_t lane = 0; lane < lanes; ++lane) {
-        for (std::size_t a = 0; a < 4; ++a) {
-          Vector3& sum = gradient[static_cast<std::size_t>(group.nodes[a][lane])];
-          sum.x() += forces.force[a][0][lane];
-          sum.y() += forces.force[a][1][lane];
-          sum.z() += forces.force[a][2][lane];
-        }
-      }
+    const std::size_t count = work.slices.size();
+    share_from_both_ends(team, count, [&](std::size_t s, int) {
+      Work::Slice& slice = work.slices[s];
+      std::fill(slice.gradient.begin(), slice.gradient.end(), Vector3::Zero());
+      slice.energy = evaluate_groups(groups_.size() * s / count, groups_.size() * (s + 1) / count,
+                                     positions, work, slice.gradient);
+    });
+    for (const Work::Slice& slice : work.slices) {
+      energy += slice.energy;
+      for (std::size_t n = 0; n < gradient.size(); ++n) gradient[n] += slice.gradient[n];
     }
   }
   if (!patches_.empty()) add_patch_pressures(work, gradient, energy);
   return energy;
-}
-
-double ElasticModel::energy_gradient_shared(std::span<const Vector3> positions, Work& work,
-                                            std::span<Vector3> gradient, ThreadTeam& team) const {
-  const auto chunks = [](std::size_t count, std::size_t size) { return (count + size - 1) / size; };
-  team.run(chunks(groups_.size(), kGroupsAChunk), [&](std::size_t chunk, int) {
-    const std::size_t end = std::min(groups_.size(), (chunk + 1) * kGroupsAChunk);
-    for (std::size_t g = chunk * kGroupsAChunk; g < end; ++g) {
-      work.energies[g] = evaluate_group(g, positions, work, work.forces[g]);
-    }
-  });
-  // Each node's forces in the order in which one thread adds them.
-  team.run(chunks(gradient.size(), kNodesAChunk), [&](std::size_t chunk, int) {
-    const std::size_t end = std::min(gradient.size(), (chunk + 1) * kNodesAChunk);
-    for (std::size_t n = chunk * kNodesAChunk; n < end; ++n) {
-      for (int k = first_contribution_[n]; k < first_contribution_[n + 1]; ++k) {
-        const auto at = static_cast<std::size_t>(contributions_[static_cast<std::size_t>(k)]);
-        const auto& force = work.forces[at / (4 * kLaneCount)].force[at % 4];
-        const std::size_t lane = at / 4 % kLaneCount;
-        gradient[n].x() += force[0][lane];
-        gradient[n].y() += force[1][lane];
-        gradient[n].z() += force[2][lane];
-      }
-    }
-  });
-  double energy = 0.0;
-  for (const double one : work.energies) energy += one;
-  return energy;
-}
-
-void ElasticModel::list_contributions() {
-  first_contribution_.assign(masses_.size() + 1, 0);
-  const auto each = [&](const auto& visit) {
-    for (std::size_t e = 0; e < elements_; ++e) {
-      const ElementGroup& group = groups_[e / kLaneCount];
-      for (std::size_t a = 0; a < 4; ++a) {
-        visit(static_cast<std::size_t>(group.nodes[a][e % kLaneCount]),
-              static_cast<int>(4 * e + a));
-      }
-    }
-  };
-  each([&](std::size_t node, int) { ++first_contribution_[node + 1]; });
-  for (std::size_t n = 0; n < masses_.size(); ++n) {
-    first_contribution_[n + 1] += first_contribution_[n];
-  }
-  contributions_.resize(4 * elements_);
-  std::vector<int> next = first_contribution_;
-  each([&](std::size_t node, int place) {
-    contributions_[static_cast<std::size_t>(next[node]++)] = place;
-  });
 }
 
 void ElasticModel::add_patch_pressures(Work& work, std::span<Vector3> gradient,

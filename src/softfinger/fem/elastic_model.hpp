@@ -44,9 +44,12 @@ class ElasticModel {
     // Of the step under way, see begin_step().
     double factor = 1.0;
     std::vector<ElementStress> memory;  ///< per group; empty for elastic solids
-    // Per group, where evaluations may be shared among threads; else empty.
-    std::vector<ElementForces> forces;
-    std::vector<double> energies;
+    /// Of consecutive groups, where evaluations are worth sharing among threads; else empty.
+    struct Slice {
+      double energy = 0.0;            ///< J
+      std::vector<Vector3> gradient;  ///< per node, N
+    };
+    std::vector<Slice> slices;
   };
   /// Elements that share their change of volume: energy 1/2 lambda V (mean dilatation)^2.
   struct Patch {
@@ -77,7 +80,7 @@ class ElasticModel {
   void end_step(const Work& work, double time_step, StressHistory& history) const;
 
   /// Returns the strain energy at `positions` (n nodes, m), J; adds its gradient to `gradient`, N.
-  /// With a team the same bits, in less time where there are elements enough.
+  /// With a team, where it is worth sharing, the same bits in less time.
   double energy_gradient(std::span<const Vector3> positions, Work& work,
                          std::span<Vector3> gradient, ThreadTeam* team = nullptr) const;
   /// Element Hessians of group `group` at the positions last evaluated with `work`.
@@ -105,6 +108,9 @@ class ElasticModel {
   /// in the order of Patch::nodes, at the positions last evaluated with `work`.
   void patch_gradients(const Work& work, std::span<Vector3> gradients) const;
 
+  /// Whether there is so much to do in an evaluation that a second thread pays.
+  [[nodiscard]] bool is_worth_sharing() const;
+
   [[nodiscard]] std::span<const ElementGroup> groups() const { return groups_; }
   [[nodiscard]] std::size_t elements() const { return elements_; }
   /// Lumped nodal masses, kg, elements with only tied nodes included.
@@ -120,11 +126,9 @@ class ElasticModel {
   void add_element(const TetrahedralMesh& mesh, std::size_t e, const ElasticMaterial& material,
                    const std::vector<bool>& tied, int patch);
   void number_patch_nodes();
-  void list_contributions();
-  double evaluate_group(std::size_t group, std::span<const Vector3> positions, Work& work,
-                        ElementForces& forces) const;
-  double energy_gradient_shared(std::span<const Vector3> positions, Work& work,
-                                std::span<Vector3> gradient, ThreadTeam& team) const;
+  /// Energy of the groups from `begin` to before `end`; adds their gradient.
+  double evaluate_groups(std::size_t begin, std::size_t end, std::span<const Vector3> positions,
+                         Work& work, std::span<Vector3> gradient) const;
   [[nodiscard]] ElementViscosity viscosity(const Work& work, std::size_t group) const {
     return {work.factor, work.memory.empty() ? nullptr : &work.memory[group]};
   }
@@ -139,9 +143,6 @@ class ElasticModel {
   std::vector<Patch> patches_;
   std::vector<int> patch_of_tetrahedron_;
   std::vector<Membership> memberships_;  ///< per element; empty without patches
-  /// Forces that add to each node's: 4 * element + corner, in order; those of node n begin at
-  /// first_contribution_[n].
-  std::vector<int> contributions_, first_contribution_;
   std::vector<double> masses_;
   Relaxation relaxation_;
   ElementLimits limits_{};

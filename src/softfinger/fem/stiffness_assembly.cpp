@@ -240,7 +240,7 @@ void StiffnessAssembly::add_body(const Matrix3& translation, const Matrix3& tran
   body_[2] += rotation;
 }
 
-bool StiffnessAssembly::factor() {
+bool StiffnessAssembly::factor(ThreadTeam* team) {
   if (map_.body_moves) {
     cholesky_.add(diagonal_slots_[static_cast<std::size_t>(map_.translation_block())],
                   body_[0].data());
@@ -248,7 +248,7 @@ bool StiffnessAssembly::factor() {
     cholesky_.add(diagonal_slots_[static_cast<std::size_t>(map_.rotation_block())],
                   body_[2].data());
   }
-  return cholesky_.factor();
+  return cholesky_.factor(team);
 }
 
 }  // namespace softfinger

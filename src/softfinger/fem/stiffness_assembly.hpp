@@ -27,7 +27,7 @@ struct UnknownMap {
 /// a block Cholesky factorisation. Immutable but for the factorisation it owns.
 class StiffnessAssembly {
  public:
-  /// `threads`: of the largest team that will solve.
+  /// `threads`: of the largest team that will factor or solve.
   StiffnessAssembly(const ElasticModel& model, const UnknownMap& map, InstructionSet set,
                     int threads = 1);
 
@@ -45,9 +45,9 @@ class StiffnessAssembly {
   void add_body(const Matrix3& translation, const Matrix3& translation_rotation,
                 const Matrix3& rotation);
   /// Finishes and factors. False where the matrix is not positive definite.
-  [[nodiscard]] bool factor();
-  void solve(std::span<double> x) const { cholesky_.solve(x); }
-  void solve_together(std::span<const std::span<double>> xs, ThreadTeam* team) const {
+  [[nodiscard]] bool factor(ThreadTeam* team = nullptr);
+  void solve(std::span<double> x, ThreadTeam* team = nullptr) const { cholesky_.solve(x, team); }
+  void solve_together(std::span<const std::span<double>> xs, ThreadTeam* team = nullptr) const {
     cholesky_.solve_together(xs, team);
   }
   [[nodiscard]] const BlockCholesky& cholesky() const { return cholesky_; }

@@ -20,6 +20,9 @@ constexpr int kLeastColumns = 16;
 constexpr double kBalanceAccuracy = 1e-5;
 constexpr int kBalanceIterations = 20;
 constexpr int kBalanceHalvings = 4;
+/// Parts of a correction that threads share.
+constexpr std::size_t kSlices = 4;
+constexpr std::size_t kTermsWorthSharing = 100000;
 
 Vector3 moved(const ContactCorrection::Carrier& carrier, std::span<const double> direction) {
   Vector3 sum = Vector3::Zero();
@@ -161,13 +164,19 @@ void ContactCorrection::balance(const ContactPotential& contact, std::span<const
 
 void ContactCorrection::correct(std::span<const double> uncorrected,
                                 std::span<double> direction) const {
-  std::copy(uncorrected.begin(), uncorrected.end(), direction.begin());
-  for (int c = 0; c < count_; ++c) {
-    const double amplitude = amplitudes_[static_cast<std::size_t>(c)];
-    if (amplitude == 0.0) continue;
-    const std::vector<double>& z = columns_[static_cast<std::size_t>(c)].response;
-    for (std::size_t k = 0; k < direction.size(); ++k) direction[k] -= amplitude * z[k];
-  }
+  const std::size_t terms = static_cast<std::size_t>(count_) * direction.size();
+  ThreadTeam* const team = terms < kTermsWorthSharing ? nullptr : team_;
+  share_from_both_ends(team, kSlices, [&](std::size_t slice, int) {
+    const std::size_t begin = direction.size() * slice / kSlices;
+    const std::size_t end = direction.size() * (slice + 1) / kSlices;
+    for (std::size_t k = begin; k < end; ++k) direction[k] = uncorrected[k];
+    for (int c = 0; c < count_; ++c) {
+      const double amplitude = amplitudes_[static_cast<std::size_t>(c)];
+      if (amplitude == 0.0) continue;
+      const std::vector<double>& z = columns_[static_cast<std::size_t>(c)].response;
+      for (std::size_t k = begin; k < end; ++k) direction[k] -= amplitude * z[k];
+    }
+  });
 }
 
 void ContactCorrection::apply(const ContactPotential& contact, const StiffnessAssembly& assembly,

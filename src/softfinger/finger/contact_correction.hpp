@@ -30,7 +30,7 @@ class ContactCorrection {
     std::array<double, 3> weights{1.0, 0.0, 0.0};
     [[nodiscard]] bool is_tied() const { return blocks[0] < 0; }
   };
-  /// `team`: shares the solves of columns; null: none.
+  /// `team`: shares the solves of columns and the sum of their responses; null: none.
   ContactCorrection(std::vector<Carrier> carriers, std::size_t unknowns, ThreadTeam* team);
   void set_carrier(std::size_t point, const Carrier& carrier) { carriers_[point] = carrier; }
 

@@ -50,13 +50,12 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       elastic_(model.mesh, elastic_materials(model), model.tetrahedron_material,
                model.node_is_rigid, strain_limit(model, options.strain_limits), model.dilatation,
                model.relaxation, options.instruction_set),
-      assembly_(elastic_, map_, options.instruction_set,
-                options.team == nullptr ? 1 : options.team->threads()),
+      team_(elastic_.is_worth_sharing() ? options.team : nullptr),
+      assembly_(elastic_, map_, options.instruction_set, team_ == nullptr ? 1 : team_->threads()),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),
       contact_(contact_areas(model), model.sample_nodes.size(), obstacle_count, options.contact),
-      correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks()), options.team),
+      correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks()), team_),
       features_(model, obstacle_count),
-      team_(options.team),
       X_OW_old_(obstacle_count),
       work_(elastic_.make_work()) {
   const std::size_t nodes = model.mesh.nodes.size();
@@ -281,7 +280,7 @@ bool FingerPotential::factorise(HessianKind kind) {
     if (!projected) h.rotation += BonePotential::geometric(current_.moments);
     assembly_.add_body(h.translation, h.translation_rotation, h.rotation);
   }
-  has_factor_ = assembly_.factor();
+  has_factor_ = assembly_.factor(team_);
   correction_.restart({contact_blocks_.data(), contact_points()});
   return has_factor_;
 }
@@ -292,7 +291,7 @@ double FingerPotential::solve_direction(bool refined) {
     direction_[i] = -current_.gradient[i];
     squared_norm += direction_[i] * direction_[i];
   }
-  assembly_.solve(direction_);
+  assembly_.solve(direction_, team_);
   if (refined) {
     put_contact_points(current_.positions);
     correction_.apply(contact_, assembly_, contact_positions(), std::sqrt(squared_norm),

@@ -121,12 +121,12 @@ class FingerPotential {
   Bone bone_mode_;
   UnknownMap map_;
   ElasticModel elastic_;
+  ThreadTeam* team_;  ///< null: nothing is shared
   StiffnessAssembly assembly_;
   BonePotential bone_;
   ContactPotential contact_;
   ContactCorrection correction_;
   FeaturePoints features_;
-  ThreadTeam* team_;
   std::vector<Pose> X_OW_old_;
   Step step_;
 

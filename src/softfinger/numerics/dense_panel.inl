@@ -17,9 +17,70 @@ constexpr int down(int row) { return row & ~(kWide - 1); }
 inline Vec& at(float* p) { return *reinterpret_cast<Vec*>(p); }
 inline const Vec& at(const float* p) { return *reinterpret_cast<const Vec*>(p); }
 
+constexpr int place(unsigned vector, int stride) { return static_cast<int>(vector) * stride; }
+
 // Columns come in threes: every block of the matrix is 3 wide.
+
+/// Vectors of rows in a tile: with three columns they hide the latency of a multiplication and
+/// leave room in the registers.
+#if defined(__AVX__)
+constexpr unsigned kTallest = 4;
+#else
+constexpr unsigned kTallest = 2;
+#endif
+enum class Result { kProduct, kDifference };
+
+/// out (three columns from j, kVectors of rows from i) = A B^T, or less that, where A is the rows
+/// and B the columns of `a`, each of `depth` columns.
+template <Result kResult, unsigned kVectors>
+inline void tile(const float* a, int a_stride, int i, int j, int depth, float* out,
+                 int out_stride) {
+  Vec s0[kVectors]{}, s1[kVectors]{}, s2[kVectors]{};
+  for (int k = 0; k < depth; ++k) {
+    const float* ak = a + k * a_stride;
+    const float b0 = ak[j];
+    const float b1 = ak[j + 1];
+    const float b2 = ak[j + 2];
+#pragma GCC unroll 4
+    for (unsigned n = 0; n < kVectors; ++n) {
+      const Vec v = at(ak + i + place(n, kWide));
+      s0[n] += v * b0;
+      s1[n] += v * b1;
+      s2[n] += v * b2;
+    }
+  }
+#pragma GCC unroll 4
+  for (unsigned n = 0; n < kVectors; ++n) {
+    float* o = out + j * out_stride + i + place(n, kWide);
+    if constexpr (kResult == Result::kProduct) {
+      at(o) = s0[n];
+      at(o + out_stride) = s1[n];
+      at(o + 2 * out_stride) = s2[n];
+    } else {
+      at(o) -= s0[n];
+      at(o + out_stride) -= s1[n];
+      at(o + 2 * out_stride) -= s2[n];
+    }
+  }
+}
+
+/// The tiles of three columns from j, from the diagonal down.
+template <Result kResult>
+inline void strip(const float* a, int a_stride, int rows, int j, int depth, float* out,
+                  int out_stride) {
+  int i = down(j);
+  for (; i + place(kTallest - 1, kWide) < rows; i += place(kTallest, kWide)) {
+    tile<kResult, kTallest>(a, a_stride, i, j, depth, out, out_stride);
+  }
+  for (; i + kWide < rows; i += 2 * kWide) {
+    tile<kResult, 2>(a, a_stride, i, j, depth, out, out_stride);
+  }
+  for (; i < rows; i += kWide) tile<kResult, 1>(a, a_stride, i, j, depth, out, out_stride);
+}
+
 bool factor(float* panel, int rows, int columns, int stride) {
   for (int j = 0; j < columns; j += 3) {
+    strip<Result::kDifference>(panel, stride, rows, j, j, panel, stride);
     float* c0 = panel + j * stride;
     float* c1 = c0 + stride;
     float* c2 = c1 + stride;
@@ -45,22 +106,6 @@ bool factor(float* panel, int rows, int columns, int stride) {
     c0[j] = i0;
     c1[j + 1] = i1;
     c2[j + 2] = i2;
-    for (int k = j + 3; k < columns; k += 3) {
-      float* t0 = panel + k * stride;
-      float* t1 = t0 + stride;
-      float* t2 = t1 + stride;
-      const float f00 = c0[k], f01 = c0[k + 1], f02 = c0[k + 2];
-      const float f10 = c1[k], f11 = c1[k + 1], f12 = c1[k + 2];
-      const float f20 = c2[k], f21 = c2[k + 1], f22 = c2[k + 2];
-      for (int i = down(k); i < rows; i += kWide) {
-        const Vec v0 = at(c0 + i);
-        const Vec v1 = at(c1 + i);
-        const Vec v2 = at(c2 + i);
-        at(t0 + i) = at(t0 + i) - v0 * f00 - v1 * f10 - v2 * f20;
-        at(t1 + i) = at(t1 + i) - v0 * f01 - v1 * f11 - v2 * f21;
-        at(t2 + i) = at(t2 + i) - v0 * f02 - v1 * f12 - v2 * f22;
-      }
-    }
   }
   return true;
 }
@@ -68,49 +113,9 @@ bool factor(float* panel, int rows, int columns, int stride) {
 void outer_product(const float* a, int a_stride, int rows, int columns, int depth, float* out,
                    int out_stride) {
   for (int j = 0; j < columns; j += 3) {
-    int i = down(j);
-    for (; i + kWide < rows; i += 2 * kWide) {
-      Vec s00{}, s01{}, s02{}, s10{}, s11{}, s12{};
-      for (int k = 0; k < depth; ++k) {
-        const float* ak = a + k * a_stride;
-        const Vec v0 = at(ak + i);
-        const Vec v1 = at(ak + i + kWide);
-        const float b0 = ak[j];
-        const float b1 = ak[j + 1];
-        const float b2 = ak[j + 2];
-        s00 += v0 * b0;
-        s01 += v0 * b1;
-        s02 += v0 * b2;
-        s10 += v1 * b0;
-        s11 += v1 * b1;
-        s12 += v1 * b2;
-      }
-      float* o = out + j * out_stride + i;
-      at(o) = s00;
-      at(o + kWide) = s10;
-      at(o + out_stride) = s01;
-      at(o + out_stride + kWide) = s11;
-      at(o + 2 * out_stride) = s02;
-      at(o + 2 * out_stride + kWide) = s12;
-    }
-    for (; i < rows; i += kWide) {
-      Vec s0{}, s1{}, s2{};
-      for (int k = 0; k < depth; ++k) {
-        const float* ak = a + k * a_stride;
-        const Vec v = at(ak + i);
-        s0 += v * ak[j];
-        s1 += v * ak[j + 1];
-        s2 += v * ak[j + 2];
-      }
-      float* o = out + j * out_stride + i;
-      at(o) = s0;
-      at(o + out_stride) = s1;
-      at(o + 2 * out_stride) = s2;
-    }
+    strip<Result::kProduct>(a, a_stride, rows, j, depth, out, out_stride);
   }
 }
-
-constexpr int place(unsigned vector, int stride) { return static_cast<int>(vector) * stride; }
 
 // Scratch vectors are padded like a panel column. Columns come in threes, which go together: a
 // third of the reads and writes of t, and sums that do not wait for each other. Entries of L above
