@@ -71,14 +71,14 @@ void BlockCholesky::find_supernodes(const EliminationOrder& order) {
           std::lower_bound(rows + node.width, rows_.end(), coupling_first_) - rows);
       node.stride = padded(3 * node.row_count);
       node.offset = static_cast<int>(value_count);
-      value_count +=
-          static_cast<std::size_t>(node.stride) * static_cast<std::size_t>(3 * node.width);
+      // Vectors may be read past the last row of the last column, while the next panel is written.
+      value_count += static_cast<std::size_t>(node.stride * 3 * node.width + kPanelAlignment);
       supernodes_.push_back(node);
       first = last + 1;
     }
   }
   part_begin_.push_back(static_cast<int>(supernodes_.size()));
-  values_.assign(value_count + 2 * kPanelAlignment, 0.0F);
+  values_.assign(value_count, 0.0F);
 }
 
 void BlockCholesky::list_updates() {
