@@ -74,7 +74,7 @@ class FingerPotential {
   double solve_direction(bool refined);
   void evaluate_trial(double t);
   /// x = A^-1 x with the factor at hand, by unknowns as gradient(); exact right after factorise().
-  void solve(std::span<double> x) const { assembly_.solve(x); }
+  void solve(std::span<double> x) const { assembly_.solve(x, team_); }
   [[nodiscard]] double trial_energy() const { return trial_.energy; }
   [[nodiscard]] double trial_residual() const { return trial_.residual; }
   void accept_trial() {
