@@ -12,8 +12,8 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTolerance = 1e-9;    // rad, m and N
-constexpr double kLeastLength = 1e-6;  // m
+constexpr double kCableTolerance = 1e-9;  // rad, m and N
+constexpr double kLeastLength = 1e-6;     // m
 
 enum CableConstraint { kWoundUp = 0, kLetOut = 3, kSlack = 6, kCableTilt = 9 };
 
@@ -141,12 +141,14 @@ bool CablePlatform::forward_kinematics(const JointAngles& joints, Configuration&
 }
 
 bool CablePlatform::reachable(const Configuration& q) const {
-  if (!within_axes(q) || std::hypot(q[0], q[1]) > geometry_.max_tilt + kTolerance) return false;
+  if (!within_axes(q) || std::hypot(q[0], q[1]) > geometry_.max_tilt + kCableTolerance)
+    return false;
   JointAngles joints;
   Vector3 tension;
-  return inverse_kinematics(q, joints) && (joints - joint_limits().max).maxCoeff() <= kTolerance &&
-         (joint_limits().min - joints).maxCoeff() <= kTolerance && tensions(q, tension) &&
-         tension.minCoeff() >= geometry_.least_tension - kTolerance;
+  return inverse_kinematics(q, joints) &&
+         (joints - joint_limits().max).maxCoeff() <= kCableTolerance &&
+         (joint_limits().min - joints).maxCoeff() <= kCableTolerance && tensions(q, tension) &&
+         tension.minCoeff() >= geometry_.least_tension - kCableTolerance;
 }
 
 bool CablePlatform::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorXd> values,

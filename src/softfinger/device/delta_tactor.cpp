@@ -10,9 +10,9 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTolerance = 1e-9;    // rad
-constexpr double kReachMargin = 1e-9;  // m; where a leg is stretched, d(joint)/dq is infinite
-constexpr double kAtCentre = 1e-12;    // m
+constexpr double kLegTolerance = 1e-9;   // rad
+constexpr double kForearmMargin = 1e-9;  // m; where a leg is stretched, d(joint)/dq is infinite
+constexpr double kAtCentre = 1e-12;      // m
 
 DeviceSettings with_tip_axes(DeviceSettings settings, const DeltaTactorGeometry& geometry) {
   settings.axes = DeltaTactor::axes_for(geometry);
@@ -128,14 +128,14 @@ double DeltaTactor::singularity_ratio(const Configuration& q) const {
 bool DeltaTactor::reachable(const Configuration& q) const {
   JointAngles joints;
   return within_axes(q) && inverse_kinematics(q, joints) &&
-         (joints - joint_limits().max).maxCoeff() <= kTolerance &&
-         (joint_limits().min - joints).maxCoeff() <= kTolerance && singularity_ratio(q) > 0.0;
+         (joints - joint_limits().max).maxCoeff() <= kLegTolerance &&
+         (joint_limits().min - joints).maxCoeff() <= kLegTolerance && singularity_ratio(q) > 0.0;
 }
 
 bool DeltaTactor::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorXd> values,
                               Eigen::Ref<Eigen::MatrixXd> jacobian) const {
   const double a = geometry_.crank;
-  const double b = geometry_.forearm - kReachMargin;
+  const double b = geometry_.forearm - kForearmMargin;
   for (int i = 0; i < 3; ++i) {
     const Leg here = leg(q, i);
     const Vector3& p = here.to_platform;
@@ -160,7 +160,7 @@ void DeltaTactor::add_constraint_curvature(const Configuration& q,
                                            const Eigen::Ref<const Eigen::VectorXd>& multipliers,
                                            Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const double a = geometry_.crank;
-  const double b = geometry_.forearm - kReachMargin;
+  const double b = geometry_.forearm - kForearmMargin;
   for (int i = 0; i < 3; ++i) {
     const double joint = a * (std::max(0.0, multipliers[i]) - std::max(0.0, multipliers[3 + i]));
     const double reach = std::max(0.0, multipliers[6 + i]) / b;
