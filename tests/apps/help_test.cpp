@@ -40,8 +40,8 @@ std::string help_of(std::vector<std::string> command) {
 TEST(Help, ListsTheCommands) {
   std::set<std::string> names = commands_in(help_of({}));
   names.erase("help");
-  EXPECT_EQ(names, (std::set<std::string>{"run", "press", "match", "device", "finger", "scene",
-                                          "replay", "export"}));
+  EXPECT_EQ(names, (std::set<std::string>{"run", "press", "match", "evaluate", "device", "finger",
+                                          "scene", "replay", "export"}));
 }
 
 TEST(Help, EveryCommandListedExists) {
