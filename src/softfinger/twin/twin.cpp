@@ -43,6 +43,7 @@ struct Twin::Implementation {
         anchors(kept_anchors),
         contact(make_contact_set(*wearer)),
         shift(potential.gradient().size()) {
+    touching.reserve(pieces.size() * (wearer->sample_nodes.size() + FeaturePoints::kMost));
     for (std::size_t k = 0; k < pieces.size(); ++k) obstacles[k].shape = &pieces[k].shape;
     reset();
   }
@@ -66,6 +67,11 @@ struct Twin::Implementation {
   std::vector<FrictionAnchor> anchors;
   ContactSet contact;
   std::vector<double> shift;  ///< of the unknowns, by one coordinate of q
+  struct TouchingPair {
+    std::size_t point, piece;
+    ContactPotential::PairResponse response;
+  };
+  std::vector<TouchingPair> touching;  ///< at the last attempt
 
   void reset();
   void place();
@@ -73,6 +79,7 @@ struct Twin::Implementation {
   TwinSummary attempt(const Configuration& at);
   void keep();
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
+  void find_touching();
   void drag_by(int k);
   [[nodiscard]] Vector3 motion_of_point(std::size_t i) const;
 };
@@ -150,6 +157,18 @@ void Twin::Implementation::keep() {
   elapsed = 0.0;
 }
 
+void Twin::Implementation::find_touching() {
+  touching.clear();
+  TouchingPair pair;
+  for (pair.point = 0; pair.point < potential.contact_positions().size(); ++pair.point) {
+    for (pair.piece = 0; pair.piece < pieces.size(); ++pair.piece) {
+      if (potential.contact().pair_response(pair.point, pair.piece, pair.response)) {
+        touching.push_back(pair);
+      }
+    }
+  }
+}
+
 /// shift = how the skin's equilibrium moves by coordinate k: -A^-1 dG/dq.
 void Twin::Implementation::drag_by(int k) {
   std::fill(shift.begin(), shift.end(), 0.0);
@@ -158,20 +177,17 @@ void Twin::Implementation::drag_by(int k) {
     const int block = potential.unknowns().block_of_node[static_cast<std::size_t>(node)];
     if (block >= 0) Eigen::Map<Vector3>(shift.data() + 3 * block) += force;
   };
-  ContactPotential::PairResponse pair;
   const std::span<const Vector3> points = potential.contact_positions();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t o = 0; o < pieces.size(); ++o) {
-      const PieceMotion& motion = motions(o, k);
-      if (!motion.moves() || !potential.contact().pair_response(i, o, pair)) continue;
-      const Vector3 force =
-          pair.hessian * motion.at(points[i], pair.outward) - motion.spin.cross(pair.gradient);
-      if (i < samples) {
-        add(wearer->sample_nodes[i], force);
-      } else {
-        const FeaturePoints::Point& feature = potential.features().points()[i - samples];
-        for (std::size_t c = 0; c < 3; ++c) add(feature.nodes[c], feature.weights[c] * force);
-      }
+  for (const auto& [i, piece, pair] : touching) {
+    const PieceMotion& motion = motions(piece, k);
+    if (!motion.moves()) continue;
+    const Vector3 force =
+        pair.hessian * motion.at(points[i], pair.outward) - motion.spin.cross(pair.gradient);
+    if (i < samples) {
+      add(wearer->sample_nodes[i], force);
+    } else {
+      const FeaturePoints::Point& feature = potential.features().points()[i - samples];
+      for (std::size_t c = 0; c < 3; ++c) add(feature.nodes[c], feature.weights[c] * force);
     }
   }
   potential.solve(shift);
@@ -196,15 +212,12 @@ bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian&
   const int dof = device->degrees_of_freedom();
   by_q.setZero(3, dof);
   const std::span<const Vector3> points = potential.contact_positions();
-  ContactPotential::PairResponse pair;
+  find_touching();
   double magnitude = 0.0;
   Vector3 sum = Vector3::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t o = 0; o < pieces.size(); ++o) {
-      if (!potential.contact().pair_response(i, o, pair)) continue;
-      magnitude += pair.normal_force.norm();
-      sum += pair.normal_force;
-    }
+  for (const TouchingPair& pair : touching) {
+    magnitude += pair.response.normal_force.norm();
+    sum += pair.response.normal_force;
   }
   force.setZero();
   const double length = sum.norm();
@@ -220,18 +233,14 @@ bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian&
     drag_by(k);
     double magnitude_rate = 0.0;
     Vector3 sum_rate = Vector3::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      for (std::size_t o = 0; o < pieces.size(); ++o) {
-        if (!potential.contact().pair_response(i, o, pair)) continue;
-        const double one = pair.normal_force.norm();
-        if (!(one > 0.0)) continue;
-        const PieceMotion& motion = motions(o, k);
-        const Vector3 approach = motion_of_point(i) - motion.at(points[i], pair.outward);
-        const Vector3 rate =
-            motion.spin.cross(pair.normal_force) - pair.normal_stiffness * approach;
-        sum_rate += rate;
-        magnitude_rate += rate.dot(pair.normal_force) / one;
-      }
+    for (const auto& [i, piece, pair] : touching) {
+      const double one = pair.normal_force.norm();
+      if (!(one > 0.0)) continue;
+      const PieceMotion& motion = motions(piece, k);
+      const Vector3 approach = motion_of_point(i) - motion.at(points[i], pair.outward);
+      const Vector3 rate = motion.spin.cross(pair.normal_force) - pair.normal_stiffness * approach;
+      sum_rate += rate;
+      magnitude_rate += rate.dot(pair.normal_force) / one;
     }
     by_q.col(k) = magnitude_rate * direction +
                   magnitude / length * (sum_rate - direction * direction.dot(sum_rate));
