@@ -95,6 +95,7 @@ roller_length_mm = 10.0
 position_mm = [-6.0, 6.0]
 height_mm = [-4.0, 7.0]
 )toml"},
+    DeviceKind{"mechanism", read_mechanism},
 };
 
 const DeviceKind& kind_named(const std::string& name) {

@@ -25,4 +25,7 @@ namespace softfinger {
 [[nodiscard]] std::shared_ptr<const Device> read_roller(const ConfigFile& file,
                                                         DeviceSettings settings);
 
+[[nodiscard]] std::shared_ptr<const Device> read_mechanism(const ConfigFile& file,
+                                                           DeviceSettings settings);
+
 }  // namespace softfinger
