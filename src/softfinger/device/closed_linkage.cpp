@@ -9,7 +9,8 @@ namespace {
 
 // In units of rad, and of the linkage's length for what slides.
 constexpr double kFarthestStart = 0.3;  // first correction that still counts as from nearby
-constexpr double kConverged = 1e-8;     // a step after which the next would be lost in rounding
+// A step after which the next would be lost in rounding, and the derivatives change no more.
+constexpr double kConverged = 1e-9;
 constexpr double kLongestPiece = 0.5;   // motion between two solutions on a way
 constexpr double kShortestPiece = 1.0 / 4096.0;  // of the way
 constexpr int kNewtonSteps = 8;
@@ -38,22 +39,27 @@ ClosedLinkage::ClosedLinkage(Linkage linkage, std::vector<int> independent_equat
 
 void ClosedLinkage::derivatives(std::span<const LinkageReading> readings,
                                 const LinkagePlacement& placement, LinkageMatrix& matrix) const {
-  matrix.resize(linkage_.coordinate_count(), linkage_.coordinate_count());
+  matrix.setZero(linkage_.coordinate_count(), linkage_.coordinate_count());
   int row = 0;
   for (const int e : independent_) linkage_.gradient(e, placement, matrix, row++);
-  for (const LinkageReading& reading : readings) {
-    linkage_.gradient(reading, placement, matrix, row++);
-  }
+  linkage_.gradients(readings, placement, matrix, row);
 }
 
 void ClosedLinkage::derivative_rates(std::span<const LinkageReading> readings,
                                      const LinkagePlacement& placement,
                                      const LinkageVelocity& velocity, LinkageMatrix& matrix) const {
-  matrix.resize(linkage_.coordinate_count(), linkage_.coordinate_count());
+  matrix.setZero(linkage_.coordinate_count(), linkage_.coordinate_count());
   int row = 0;
   for (const int e : independent_) linkage_.gradient_rate(e, placement, velocity, matrix, row++);
-  for (const LinkageReading& reading : readings) {
-    linkage_.gradient_rate(reading, placement, velocity, matrix, row++);
+  linkage_.gradient_rates(readings, placement, velocity, matrix, row);
+}
+
+void ClosedLinkage::fill_sensitivity(int readings, LinkageSolution& solution) const {
+  solution.determinant = solution.lu.determinant();
+  solution.by_value.setZero(linkage_.coordinate_count(), readings);
+  for (int k = 0; k < readings; ++k) {
+    solution.by_value(static_cast<Eigen::Index>(independent_.size()) + k, k) = 1.0;
+    solution.lu.solve(solution.by_value.col(k));
   }
 }
 
@@ -63,32 +69,25 @@ bool ClosedLinkage::complete(std::span<const LinkageReading> readings,
   LinkageMatrix matrix;
   derivatives(readings, solution.placement, matrix);
   if (!solution.lu.factor(matrix)) return false;
-  const auto inputs = static_cast<Eigen::Index>(readings.size());
-  solution.values.resize(inputs);
-  solution.by_value.setZero(linkage_.coordinate_count(), inputs);
-  for (Eigen::Index k = 0; k < inputs; ++k) {
-    solution.values[k] =
-        linkage_.read(readings[static_cast<std::size_t>(k)], solution.x, solution.placement);
-    solution.by_value(static_cast<Eigen::Index>(independent_.size()) + k, k) = 1.0;
-    solution.lu.solve(solution.by_value.col(k));
-  }
+  const auto count = static_cast<int>(readings.size());
+  solution.values.resize(count);
+  linkage_.read(readings, solution.x, solution.placement, solution.values);
+  fill_sensitivity(count, solution);
   return true;
 }
 
 bool ClosedLinkage::close(std::span<const LinkageReading> readings,
                           LinkageSolution& solution) const {
+  const auto count = static_cast<int>(readings.size());
   LinkageMatrix matrix;
   LinkageCoordinates step(linkage_.coordinate_count());
-  const LinkageInputs wanted = solution.values;
   double last = kFarthestStart;
   for (int iteration = 0; iteration < kNewtonSteps; ++iteration) {
     linkage_.place(solution.x, solution.placement);
     Eigen::Index row = 0;
     for (const int e : independent_) step[row++] = -linkage_.residual(e, solution.placement);
-    for (std::size_t k = 0; k < readings.size(); ++k) {
-      step[row++] = wanted[static_cast<Eigen::Index>(k)] -
-                    linkage_.read(readings[k], solution.x, solution.placement);
-    }
+    linkage_.read(readings, solution.x, solution.placement, step.tail(count));
+    step.tail(count) = solution.values - step.tail(count);
     derivatives(readings, solution.placement, matrix);
     if (!solution.lu.factor(matrix)) return false;
     solution.lu.solve(step);
@@ -96,8 +95,8 @@ bool ClosedLinkage::close(std::span<const LinkageReading> readings,
     if (!(size <= last)) return false;
     linkage_.move(solution.x, step);
     if (size < kConverged) {
-      if (!complete(readings, solution)) return false;
-      solution.values = wanted;
+      linkage_.place(solution.x, solution.placement);
+      fill_sensitivity(count, solution);
       return std::all_of(dependent_.begin(), dependent_.end(), [&](int e) {
         return std::abs(linkage_.residual(e, solution.placement)) < kClosed;
       });
@@ -110,7 +109,7 @@ bool ClosedLinkage::close(std::span<const LinkageReading> readings,
 bool ClosedLinkage::follow(std::span<const LinkageReading> readings, const LinkageInputs& values,
                            LinkageSolution& solution) const {
   const LinkageInputs start = solution.values;
-  const double side = solution.lu.determinant();
+  const double side = solution.determinant;
   LinkageSolution next;
   double at = 0.0;
   double piece = 1.0;
@@ -124,7 +123,7 @@ bool ClosedLinkage::follow(std::span<const LinkageReading> readings, const Linka
     bool reached = size_of(linkage_, step) <= kLongestPiece;
     if (reached) {
       linkage_.move(next.x, step);
-      reached = close(readings, next) && next.lu.determinant() * side > 0.0;
+      reached = close(readings, next) && next.determinant * side > 0.0;
     }
     if (!reached) {
       piece *= 0.25;

@@ -23,8 +23,9 @@ struct LinkageSolution {
   LinkageCoordinates x;
   LinkageInputs values;  ///< of the readings
   LinkagePlacement placement;
-  LinkageLu lu;                ///< of the derivatives of equations and readings by x
   LinkageSensitivity by_value;  ///< rates of x by the values
+  LinkageLu lu;                 ///< of the derivatives of equations and readings by x
+  double determinant = 0.0;     ///< of these derivatives
 };
 
 /// A linkage with those of its loop equations that are independent, as many as coordinates less the
@@ -54,11 +55,14 @@ class ClosedLinkage {
   [[nodiscard]] bool close(std::span<const LinkageReading> readings,
                            LinkageSolution& solution) const;
   /// Takes the solution along the straight line of values to `values`, never through a singularity.
-  /// False where that does not lead there; the solution is then the last one on the way.
+  /// Of the solution's start all but its factors is used. False where that does not lead there; the
+  /// solution is then the last one on the way.
   [[nodiscard]] bool follow(std::span<const LinkageReading> readings, const LinkageInputs& values,
                             LinkageSolution& solution) const;
 
  private:
+  void fill_sensitivity(int readings, LinkageSolution& solution) const;
+
   Linkage linkage_;
   std::vector<int> independent_;
   std::vector<int> dependent_;

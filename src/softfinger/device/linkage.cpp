@@ -1,5 +1,6 @@
 #include "softfinger/device/linkage.hpp"
 
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -191,19 +192,29 @@ double Linkage::residual(int e, const LinkagePlacement& placement) const {
   return length_ * direction.dot(B.rotation * equation.direction_b);
 }
 
-double Linkage::read(const LinkageReading& reading, const LinkageCoordinates& x,
-                     const LinkagePlacement& placement) const {
-  switch (reading.kind) {
-    case LinkageReading::Kind::kJoint:
-      return x[reading.component];
-    case LinkageReading::Kind::kPosition:
-      return placement.body[static_cast<std::size_t>(reading.body)]
-                 .translation[reading.component] -
-             reading.reference.translation[reading.component];
-    case LinkageReading::Kind::kRotation:
-      break;
+void Linkage::read(std::span<const LinkageReading> readings, const LinkageCoordinates& x,
+                   const LinkagePlacement& placement, Eigen::Ref<Eigen::VectorXd> values) const {
+  int turned = -1;  // of which body `turn` is
+  Vector3 turn = Vector3::Zero();
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const LinkageReading& reading = readings[k];
+    double& value = values[static_cast<Eigen::Index>(k)];
+    switch (reading.kind) {
+      case LinkageReading::Kind::kJoint:
+        value = x[reading.component];
+        break;
+      case LinkageReading::Kind::kPosition:
+        value = placement.body[static_cast<std::size_t>(reading.body)]
+                    .translation[reading.component] -
+                reading.reference.translation[reading.component];
+        break;
+      case LinkageReading::Kind::kRotation:
+        if (reading.body != turned) turn = rotation_reading(reading, placement);
+        turned = reading.body;
+        value = turn[reading.component];
+        break;
+    }
   }
-  return rotation_reading(reading, placement)[reading.component];
 }
 
 Vector3 Linkage::point_velocity(int j, const LinkagePlacement& placement,
@@ -236,17 +247,13 @@ void Linkage::gradient(int e, const LinkagePlacement& placement, Eigen::Ref<Eige
   const bool along = equation.kind == LoopEquation::Kind::kAlong;
   const Vector3 point = B * equation.point_b;
   const Vector3 turn = length_ * (B.rotation * equation.direction_b).cross(direction);
-  for (int j = 0; j < coordinate_count(); ++j) {
-    const bool by_b = moves(j, equation.b);
-    if (by_b == moves(j, equation.a)) {
-      rows(row, j) = 0.0;
-      continue;
-    }
+  for (std::uint64_t left = between(equation); left != 0; left &= left - 1) {
+    const int j = std::countr_zero(left);
     const double change =
         along      ? direction.dot(point_velocity(j, placement, point))
         : is_angle(j) ? turn.dot(placement.direction[static_cast<std::size_t>(j)])
                    : 0.0;
-    rows(row, j) = by_b ? change : -change;
+    rows(row, j) = moves(j, equation.b) ? change : -change;
   }
 }
 
@@ -267,12 +274,8 @@ void Linkage::gradient_rate(int e, const LinkagePlacement& placement,
   const Vector3 turn = length_ * other.cross(direction);
   const Vector3 turn_rate = length_ * (velocity.spin[b].cross(other).cross(direction) +
                                        other.cross(direction_rate));
-  for (int j = 0; j < coordinate_count(); ++j) {
-    const bool by_b = moves(j, equation.b);
-    if (by_b == moves(j, equation.a)) {
-      rows(row, j) = 0.0;
-      continue;
-    }
+  for (std::uint64_t left = between(equation); left != 0; left &= left - 1) {
+    const int j = std::countr_zero(left);
     double change = 0.0;
     if (along) {
       change = direction_rate.dot(point_velocity(j, placement, point)) +
@@ -281,59 +284,71 @@ void Linkage::gradient_rate(int e, const LinkagePlacement& placement,
       change = turn_rate.dot(placement.direction[static_cast<std::size_t>(j)]) +
                turn.dot(velocity.direction_rate[static_cast<std::size_t>(j)]);
     }
-    rows(row, j) = by_b ? change : -change;
+    rows(row, j) = moves(j, equation.b) ? change : -change;
   }
 }
 
-void Linkage::gradient(const LinkageReading& reading, const LinkagePlacement& placement,
-                       Eigen::Ref<Eigen::MatrixXd> rows, int row) const {
-  rows.row(row).setZero();
-  if (reading.kind == LinkageReading::Kind::kJoint) {
-    rows(row, reading.component) = 1.0;
-    return;
-  }
-  const bool position = reading.kind == LinkageReading::Kind::kPosition;
-  const Vector3& origin = placement.body[static_cast<std::size_t>(reading.body)].translation;
-  Vector3 along = Vector3::Unit(reading.component);
-  if (!position) {
-    along = InverseLeftJacobian(rotation_reading(reading, placement))
-                .matrix()
-                .row(reading.component)
-                .transpose();
-  }
-  for (int j = 0; j < coordinate_count(); ++j) {
-    if (!moves(j, reading.body)) continue;
-    if (position) {
-      rows(row, j) = along.dot(point_velocity(j, placement, origin));
-    } else if (is_angle(j)) {
-      rows(row, j) = along.dot(placement.direction[static_cast<std::size_t>(j)]);
+void Linkage::gradients(std::span<const LinkageReading> readings,
+                        const LinkagePlacement& placement, Eigen::Ref<Eigen::MatrixXd> rows,
+                        int row) const {
+  int turned = -1;  // of which body `by_spin` is
+  Matrix3 by_spin;
+  for (const LinkageReading& reading : readings) {
+    const auto body = static_cast<std::size_t>(reading.body);
+    const int component = reading.component;
+    if (reading.kind == LinkageReading::Kind::kJoint) {
+      rows(row, component) = 1.0;
+    } else if (reading.kind == LinkageReading::Kind::kPosition) {
+      for (std::uint64_t left = movers(reading.body); left != 0; left &= left - 1) {
+        const int j = std::countr_zero(left);
+        rows(row, j) = point_velocity(j, placement, placement.body[body].translation)[component];
+      }
+    } else {
+      if (reading.body != turned) {
+        by_spin = InverseLeftJacobian(rotation_reading(reading, placement)).matrix();
+      }
+      turned = reading.body;
+      for (std::uint64_t left = movers(reading.body); left != 0; left &= left - 1) {
+        const int j = std::countr_zero(left);
+        if (!is_angle(j)) continue;
+        rows(row, j) = by_spin.row(component) * placement.direction[static_cast<std::size_t>(j)];
+      }
     }
+    ++row;
   }
 }
 
-void Linkage::gradient_rate(const LinkageReading& reading, const LinkagePlacement& placement,
-                            const LinkageVelocity& velocity, Eigen::Ref<Eigen::MatrixXd> rows,
-                            int row) const {
-  rows.row(row).setZero();
-  if (reading.kind == LinkageReading::Kind::kJoint) return;
-  const auto body = static_cast<std::size_t>(reading.body);
-  if (reading.kind == LinkageReading::Kind::kPosition) {
-    for (int j = 0; j < coordinate_count(); ++j) {
-      if (!moves(j, reading.body)) continue;
-      rows(row, j) = point_velocity_rate(j, placement, velocity, placement.body[body].translation,
-                                         velocity.velocity[body])[reading.component];
+void Linkage::gradient_rates(std::span<const LinkageReading> readings,
+                             const LinkagePlacement& placement, const LinkageVelocity& velocity,
+                             Eigen::Ref<Eigen::MatrixXd> rows, int row) const {
+  int turned = -1;  // of which body the following are
+  Matrix3 by_spin;
+  Matrix3 by_spin_rate;
+  for (const LinkageReading& reading : readings) {
+    const auto body = static_cast<std::size_t>(reading.body);
+    const int component = reading.component;
+    if (reading.kind == LinkageReading::Kind::kPosition) {
+      for (std::uint64_t left = movers(reading.body); left != 0; left &= left - 1) {
+        const int j = std::countr_zero(left);
+        rows(row, j) = point_velocity_rate(j, placement, velocity, placement.body[body].translation,
+                                           velocity.velocity[body])[component];
+      }
+    } else if (reading.kind == LinkageReading::Kind::kRotation) {
+      if (reading.body != turned) {
+        const InverseLeftJacobian inverse(rotation_reading(reading, placement));
+        by_spin = inverse.matrix();
+        by_spin_rate = inverse.rate(by_spin * velocity.spin[body]);
+      }
+      turned = reading.body;
+      for (std::uint64_t left = movers(reading.body); left != 0; left &= left - 1) {
+        const int j = std::countr_zero(left);
+        if (!is_angle(j)) continue;
+        rows(row, j) =
+            by_spin_rate.row(component).dot(placement.direction[static_cast<std::size_t>(j)]) +
+            by_spin.row(component).dot(velocity.direction_rate[static_cast<std::size_t>(j)]);
+      }
     }
-    return;
-  }
-  const InverseLeftJacobian inverse(rotation_reading(reading, placement));
-  const Matrix3 matrix = inverse.matrix();
-  const Matrix3 matrix_rate = inverse.rate(matrix * velocity.spin[body]);
-  const Vector3 along = matrix.row(reading.component).transpose();
-  const Vector3 along_rate = matrix_rate.row(reading.component).transpose();
-  for (int j = 0; j < coordinate_count(); ++j) {
-    if (!moves(j, reading.body) || !is_angle(j)) continue;
-    rows(row, j) = along_rate.dot(placement.direction[static_cast<std::size_t>(j)]) +
-                   along.dot(velocity.direction_rate[static_cast<std::size_t>(j)]);
+    ++row;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "softfinger/geometry/pose.hpp"
@@ -111,20 +112,20 @@ class Linkage {
 
   /// What equation e lacks of being closed, m.
   [[nodiscard]] double residual(int e, const LinkagePlacement& placement) const;
-  [[nodiscard]] double read(const LinkageReading& reading, const LinkageCoordinates& x,
-                            const LinkagePlacement& placement) const;
+  void read(std::span<const LinkageReading> readings, const LinkageCoordinates& x,
+            const LinkagePlacement& placement, Eigen::Ref<Eigen::VectorXd> values) const;
 
-  // Derivatives by the coordinates, one an equation or reading, into row `row`; and how those
-  // change with the velocity.
+  // Derivatives by the coordinates, one an equation or reading, into row `row` and the following,
+  // which are zero before; and how those change with the velocity.
   void gradient(int e, const LinkagePlacement& placement, Eigen::Ref<Eigen::MatrixXd> rows,
                 int row) const;
   void gradient_rate(int e, const LinkagePlacement& placement, const LinkageVelocity& velocity,
                      Eigen::Ref<Eigen::MatrixXd> rows, int row) const;
-  void gradient(const LinkageReading& reading, const LinkagePlacement& placement,
-                Eigen::Ref<Eigen::MatrixXd> rows, int row) const;
-  void gradient_rate(const LinkageReading& reading, const LinkagePlacement& placement,
-                     const LinkageVelocity& velocity, Eigen::Ref<Eigen::MatrixXd> rows,
-                     int row) const;
+  void gradients(std::span<const LinkageReading> readings, const LinkagePlacement& placement,
+                 Eigen::Ref<Eigen::MatrixXd> rows, int row) const;
+  void gradient_rates(std::span<const LinkageReading> readings, const LinkagePlacement& placement,
+                      const LinkageVelocity& velocity, Eigen::Ref<Eigen::MatrixXd> rows,
+                      int row) const;
 
   /// Velocity of the body-fixed point at p_B when coordinate j, which moves the body, has rate 1.
   [[nodiscard]] Vector3 point_velocity(int j, const LinkagePlacement& placement,
@@ -135,6 +136,15 @@ class Linkage {
                                             const Vector3& p_rate) const;
 
  private:
+  /// Bits of the coordinates that move one of the two bodies but not the other.
+  [[nodiscard]] std::uint64_t between(const LoopEquation& equation) const {
+    return movers_[static_cast<std::size_t>(equation.a)] ^
+           movers_[static_cast<std::size_t>(equation.b)];
+  }
+  [[nodiscard]] std::uint64_t movers(int body) const {
+    return movers_[static_cast<std::size_t>(body)];
+  }
+
   /// Where a coordinate acts.
   struct Spot {
     int body;

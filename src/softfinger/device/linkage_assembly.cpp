@@ -15,7 +15,8 @@ constexpr double kIndependent = 1e-6;  // least singular value of independent eq
 
 /// Equations by the coordinates, angles in units of the linkage's length.
 Eigen::MatrixXd scaled_derivatives(const Linkage& linkage, const LinkagePlacement& placement) {
-  Eigen::MatrixXd rows(linkage.equation_count(), linkage.coordinate_count());
+  Eigen::MatrixXd rows =
+      Eigen::MatrixXd::Zero(linkage.equation_count(), linkage.coordinate_count());
   for (int e = 0; e < linkage.equation_count(); ++e) linkage.gradient(e, placement, rows, e);
   for (int j = 0; j < linkage.coordinate_count(); ++j) {
     if (linkage.is_angle(j)) rows.col(j) /= linkage.length();

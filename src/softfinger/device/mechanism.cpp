@@ -78,14 +78,16 @@ SolvedGrid Mechanism::explored() const {
 
 bool Mechanism::solve(const Configuration& q, LinkageSolution& solution) const {
   const LinkageInputs wanted = q;
-  const bool finite = wanted.allFinite();
-  solution.x = finite ? grid_.start(wanted, false).x : home_solution_.x;
-  static_cast<void>(description_.linkage.complete(description_.configuration, solution));
-  if (!finite) return false;
+  if (!wanted.allFinite()) {
+    solution = home_solution_;
+    return false;
+  }
+  grid_.load(grid_.start(wanted, false), solution);
   if (description_.linkage.follow(description_.configuration, wanted, solution)) return true;
   const LinkageCoordinates beyond = solution.by_value * (wanted - solution.values);
   description_.linkage.linkage().move(solution.x, beyond);
-  description_.linkage.linkage().place(solution.x, solution.placement);
+  static_cast<void>(description_.linkage.complete(description_.configuration, solution));
+  solution.values = wanted;
   return false;
 }
 
@@ -165,10 +167,7 @@ bool Mechanism::forward_kinematics(const JointAngles& joint_values, Configuratio
     if (!linkage.complete(description_.joints, solution)) continue;
     if (!linkage.follow(description_.joints, wanted, solution)) continue;
     q.resize(degrees_of_freedom());
-    for (int k = 0; k < degrees_of_freedom(); ++k) {
-      q[k] = linkage.linkage().read(description_.configuration[static_cast<std::size_t>(k)],
-                                    solution.x, solution.placement);
-    }
+    linkage.linkage().read(description_.configuration, solution.x, solution.placement, q);
     // The same joints on home's branch, not only the same q on another.
     LinkageSolution back;
     if (reachable(q) && solve(q, back) && lack(back.x) < 1e-8 * 1e-8) return true;

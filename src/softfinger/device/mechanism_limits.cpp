@@ -54,7 +54,7 @@ double Mechanism::joint_scale(int joint) const {
 }
 
 double Mechanism::stretch_ratio(const LinkageSolution& solution) const {
-  return solution.lu.determinant() / home_solution_.lu.determinant();
+  return solution.determinant / home_solution_.determinant;
 }
 
 void Mechanism::name_constraints() {
@@ -92,13 +92,17 @@ void Mechanism::motion(const LinkageSolution& solution, int l, LinkageVelocity& 
 }
 
 Mechanism::Twist Mechanism::twist(const LinkageSolution& solution, int body) const {
-  Twist twist(6, degrees_of_freedom());
-  LinkageVelocity velocity;
-  for (int k = 0; k < degrees_of_freedom(); ++k) {
-    description_.linkage.linkage().velocity(solution.placement, solution.by_value.col(k),
-                                            velocity);
-    twist.col(k).head<3>() = velocity.velocity[static_cast<std::size_t>(body)];
-    twist.col(k).tail<3>() = velocity.spin[static_cast<std::size_t>(body)];
+  const Linkage& linkage = description_.linkage.linkage();
+  const Vector3& origin = solution.placement.body[static_cast<std::size_t>(body)].translation;
+  Twist twist = Twist::Zero(6, degrees_of_freedom());
+  for (int j = 0; j < linkage.coordinate_count(); ++j) {
+    if (!linkage.moves(j, body)) continue;
+    twist.topRows<3>() +=
+        linkage.point_velocity(j, solution.placement, origin) * solution.by_value.row(j);
+    if (linkage.is_angle(j)) {
+      twist.bottomRows<3>() +=
+          solution.placement.direction[static_cast<std::size_t>(j)] * solution.by_value.row(j);
+    }
   }
   return twist;
 }

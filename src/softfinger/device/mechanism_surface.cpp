@@ -19,6 +19,7 @@ Vector3 in_frame(const Pose& X_BS, const Vector3& p_B) {
 // g (in B') then changes at the rate -g . u. Sums over the samples of one body, by v and w:
 struct Mechanism::BodySums {
   bool touched = false;
+  Twist by_q;                           ///< of the body
   Vector3 force = Vector3::Zero();      ///< sum g
   Matrix3 force_arm = Matrix3::Zero();  ///< sum g r^T
   Matrix6 gauss_newton = Matrix6::Zero();
@@ -195,9 +196,10 @@ double Mechanism::deviation_derivatives(const Configuration& q, const SurfaceSam
   gauss_newton.setZero();
   hessian.setZero();
   for (int b = 0; b < description_.linkage.linkage().body_count(); ++b) {
-    const BodySums& sum = sums[static_cast<std::size_t>(b)];
+    BodySums& sum = sums[static_cast<std::size_t>(b)];
     if (!sum.touched) continue;
-    const Twist by_q = twist(solution, b);
+    sum.by_q = twist(solution, b);
+    const Twist& by_q = sum.by_q;
     gradient -= by_q.topRows<3>().transpose() * sum.force +
                 by_q.bottomRows<3>().transpose() * sum.moment();
     const Twist straight = sum.gauss_newton * by_q;
@@ -253,7 +255,7 @@ void Mechanism::add_motion_curvature(const LinkageSolution& solution,
           bend[j] -= moment.dot(velocity.direction_rate[static_cast<std::size_t>(j)]);
         }
       }
-      const Twist by_q = twist(solution, b);
+      const Twist& by_q = sum.by_q;
       const Vector3& v = velocity.velocity[body];
       const Vector3& spin = velocity.spin[body];
       const double trace = sum.force_arm.trace();

@@ -24,8 +24,7 @@ bool Mechanism::reachable(const Configuration& q) const {
   const ClosedLinkage& linkage = description_.linkage;
   const SolvedGrid::Node& node = grid_.start(wanted, true);
   if (!node.inside) return false;
-  solution.x = node.x;
-  if (!linkage.complete(description_.configuration, solution)) return false;
+  grid_.load(node, solution);
   const LinkageInputs from = solution.values;
   const int pieces =
       1 + static_cast<int>(std::min(kPiecesASpacing * grid_.spacings(wanted, from), 256.0));

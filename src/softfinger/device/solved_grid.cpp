@@ -23,19 +23,18 @@ int steps_along(std::uint64_t key, Eigen::Index axis) {
 
 SolvedGrid::SolvedGrid(const ClosedLinkage& linkage, std::vector<LinkageReading> readings,
                        const LinkageSolution& home, LinkageInputs spacing, const Inside& inside)
-    : origin_(home.values), spacing_(std::move(spacing)) {
+    : origin_(home.values), spacing_(std::move(spacing)), determinant_(home.determinant) {
   const Eigen::Index axes = origin_.size();
   Key at_home = 0;
   for (Eigen::Index k = 0; k < axes; ++k) at_home += kMostStepsAway * key_unit(k);
   std::vector<Key> keys{at_home};
-  nodes_.push_back({home.x, inside(home)});
+  add(home, inside(home));
   index_[at_home] = 0;
   LinkageSolution from;
   LinkageSolution next;
   for (std::size_t visited = 0; visited < nodes_.size() && size() < kMostNodes; ++visited) {
     if (!nodes_[visited].inside) continue;
-    from.x = nodes_[visited].x;
-    if (!linkage.complete(readings, from)) continue;
+    load(nodes_[visited], from);
     for (Eigen::Index k = 0; k < axes; ++k) {
       for (const int side : {-1, 1}) {
         const int steps = steps_along(keys[visited], k) + side;
@@ -47,10 +46,24 @@ SolvedGrid::SolvedGrid(const ClosedLinkage& linkage, std::vector<LinkageReading>
         if (!linkage.follow(readings, values, next)) continue;
         index_[key] = size();
         keys.push_back(key);
-        nodes_.push_back({next.x, inside(next)});
+        add(next, inside(next));
       }
     }
   }
+}
+
+void SolvedGrid::add(const LinkageSolution& solution, bool inside) {
+  nodes_.push_back({solution.x, solution.values, by_value_.size(), inside});
+  by_value_.insert(by_value_.end(), solution.by_value.data(),
+                   solution.by_value.data() + solution.by_value.size());
+}
+
+void SolvedGrid::load(const Node& node, LinkageSolution& solution) const {
+  solution.x = node.x;
+  solution.values = node.values;
+  solution.by_value = Eigen::Map<const Eigen::MatrixXd>(by_value_.data() + node.by_value,
+                                                        node.x.size(), node.values.size());
+  solution.determinant = determinant_;
 }
 
 double SolvedGrid::spacings(const LinkageInputs& a, const LinkageInputs& b) const {

@@ -22,11 +22,15 @@ class SolvedGrid {
 
   struct Node {
     LinkageCoordinates x;
-    bool inside;  ///< and so connected with home
+    LinkageInputs values;
+    std::size_t by_value;  ///< where its rates are kept
+    bool inside;           ///< and so connected with home
   };
   /// The first node on the way from q to home; home's own if there is none before. `inside`: the
   /// first that is inside.
   [[nodiscard]] const Node& start(const LinkageInputs& q, bool inside) const;
+  /// The solution there, but for placement and factors.
+  void load(const Node& node, LinkageSolution& solution) const;
   /// Whether all nodes around q are inside.
   [[nodiscard]] bool surrounded(const LinkageInputs& q) const;
   /// How many spacings lie between two configurations, along the axis where it is most.
@@ -40,10 +44,13 @@ class SolvedGrid {
   /// Steps from home along each axis, in one number.
   using Key = std::uint64_t;
 
+  void add(const LinkageSolution& solution, bool inside);
   [[nodiscard]] const Node* near(const LinkageInputs& q) const;
 
   LinkageInputs origin_, spacing_;
+  double determinant_;  ///< of home: all have its sign
   std::vector<Node> nodes_;
+  std::vector<double> by_value_;
   std::unordered_map<Key, int> index_;
 };
 

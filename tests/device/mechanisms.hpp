@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <random>
+#include <string>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "softfinger/device/mechanism.hpp"
+
+namespace softfinger {
+
+/// A shipped mechanism by the name of its file.
+inline std::shared_ptr<const Mechanism> mechanism(const std::string& name) {
+  return std::dynamic_pointer_cast<const Mechanism>(
+      load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml"));
+}
+
+/// Draws configurations from a mechanism's workspace: up to `angle_deg` and `length_mm` from home.
+class ReachableConfigurations {
+ public:
+  ReachableConfigurations(const Mechanism& device, double angle_deg, double length_mm,
+                          unsigned seed)
+      : device_(device), angle_(angle_deg * deg), length_(length_mm * mm), random_(seed) {}
+
+  [[nodiscard]] Configuration draw() {
+    std::uniform_real_distribution<double> part(-1.0, 1.0);
+    for (;;) {
+      Configuration q = device_.home();
+      for (int k = 0; k < q.size(); ++k) {
+        q[k] += part(random_) *
+                (device_.axes()[static_cast<std::size_t>(k)].unit == deg ? angle_ : length_);
+      }
+      if (device_.reachable(q)) return q;
+    }
+  }
+  [[nodiscard]] std::mt19937& random() { return random_; }
+
+ private:
+  const Mechanism& device_;
+  double angle_, length_;
+  std::mt19937 random_;
+};
+
+/// Steps for central differences of q.
+inline Eigen::VectorXd steps_of(const Mechanism& device) {
+  Eigen::VectorXd steps(device.degrees_of_freedom());
+  for (int k = 0; k < steps.size(); ++k) {
+    steps[k] = device.axes()[static_cast<std::size_t>(k)].unit == deg ? 1e-5 : 1e-7;
+  }
+  return steps;
+}
+
+}  // namespace softfinger
