@@ -23,9 +23,8 @@ std::string shipped_text(const std::string& name) {
 }
 
 std::filesystem::path written(const std::string& text) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) /
-      ("mechanism_under_test_" + std::to_string(getpid()) + ".toml");
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
+                                     ("mechanism_under_test_" + std::to_string(getpid()) + ".toml");
   std::ofstream(file) << text;
   return file;
 }
@@ -132,8 +131,7 @@ TEST(MechanismFile, RefusesWhatCannotBeRendered) {
   const std::size_t configuration = text.find("[configuration]");
   EXPECT_THAT(refusal_of(text.substr(0, surface) + text.substr(configuration)),
               HasSubstr("surface"));
-  EXPECT_THAT(refusal_of_change("radius_mm = 5.0", "radius_mm = 5.0\npins = 3"),
-              HasSubstr("pins"));
+  EXPECT_THAT(refusal_of_change("radius_mm = 5.0", "radius_mm = 5.0\npins = 3"), HasSubstr("pins"));
   EXPECT_THAT(refusal_of_change("type = \"sphere\"", "type = \"spere\""), HasSubstr("sphere"));
 }
 
@@ -157,8 +155,8 @@ TEST(MechanismFile, RefusesMoreThanItsCapacity) {
   for (int b = 0; b < 30; ++b) {
     const std::string name = "b" + std::to_string(b);
     bodies += "[[body]]\nname = \"" + name + "\"\n";
-    joints += "[[joint]]\nname = \"j" + name + "\"\ntype = \"free\"\nparent = \"base\"\nchild = \"" +
-              name + "\"\n";
+    joints += "[[joint]]\nname = \"j" + name +
+              "\"\ntype = \"free\"\nparent = \"base\"\nchild = \"" + name + "\"\n";
   }
   EXPECT_THAT(refusal_of(bodies + joints), AllOf(HasSubstr("30 bodies"), HasSubstr("24")));
   const std::size_t many = bodies.find("[[body]]\nname = \"b20\"");

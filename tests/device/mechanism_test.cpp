@@ -225,8 +225,8 @@ TEST_P(ShippedMechanism, DeviationDerivativesAreDerivatives) {
     Eigen::VectorXd plain_gradient(n);
     Eigen::MatrixXd plain_gauss(n, n);
     Eigen::MatrixXd unused(n, n);
-    const double plain = device_->Device::deviation_derivatives(q, view, plain_gradient,
-                                                                plain_gauss, unused);
+    const double plain =
+        device_->Device::deviation_derivatives(q, view, plain_gradient, plain_gauss, unused);
     EXPECT_NEAR(value, plain, 1e-12 * plain);
     EXPECT_LT((gradient - plain_gradient).norm(), 1e-10 * plain_gradient.norm());
     EXPECT_LT((gauss - plain_gauss).norm(), 1e-10 * plain_gauss.norm());

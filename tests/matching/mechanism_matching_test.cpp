@@ -20,7 +20,7 @@ TEST(MechanismMatching, AgreesWithTheClosedForm) {
       options.limits = limits;
       const MatchingResult expected = closed_form.solve(pad.view(), options);
       const MatchingResult result = general.solve(pad.view(), options);
-      limited += expected.active_constraints != 0 ? 1 : 0;
+      limited += expected.active_constraints.any() ? 1 : 0;
       EXPECT_LT((result.configuration - expected.configuration).cwiseAbs().maxCoeff(), 1e-6);
       EXPECT_NEAR(result.deviation, expected.deviation, 1e-9 * expected.deviation + 1e-18);
       EXPECT_EQ(result.joints_exist, expected.joints_exist);

@@ -11,7 +11,7 @@ namespace {
 constexpr double kFarthestStart = 0.3;  // first correction that still counts as from nearby
 // A step after which the next would be lost in rounding, and the derivatives change no more.
 constexpr double kConverged = 1e-9;
-constexpr double kLongestPiece = 0.5;   // motion between two solutions on a way
+constexpr double kLongestPiece = 0.5;            // motion between two solutions on a way
 constexpr double kShortestPiece = 1.0 / 4096.0;  // of the way
 constexpr int kNewtonSteps = 8;
 constexpr double kClosed = 1e-7;  // m; what equations that follow from the others may lack

@@ -70,7 +70,7 @@ class ClosedLinkage {
 
 /// What closing the loops of a linkage from a first guess found.
 struct LinkageAssembly {
-  LinkageCoordinates x;        ///< nearest to the guess
+  LinkageCoordinates x;         ///< nearest to the guess
   double worst_residual = 0.0;  ///< m; not 0: the loops do not close
   int worst_equation = -1;
   int degrees_of_freedom = 0;

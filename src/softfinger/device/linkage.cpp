@@ -14,10 +14,10 @@ struct InverseLeftJacobian {
   explicit InverseLeftJacobian(const Vector3& t) : turn(skew(t)), vector(t) {
     const double s = t.squaredNorm();
     if (s < 0.25) {  // sum |B_2k| / (2k)! s^(k-1), B the Bernoulli numbers, by Horner's scheme
-      static constexpr std::array<double, 7> kSeries{
-          1.0 / 12.0,       1.0 / 720.0,      1.0 / 30240.0,
-          1.0 / 1209600.0,  1.0 / 47900160.0, 691.0 / 1307674368000.0,
-          1.0 / 74724249600.0};
+      static constexpr std::array<double, 7> kSeries{1.0 / 12.0,         1.0 / 720.0,
+                                                     1.0 / 30240.0,      1.0 / 1209600.0,
+                                                     1.0 / 47900160.0,   691.0 / 1307674368000.0,
+                                                     1.0 / 74724249600.0};
       for (auto term = kSeries.rbegin(); term != kSeries.rend(); ++term) {
         c_rate = c_rate * s + c;
         c = c * s + *term;
@@ -204,9 +204,9 @@ void Linkage::read(std::span<const LinkageReading> readings, const LinkageCoordi
         value = x[reading.component];
         break;
       case LinkageReading::Kind::kPosition:
-        value = placement.body[static_cast<std::size_t>(reading.body)]
-                    .translation[reading.component] -
-                reading.reference.translation[reading.component];
+        value =
+            placement.body[static_cast<std::size_t>(reading.body)].translation[reading.component] -
+            reading.reference.translation[reading.component];
         break;
       case LinkageReading::Kind::kRotation:
         if (reading.body != turned) turn = rotation_reading(reading, placement);
@@ -249,10 +249,9 @@ void Linkage::gradient(int e, const LinkagePlacement& placement, Eigen::Ref<Eige
   const Vector3 turn = length_ * (B.rotation * equation.direction_b).cross(direction);
   for (std::uint64_t left = between(equation); left != 0; left &= left - 1) {
     const int j = std::countr_zero(left);
-    const double change =
-        along      ? direction.dot(point_velocity(j, placement, point))
-        : is_angle(j) ? turn.dot(placement.direction[static_cast<std::size_t>(j)])
-                   : 0.0;
+    const double change = along         ? direction.dot(point_velocity(j, placement, point))
+                          : is_angle(j) ? turn.dot(placement.direction[static_cast<std::size_t>(j)])
+                                        : 0.0;
     rows(row, j) = moves(j, equation.b) ? change : -change;
   }
 }
@@ -272,8 +271,8 @@ void Linkage::gradient_rate(int e, const LinkagePlacement& placement,
   const Vector3 point_rate = velocity.velocity[b] + velocity.spin[b].cross(arm);
   const Vector3 other = B.rotation * equation.direction_b;
   const Vector3 turn = length_ * other.cross(direction);
-  const Vector3 turn_rate = length_ * (velocity.spin[b].cross(other).cross(direction) +
-                                       other.cross(direction_rate));
+  const Vector3 turn_rate =
+      length_ * (velocity.spin[b].cross(other).cross(direction) + other.cross(direction_rate));
   for (std::uint64_t left = between(equation); left != 0; left &= left - 1) {
     const int j = std::countr_zero(left);
     double change = 0.0;
@@ -288,9 +287,8 @@ void Linkage::gradient_rate(int e, const LinkagePlacement& placement,
   }
 }
 
-void Linkage::gradients(std::span<const LinkageReading> readings,
-                        const LinkagePlacement& placement, Eigen::Ref<Eigen::MatrixXd> rows,
-                        int row) const {
+void Linkage::gradients(std::span<const LinkageReading> readings, const LinkagePlacement& placement,
+                        Eigen::Ref<Eigen::MatrixXd> rows, int row) const {
   int turned = -1;  // of which body `by_spin` is
   Matrix3 by_spin;
   for (const LinkageReading& reading : readings) {

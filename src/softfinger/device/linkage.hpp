@@ -23,9 +23,10 @@ enum class JointType { kFixed, kRevolute, kPrismatic, kUniversal, kSpherical, kF
 struct LinkageBody {
   int parent = 0;  ///< an earlier body; 0 is the base
   JointType type = JointType::kFixed;
-  Pose X_PJ;                               ///< joint frame on the parent
-  Vector3 axis = Vector3::UnitZ();         ///< unit, in J
-  Vector3 second_axis = Vector3::UnitX();  ///< of a universal joint, unit, in J, turned by the first
+  Pose X_PJ;                        ///< joint frame on the parent
+  Vector3 axis = Vector3::UnitZ();  ///< unit, in J
+  Vector3 second_axis =
+      Vector3::UnitX();  ///< of a universal joint, unit, in J, turned by the first
 };
 
 /// One scalar equation of a loop between bodies a and b, in metres: the attachment points agree
@@ -37,7 +38,7 @@ struct LoopEquation {
   Vector3 point_a = Vector3::Zero(), point_b = Vector3::Zero();  ///< attachment, each in its body
   Vector3 direction_a = Vector3::UnitX();                        ///< unit, in a
   Vector3 direction_b = Vector3::UnitX();                        ///< unit, in b; kAcross only
-  int loop = 0;  ///< of which loop of the file
+  int loop = 0;                                                  ///< of which loop of the file
 };
 
 /// Something to read off a linkage: a joint's coordinate, or a component of a body's position
@@ -57,7 +58,7 @@ using LinkageCoordinates =
 
 /// Where everything is at some coordinates, in the base frame.
 struct LinkagePlacement {
-  std::array<Pose, kMaxLinkageBodies> body;                 ///< X_BL
+  std::array<Pose, kMaxLinkageBodies> body;               ///< X_BL
   std::array<Vector3, kMaxLinkageCoordinates> direction;  ///< axis turned or moved along, unit
 };
 
@@ -154,9 +155,9 @@ class Linkage {
   std::vector<LinkageBody> bodies_;
   std::vector<LoopEquation> equations_;
   double length_;
-  std::vector<Spot> spots_;             ///< one a coordinate
-  std::vector<int> first_coordinate_;   ///< one a body
-  std::vector<std::uint64_t> movers_;   ///< one a body: bit j: coordinate j moves it
+  std::vector<Spot> spots_;            ///< one a coordinate
+  std::vector<int> first_coordinate_;  ///< one a body
+  std::vector<std::uint64_t> movers_;  ///< one a body: bit j: coordinate j moves it
 };
 
 }  // namespace softfinger

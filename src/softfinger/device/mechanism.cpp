@@ -45,8 +45,7 @@ Mechanism::Mechanism(DeviceSettings settings, MechanismDescription description)
     : Device(std::move(settings)),
       description_(std::move(description)),
       home_solution_(at_home(description_)),
-      home_determinant_(
-          determinant(joints_by_configuration(description_.joints, home_solution_))),
+      home_determinant_(determinant(joints_by_configuration(description_.joints, home_solution_))),
       grid_(explored()) {
   name_constraints();
   find_legs();
@@ -106,7 +105,8 @@ double Mechanism::singularity_ratio(const LinkageSolution& solution) const {
 }
 
 bool Mechanism::within_limits(const LinkageSolution& solution) const {
-  if (description_.tilt && tilt(solution) > description_.tilt->max_tilt + kLimitTolerance) return false;
+  if (description_.tilt && tilt(solution) > description_.tilt->max_tilt + kLimitTolerance)
+    return false;
   for (int joint = 0; joint < joints(); ++joint) {
     const double value = joint_value(solution, joint);
     if (value < joint_limits().min[joint] - kLimitTolerance ||
@@ -148,9 +148,9 @@ bool Mechanism::forward_kinematics(const JointAngles& joint_values, Configuratio
   const auto lack = [&](const LinkageCoordinates& x) {
     double sum = 0.0;
     for (int joint = 0; joint < joints(); ++joint) {
-      const double d = joint_scale(joint) *
-                       (x[description_.joints[static_cast<std::size_t>(joint)].component] -
-                        wanted[joint]);
+      const double d =
+          joint_scale(joint) *
+          (x[description_.joints[static_cast<std::size_t>(joint)].component] - wanted[joint]);
       sum += d * d;
     }
     return sum;

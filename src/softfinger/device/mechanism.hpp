@@ -116,6 +116,8 @@ class Mechanism final : public Device {
   [[nodiscard]] bool within_limits(const LinkageSolution& solution) const;
   [[nodiscard]] double stretch_ratio(const LinkageSolution& solution) const;
   [[nodiscard]] SolvedGrid explored() const;
+  /// How far each axis goes with the others at home.
+  [[nodiscard]] WorkspaceSummary reaches() const;
   void name_constraints();
   void find_legs();
 
@@ -124,8 +126,7 @@ class Mechanism final : public Device {
               LinkageMatrix& rates) const;
   [[nodiscard]] Pose piece_pose(const LinkageSolution& solution, const SurfacePiece& piece) const;
   /// Twist of a body by q: rows 0-2 velocity of its origin, rows 3-5 angular velocity, in B'.
-  using Twist =
-      Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxLinkageInputs>;
+  using Twist = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxLinkageInputs>;
   [[nodiscard]] Twist twist(const LinkageSolution& solution, int body) const;
   struct BodySums;
   void add_motion_curvature(const LinkageSolution& solution,

@@ -40,9 +40,9 @@ LinkageReading read_body_coordinate(const ConfigTable& table, const LinkageTable
   reading.body = read_name(table, "body", tables.bodies, "body");
   if (reading.body == 0) table.fail("body", "the base does not move");
   const std::string name = table.choice("coordinate", names);
-  const auto& found = *std::find_if(
-      kBodyCoordinates.begin(), kBodyCoordinates.end(),
-      [&](const BodyCoordinate& coordinate) { return name == coordinate.name; });
+  const auto& found =
+      *std::find_if(kBodyCoordinates.begin(), kBodyCoordinates.end(),
+                    [&](const BodyCoordinate& coordinate) { return name == coordinate.name; });
   reading.kind = found.kind;
   reading.component = found.component;
   reading.reference = at_guess.body[static_cast<std::size_t>(reading.body)];
@@ -56,8 +56,9 @@ LinkageReading read_joint_coordinate(const ConfigTable& table, const LinkageTabl
       tables.joints[static_cast<std::size_t>(read_name(table, "joint", names, "joint"))];
   const bool universal = joint.type == JointType::kUniversal;
   if (!universal && joint.type != JointType::kRevolute && joint.type != JointType::kPrismatic) {
-    table.fail("joint", "must be revolute, prismatic or universal; name a coordinate of its body "
-                        "instead");
+    table.fail("joint",
+               "must be revolute, prismatic or universal; name a coordinate of its body "
+               "instead");
   }
   LinkageReading reading;
   reading.component = tables.linkage.first_coordinate(joint.body);
@@ -82,9 +83,9 @@ std::vector<LinkageReading> read_configuration_axes(const ConfigTable& root,
                                        : read_body_coordinate(table, tables, at_guess);
     const bool angle = tables.linkage.is_angle(reading);
     if (!name.ends_with(angle ? "_deg" : "_mm")) {
-      configuration.fail(name, fmt::format("this coordinate is {}: its name must end in {}",
-                                           angle ? "an angle" : "a length",
-                                           angle ? "_deg" : "_mm"));
+      configuration.fail(name,
+                         fmt::format("this coordinate is {}: its name must end in {}",
+                                     angle ? "an angle" : "a length", angle ? "_deg" : "_mm"));
     }
     if (readings.size() == kMaxLinkageInputs) {
       configuration.fail(name, fmt::format("more than {} coordinates", kMaxLinkageInputs));
@@ -106,8 +107,9 @@ std::vector<LinkageReading> read_joints(const ConfigTable& root, const LinkageTa
   for (const NamedJoint& joint : tables.joints) {
     if (!joint.actuated) continue;
     if (!actuated.empty() && joint.type != actuated.front()->type) {
-      joint.table.fail("actuated", "motors that turn and motors that slide in one mechanism are "
-                                   "not supported");
+      joint.table.fail("actuated",
+                       "motors that turn and motors that slide in one mechanism are "
+                       "not supported");
     }
     actuated.push_back(&joint);
     LinkageReading reading;
@@ -124,9 +126,7 @@ std::vector<LinkageReading> read_joints(const ConfigTable& root, const LinkageTa
     limits.max[k] = actuated[static_cast<std::size_t>(k)]->max;
   }
   const bool turns = actuated.front()->type == JointType::kRevolute;
-  if (!turns && root.has("transport")) {
-    root.fail("transport", "its servos turn, but the actuated joints slide");
-  }
+  limits.linear = !turns;
   limits.max_rate = root.table("limits").number(
       turns ? "joint_rate_deg_per_s" : "joint_rate_mm_per_s", Range::positive());
   return readings;
@@ -257,8 +257,7 @@ std::shared_ptr<const Device> read_mechanism(const ConfigFile& file, DeviceSetti
       read_configuration_axes(root, tables, at_guess, settings);
   const std::vector<LinkageReading> joints = read_joints(root, tables, settings);
   const auto tilt = read_tilt(root.table("limits"), tables, at_guess);
-  const LinkageAssembly assembly =
-      assembled(root, tables, configuration.size(), joints.size());
+  const LinkageAssembly assembly = assembled(root, tables, configuration.size(), joints.size());
   MechanismDescription description{
       .linkage = ClosedLinkage(tables.linkage, assembly.independent_equations),
       .home = assembly.x,
@@ -274,20 +273,21 @@ std::shared_ptr<const Device> read_mechanism(const ConfigFile& file, DeviceSetti
   home.x = assembly.x;
   if (!description.linkage.complete(configuration, home) ||
       !(home.by_value.cwiseAbs().maxCoeff() < kMostSensitive)) {
-    root.fail("configuration", "these coordinates do not determine the mechanism near its guess: "
-                               "some motion leaves all of them as they are");
+    root.fail("configuration",
+              "these coordinates do not determine the mechanism near its guess: "
+              "some motion leaves all of them as they are");
   }
   if (!description.linkage.follow(configuration, settings.home, home)) {
     root.table_or_empty("home").fail(
-        "", "home is out of the workspace: the loops do not close there, or only beyond a "
-            "singularity");
+        "",
+        "home is out of the workspace: the loops do not close there, or only beyond a "
+        "singularity");
   }
   description.home = home.x;
   measure_axes(description, settings);
   auto device = std::make_shared<const Mechanism>(std::move(settings), std::move(description));
-  check_rest_poses(file, *device, [&](const Configuration& q) {
-    return mechanism_obstacle(*device, tables, q);
-  });
+  check_rest_poses(file, *device,
+                   [&](const Configuration& q) { return mechanism_obstacle(*device, tables, q); });
   return device;
 }
 

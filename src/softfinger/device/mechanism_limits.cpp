@@ -27,9 +27,7 @@ struct TiltFactor {
 
 }  // namespace
 
-int Mechanism::constraint_count() const {
-  return 2 * joints() + 2 + (description_.tilt ? 1 : 0);
-}
+int Mechanism::constraint_count() const { return 2 * joints() + 2 + (description_.tilt ? 1 : 0); }
 
 int Mechanism::constraint(Constraint kind, int joint) const {
   switch (kind) {
@@ -168,8 +166,7 @@ bool Mechanism::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorXd> 
         LinkageCoordinates bend = rates * solution.by_value.col(k);
         solution.lu.solve(bend);
         for (int joint = 0; joint < joints(); ++joint) {
-          joint_rate[joint] =
-              -bend[description_.joints[static_cast<std::size_t>(joint)].component];
+          joint_rate[joint] = -bend[description_.joints[static_cast<std::size_t>(joint)].component];
         }
         joints_lu.solve(joint_rate);
         trace += joint_rate[k];
@@ -195,9 +192,8 @@ void Mechanism::add_constraint_curvature(const Configuration& q,
   LinkageCoordinates weight = LinkageCoordinates::Zero(linkage.coordinate_count());
   for (int joint = 0; joint < joints(); ++joint) {
     weight[description_.joints[static_cast<std::size_t>(joint)].component] +=
-        joint_scale(joint) *
-        (std::max(0.0, multipliers[constraint(Constraint::kAbove, joint)]) -
-         std::max(0.0, multipliers[constraint(Constraint::kBelow, joint)]));
+        joint_scale(joint) * (std::max(0.0, multipliers[constraint(Constraint::kAbove, joint)]) -
+                              std::max(0.0, multipliers[constraint(Constraint::kBelow, joint)]));
   }
   // The tilt's derivative by q is lean . spin; both change.
   double tilt_weight = 0.0;
@@ -238,8 +234,8 @@ void Mechanism::add_constraint_curvature(const Configuration& q,
     const Vector3 across = upright.cross(axis);
     const Vector3 lean_rate = tilt_weight * (factor.rate * across.dot(spin) * across +
                                              factor.f * upright.cross(spin.cross(axis)));
-    hessian.col(l) += solution.by_value.transpose() * bend +
-                      by_q.bottomRows<3>().transpose() * lean_rate;
+    hessian.col(l) +=
+        solution.by_value.transpose() * bend + by_q.bottomRows<3>().transpose() * lean_rate;
   }
 }
 

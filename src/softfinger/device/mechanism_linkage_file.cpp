@@ -79,8 +79,8 @@ void read_actuation(const ConfigTable& table, NamedJoint& joint) {
 
 ReadJoint read_joint(const ConfigTable& table, const std::vector<std::string>& bodies) {
   ReadJoint joint{{.table = table, .name = table.text("name")}, {}, {}};
-  joint.named.type = joint_type(table.choice(
-      "type", {"revolute", "prismatic", "universal", "spherical", "free", "fixed"}));
+  joint.named.type = joint_type(
+      table.choice("type", {"revolute", "prismatic", "universal", "spherical", "free", "fixed"}));
   joint.body.type = joint.named.type;
   joint.body.parent = read_name(table, "parent", bodies, "body");
   joint.named.body = read_name(table, "child", bodies, "body");
@@ -202,8 +202,8 @@ Pose read_frame(const ConfigTable& table, const std::string& suffix) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(3);
   Pose pose;
   pose.translation = table.numbers("origin" + suffix + "_mm", 3, kPlace, none);
-  pose.rotation = exp_rotation(
-      Vector3(table.numbers("rotation_vector" + suffix + "_deg", 3, kTurn, none)));
+  pose.rotation =
+      exp_rotation(Vector3(table.numbers("rotation_vector" + suffix + "_deg", 3, kTurn, none)));
   return pose;
 }
 
@@ -212,8 +212,8 @@ LinkageTables read_linkage(const ConfigTable& root) {
   const std::vector<ConfigTable> body_tables = root.tables("body");
   if (body_tables.empty()) root.fail("body", "a mechanism needs bodies that move ([[body]])");
   if (body_tables.size() >= kMaxLinkageBodies) {
-    root.fail("body", fmt::format("{} bodies; at most {}", body_tables.size(),
-                                  kMaxLinkageBodies - 1));
+    root.fail("body",
+              fmt::format("{} bodies; at most {}", body_tables.size(), kMaxLinkageBodies - 1));
   }
   for (const ConfigTable& table : body_tables) {
     const std::string name = table.text("name");

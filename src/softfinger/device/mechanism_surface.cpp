@@ -200,8 +200,8 @@ double Mechanism::deviation_derivatives(const Configuration& q, const SurfaceSam
     if (!sum.touched) continue;
     sum.by_q = twist(solution, b);
     const Twist& by_q = sum.by_q;
-    gradient -= by_q.topRows<3>().transpose() * sum.force +
-                by_q.bottomRows<3>().transpose() * sum.moment();
+    gradient -=
+        by_q.topRows<3>().transpose() * sum.force + by_q.bottomRows<3>().transpose() * sum.moment();
     const Twist straight = sum.gauss_newton * by_q;
     const Twist bent = sum.curvature * by_q;
     gauss_newton += by_q.transpose() * straight;

@@ -12,7 +12,7 @@
 namespace softfinger {
 namespace {
 
-const Range kSize{.min = 0.01, .max = 1000.0};        // mm
+const Range kSize{.min = 0.01, .max = 1000.0};           // mm
 const Range kEdgeRounding = Range::between(0.02, 10.0);  // mm
 constexpr double kDefaultEdge = 0.5 * mm;
 
@@ -21,8 +21,8 @@ double read_edge(const ConfigTable& table, double limit, const char* what) {
   const double edge =
       table.number("edge_radius_mm", Range::at_least(0.0), std::min(kDefaultEdge, limit));
   if (edge > limit * (1.0 + 1e-9)) {
-    table.fail("edge_radius_mm",
-               fmt::format("must be at most {}, {:.6g}, found {:.6g}", what, limit / mm, edge / mm));
+    table.fail("edge_radius_mm", fmt::format("must be at most {}, {:.6g}, found {:.6g}", what,
+                                             limit / mm, edge / mm));
   }
   return std::min(edge, limit);
 }
@@ -58,8 +58,8 @@ PieceShape read_piece(const ConfigTable& table, const std::string& type) {
   }
   if (type == "box") {
     const Vector3 half_size = 0.5 * table.numbers("size_mm", 3, kSize);
-    return Shape(RoundedBox{half_size,
-                            read_edge(table, half_size.minCoeff(), "the least half size")});
+    return Shape(
+        RoundedBox{half_size, read_edge(table, half_size.minCoeff(), "the least half size")});
   }
   return Shape(read_mesh(table));
 }

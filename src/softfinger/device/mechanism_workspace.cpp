@@ -8,8 +8,9 @@
 namespace softfinger {
 namespace {
 
-constexpr double kPiecesASpacing = 4.0;  // looks at limits on the way between grid and q
-constexpr double kFarthestTravel = 4.0;  // of the linkage's length, from home
+constexpr double kPiecesASpacing = 4.0;     // looks at limits on the way between grid and q
+constexpr double kReachStep = 1.0 / 256.0;  // of the farthest that is looked at
+constexpr double kFarthestTravel = 4.0;     // of the linkage's length, from home
 
 }  // namespace
 
@@ -48,23 +49,47 @@ WorkspaceSummary Mechanism::workspace_summary() const {
     if (reading.component == 1) pitch = k;
   }
   const int travel = approach_axis();
-  const double start = travel >= 0 ? home()[travel] : 0.0;
+  if (roll < 0 || pitch < 0 || travel < 0) return reaches();
   const double reach = kFarthestTravel * description_.linkage.linkage().length();
-  // Rotations that the configuration does not name cannot be asked for.
-  const auto reached = [&](double wanted_pitch, double wanted_roll, double wanted_travel) {
-    Configuration q = home();
-    for (const auto& [axis, wanted] :
-         {std::pair(pitch, wanted_pitch), std::pair(roll, wanted_roll)}) {
-      if (axis >= 0) q[axis] = wanted;
-      if (axis < 0 && std::abs(wanted) > 1e-12) return false;
-    }
-    if (travel >= 0) q[travel] = wanted_travel;
-    if (travel < 0 && wanted_travel != start) return false;
-    return reachable(q);
-  };
   return summarise_platform_workspace(
-      reached, start - reach, start + reach, start,
+      [&](double wanted_pitch, double wanted_roll, double wanted_travel) {
+        Configuration q = home();
+        q[pitch] = wanted_pitch;
+        q[roll] = wanted_roll;
+        q[travel] = wanted_travel;
+        return reachable(q);
+      },
+      home()[travel] - reach, home()[travel] + reach, home()[travel],
       description_.tilt ? description_.tilt->max_tilt : 0.5 * std::numbers::pi);
+}
+
+WorkspaceSummary Mechanism::reaches() const {
+  WorkspaceSummary summary;
+  const Linkage& linkage = description_.linkage.linkage();
+  for (int k = 0; k < degrees_of_freedom(); ++k) {
+    const ConfigurationAxis& axis = axes()[static_cast<std::size_t>(k)];
+    const double farthest =
+        linkage.is_angle(description_.configuration[static_cast<std::size_t>(k)])
+            ? std::numbers::pi
+            : kFarthestTravel * linkage.length();
+    const auto end = [&](double side) {
+      const auto reached = [&](double part) {
+        Configuration q = home();
+        q[k] += part * side * farthest;
+        return reachable(q);
+      };
+      double inside = 0.0;
+      while (inside < 1.0 && reached(inside + kReachStep)) inside += kReachStep;
+      double outside = std::min(1.0, inside + kReachStep);
+      for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (inside + outside);
+        (reached(middle) ? inside : outside) = middle;
+      }
+      return home()[k] + inside * side * farthest;
+    };
+    summary.reaches.push_back({axis.name, end(-1.0), end(1.0), axis.unit});
+  }
+  return summary;
 }
 
 }  // namespace softfinger

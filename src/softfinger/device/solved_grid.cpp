@@ -9,10 +9,12 @@ namespace {
 
 constexpr int kMostNodes = 4096;
 constexpr int kMostStepsAway = 15;  // from home along one axis
-constexpr int kBits = 5;        // of a key, for one axis
+constexpr int kBits = 5;            // of a key, for one axis
 static_assert(kMaxLinkageInputs * kBits <= 64 && 2 * kMostStepsAway + 1 < 1 << kBits);
 
-std::uint64_t key_unit(Eigen::Index axis) { return std::uint64_t{1} << (kBits * static_cast<int>(axis)); }
+std::uint64_t key_unit(Eigen::Index axis) {
+  return std::uint64_t{1} << (kBits * static_cast<int>(axis));
+}
 
 int steps_along(std::uint64_t key, Eigen::Index axis) {
   return static_cast<int>(key >> (kBits * static_cast<int>(axis)) & ((1U << kBits) - 1)) -

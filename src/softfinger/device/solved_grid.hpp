@@ -11,8 +11,8 @@ namespace softfinger {
 
 /// Solutions of a linkage on a grid of configurations through home: starts for Newton's method near
 /// every configuration, all on the branch of home. Filled from home outwards, neighbour by
-/// neighbour, as far as `inside` holds and one node further, up to a number of nodes. Immutable once
-/// built; queries do not allocate.
+/// neighbour, as far as `inside` holds and one node further, up to a number of nodes. Immutable
+/// once built; queries do not allocate.
 class SolvedGrid {
  public:
   using Inside = std::function<bool(const LinkageSolution& solution)>;

@@ -31,9 +31,8 @@ NearestPoint nearest_of_disk(double radius, const Vector3& p_S) {
   nearest.squared_distance = nearest.residual.squaredNorm();
   nearest.derivative = Vector3::UnitZ() * Vector3::UnitZ().transpose();
   if (around.rho > radius) {
-    nearest.derivative +=
-        around.outward * around.outward.transpose() +
-        (1.0 - radius / around.rho) * around.tangent * around.tangent.transpose();
+    nearest.derivative += around.outward * around.outward.transpose() +
+                          (1.0 - radius / around.rho) * around.tangent * around.tangent.transpose();
   }
   return nearest;
 }
