@@ -252,35 +252,35 @@ TEST_P(ShippedMechanism, DeviationDerivativesAreDerivatives) {
 
 // The two determinants near where they vanish, against differences.
 TEST(Mechanism, SingularityConstraintsAreDerivativesNearby) {
-  const std::shared_ptr<const Mechanism> device = mechanism("five-bar");
-  const double length = device->description().linkage.linkage().length();
+  const Mechanism& device = thimble_by_bodies();
+  const double length = device.description().linkage.linkage().length();
   std::mt19937 random(8);
-  std::uniform_real_distribution<double> off(-20.0, 20.0);
-  const int count = device->constraint_count();
+  std::uniform_real_distribution<double> tilt(-35.0, 35.0);
+  std::uniform_real_distribution<double> travel(-15.0, 15.0);
+  const int count = device.constraint_count();
   Eigen::VectorXd values(count);
-  Eigen::MatrixXd jacobian(count, 2);
+  Eigen::MatrixXd jacobian(count, 3);
   std::array<int, 2> compared{};
   for (int i = 0; i < 3000; ++i) {
-    Configuration q(2);
-    q << off(random) * mm, off(random) * mm;
-    if (!device->constraints(q, values, jacobian)) continue;
+    const Configuration q = configuration(tilt(random), tilt(random), travel(random));
+    if (!device.constraints(q, values, jacobian)) continue;
     for (int which = 0; which < 2; ++which) {
-      const int row = 2 * device->joint_count() + which;
+      const int row = 2 * device.joint_count() + which;
       const double vanishing = -values[row] / length;  // square of the ratio, and the ratio
       if (vanishing < 0.01 || vanishing > (which == 0 ? 0.08 : 0.28)) continue;
       const auto value_at = [&](const Eigen::VectorXd& at) {
         Eigen::VectorXd v(count);
-        Eigen::MatrixXd j(count, 2);
-        EXPECT_TRUE(device->constraints(at, v, j));
+        Eigen::MatrixXd j(count, 3);
+        EXPECT_TRUE(device.constraints(at, v, j));
         return Eigen::VectorXd::Constant(1, v[row]).eval();
       };
-      const Eigen::VectorXd steps = Eigen::VectorXd::Constant(2, 1e-8);
-      EXPECT_LT(derivative_error(value_at, q, jacobian.row(row), steps), 1e-5);
+      EXPECT_LT(derivative_error(value_at, q, jacobian.row(row), Eigen::Vector3d(1e-6, 1e-6, 1e-8)),
+                1e-5);
       ++compared[static_cast<std::size_t>(which)];
     }
   }
   EXPECT_GT(compared[0], 10);
-  EXPECT_GT(compared[1], 10);
+  EXPECT_GT(compared[1], 5);
 }
 
 // Far out, where nothing closes, all answers are still numbers.

@@ -11,8 +11,8 @@ namespace {
 constexpr double kFarthestStart = 0.3;  // first correction that still counts as from nearby
 // A step after which the next would be lost in rounding, and the derivatives change no more.
 constexpr double kConverged = 1e-9;
-constexpr double kLongestPiece = 0.5;            // motion between two solutions on a way
-constexpr double kShortestPiece = 1.0 / 4096.0;  // of the way
+constexpr double kLongestPiece = 0.5;           // motion between two solutions on a way
+constexpr double kShortestPiece = 1.0 / 256.0;  // of the way
 constexpr int kNewtonSteps = 8;
 constexpr double kClosed = 1e-7;  // m; what equations that follow from the others may lack
 
@@ -114,7 +114,6 @@ bool ClosedLinkage::follow(std::span<const LinkageReading> readings, const Linka
   double at = 0.0;
   double piece = 1.0;
   while (at < 1.0) {
-    piece = std::min(piece, 1.0 - at);
     // The last piece ends at the values themselves, to the last bit.
     const bool last = at + piece >= 1.0;
     next.values = last ? values : LinkageInputs(start + (at + piece) * (values - start));
@@ -132,7 +131,6 @@ bool ClosedLinkage::follow(std::span<const LinkageReading> readings, const Linka
     }
     std::swap(solution, next);
     at = last ? 1.0 : at + piece;
-    piece *= 2.0;
   }
   return true;
 }
