@@ -237,7 +237,8 @@ std::string mechanism_obstacle(const Mechanism& device, const LinkageTables& tab
   if (!(std::abs(device.scaled_home_determinant()) > kLeastHomeDeterminant)) {
     return "the actuated joints do not hold it there: it is singular";
   }
-  if (device.description().tilt && device.tilt(solution) > device.description().tilt->max_tilt) {
+  if (device.description().tilt &&
+      device.tilt(solution) > device.description().tilt->max_tilt + 1e-9) {
     return fmt::format("tilt of {:.4g} degrees is more than limits.max_tilt_deg {:g}",
                        device.tilt(solution) / deg, device.description().tilt->max_tilt / deg);
   }
