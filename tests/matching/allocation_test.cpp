@@ -25,8 +25,7 @@ extern "C" void* malloc(std::size_t size) noexcept {
 namespace softfinger {
 namespace {
 
-/// Solves and ticks of one device.
-void expect_no_allocation(const std::shared_ptr<const Device>& device) {
+TEST(Allocation, SolvesAndTicksDoNotAllocate) {
   std::mt19937 random(1);
   std::vector<Pad> pads;
   std::vector<ContactSet> contacts;
@@ -43,7 +42,6 @@ void expect_no_allocation(const std::shared_ptr<const Device>& device) {
     }
     contacts.push_back(contact);
   }
-<<<<<<< HEAD
   for (const auto& file : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
     if (file.path().extension() != ".toml") continue;
     const auto device = load_device(file.path());
@@ -58,18 +56,6 @@ void expect_no_allocation(const std::shared_ptr<const Device>& device) {
         options.limits = limits;
         touched += matching.solve(pad.view(), options).iterations;
       }
-=======
-  ContactSurfaceMatching matching(device, 120);
-  SurfaceRendering rendering(device, 120);
-  const long before = allocations;
-  int touched = 0;
-  for (const Pad& pad : pads) {
-    for (const MatchingLimits limits :
-         {MatchingLimits::kInside, MatchingLimits::kClamp, MatchingLimits::kNone}) {
-      MatchingOptions options;
-      options.limits = limits;
-      touched += matching.solve(pad.view(), options).iterations;
->>>>>>> 790a77c (Mechanisms: tests against the closed form, refusals, docs, two more examples)
     }
     for (const ContactSet& contact : contacts) rendering.tick(contact);
     EXPECT_EQ(allocations - before, 0) << file.path();
@@ -78,14 +64,6 @@ void expect_no_allocation(const std::shared_ptr<const Device>& device) {
   const long before = allocations;
   const std::vector<double> counted(17);
   EXPECT_GT(allocations - before, 0) << counted.size();
-}
-
-TEST(Allocation, SolvesAndTicksDoNotAllocate) { expect_no_allocation(thimble()); }
-
-TEST(Allocation, NeitherDoMechanisms) {
-  for (const std::string name : {"thimble-3rrs-mechanism", "five-bar"}) {
-    expect_no_allocation(load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml"));
-  }
 }
 
 }  // namespace
