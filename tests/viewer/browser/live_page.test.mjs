@@ -41,10 +41,11 @@ test("shows the scene, live", async () => {
 });
 
 test("the picture moves", async () => {
-  const first = await picture("#virtual");
+  const clip = await page.locator("#virtual").boundingBox();
+  const first = await page.screenshot({ clip });
   const time = Number(await data("time"));
   await page.waitForFunction((from) => Math.abs(Number(document.body.dataset.time) - from) > 0.5, time);
-  const pixels = differingPixels(first, await picture("#virtual"));
+  const pixels = differingPixels(first, await page.screenshot({ clip }));
   assert.ok(pixels > 500, `${pixels} pixels differ`);
 });
 
