@@ -111,7 +111,8 @@ const DeviceKind& kind_named(const std::string& name) {
 std::shared_ptr<const Device> read_kind(const ConfigFile& file) {
   DeviceSettings settings;
   settings.kind = file.root().choice("kind", device_kinds());
-  return kind_named(settings.kind).read(file, std::move(settings));
+  const DeviceKind& kind = kind_named(settings.kind);
+  return kind.read(file, std::move(settings));
 }
 
 /// A transport, with as many servos as the device has joints.
@@ -131,6 +132,7 @@ std::string transport_example(const Device& device) {
 
 std::vector<std::string> device_kinds() {
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const DeviceKind& kind : kKinds) names.emplace_back(kind.name);
   return names;
 }

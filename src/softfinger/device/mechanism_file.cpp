@@ -35,6 +35,7 @@ constexpr std::array kBodyCoordinates{
 LinkageReading read_body_coordinate(const ConfigTable& table, const LinkageTables& tables,
                                     const LinkagePlacement& at_guess) {
   std::vector<std::string> names;
+  names.reserve(kBodyCoordinates.size());
   for (const BodyCoordinate& coordinate : kBodyCoordinates) names.emplace_back(coordinate.name);
   LinkageReading reading;
   reading.body = read_name(table, "body", tables.bodies, "body");

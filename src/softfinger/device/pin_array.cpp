@@ -54,7 +54,7 @@ PinArray::Nearest PinArray::nearest_pin(const Configuration& q, const Vector3& p
 
 ClosestPointResidual PinArray::closest_point_residual(const Configuration& q,
                                                       const Vector3& p_F) const {
-  const Vector3 p_B = field_.in_B(p_F);
+  const Vector3 p_B = field_.in_mount(p_F);
   const int pin = nearest_end(q, p_B).pin;
   const double dx = p_B.x() - field_.x(pin);
   const double dy = p_B.y() - field_.y(pin);
@@ -68,7 +68,7 @@ ClosestPointResidual PinArray::closest_point_residual(const Configuration& q,
 }
 
 SurfaceDistance PinArray::signed_distance(const Configuration& q, const Vector3& p_F) const {
-  const Vector3 p_B = field_.in_B(p_F);
+  const Vector3 p_B = field_.in_mount(p_F);
   const int pin = nearest_pin(q, p_B).pin;
   const PinDistance distance = pin_distance(field_.beyond(pin, p_B.x(), p_B.y()), p_B.z() - q[pin]);
   SurfaceDistance answer{distance.distance, {}};
@@ -81,7 +81,7 @@ double PinArray::deviation(const Configuration& q, const SurfaceSamples& samples
   double sum = 0.0;
   for (int i = 0; i < samples.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
-    const Vector3 p_B = field_.in_B({samples.x[s], samples.y[s], samples.z[s]});
+    const Vector3 p_B = field_.in_mount({samples.x[s], samples.y[s], samples.z[s]});
     const double lack = i < samples.contact_count
                             ? nearest_end(q, p_B).distance
                             : std::min(0.0, nearest_pin(q, p_B).distance - samples.margin[s]);
@@ -94,7 +94,7 @@ double PinArray::least_distance(const Configuration& q, const SurfaceSamples& sa
   const double highest = q.maxCoeff();
   double least = kInfinity;
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
-    const Vector3 p_B = field_.in_B({samples.x[i], samples.y[i], samples.z[i]});
+    const Vector3 p_B = field_.in_mount({samples.x[i], samples.y[i], samples.z[i]});
     if (p_B.z() - highest >= least) continue;
     least = std::min(least, nearest_pin(q, p_B).distance);
   }

@@ -20,9 +20,13 @@ class PinField {
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int count() const { return rows_ * columns_; }
   [[nodiscard]] double radius() const { return radius_; }
-  [[nodiscard]] double x(int pin) const { return (pin / columns_ - 0.5 * (rows_ - 1)) * pitch_; }
+  [[nodiscard]] double x(int pin) const {
+    const int row = pin / columns_;
+    return (row - 0.5 * (rows_ - 1)) * pitch_;
+  }
   [[nodiscard]] double y(int pin) const { return (pin % columns_ - 0.5 * (columns_ - 1)) * pitch_; }
-  [[nodiscard]] Vector3 in_B(const Vector3& p_F) const { return X_BF_ * p_F; }
+  /// A point of F in B'.
+  [[nodiscard]] Vector3 in_mount(const Vector3& p_F) const { return X_BF_ * p_F; }
   /// Distance of (x, y) to a pin's flank, m; negative inside.
   [[nodiscard]] double beyond(int pin, double px, double py) const {
     const double dx = px - x(pin);

@@ -35,7 +35,7 @@ void PinMinimiser::take(const SurfaceSamples& samples, bool inside) {
   double highest = home.maxCoeff();
   for (int i = 0; i < samples.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
-    const double z = field_.in_B({samples.x[s], samples.y[s], samples.z[s]}).z();
+    const double z = field_.in_mount({samples.x[s], samples.y[s], samples.z[s]}).z();
     lowest = std::min(lowest, z - samples.margin[s]);
     highest = std::max(highest, z);
   }
@@ -50,7 +50,7 @@ void PinMinimiser::take(const SurfaceSamples& samples, bool inside) {
 
   for (int i = 0; i < samples.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
-    const Vector3 p_B = field_.in_B({samples.x[s], samples.y[s], samples.z[s]});
+    const Vector3 p_B = field_.in_mount({samples.x[s], samples.y[s], samples.z[s]});
     Seen seen;
     seen.z = p_B.z();
     seen.weight = samples.weight[s];
