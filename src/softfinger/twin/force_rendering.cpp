@@ -14,7 +14,7 @@ constexpr double kLength = 0.3 * mm;
 
 }  // namespace
 
-ForceRendering::ForceRendering(std::shared_ptr<const FingerModel> model,
+ForceRendering::ForceRendering(const std::shared_ptr<const FingerModel>& model,
                                std::shared_ptr<const Device> device, MatchingOptions matching,
                                ForceAwareOptions options)
     : device_(std::move(device)),

@@ -13,8 +13,9 @@ namespace softfinger {
 /// does not allocate.
 class ForceRendering {
  public:
-  ForceRendering(std::shared_ptr<const FingerModel> model, std::shared_ptr<const Device> device,
-                 MatchingOptions matching = {}, ForceAwareOptions options = {});
+  ForceRendering(const std::shared_ptr<const FingerModel>& model,
+                 std::shared_ptr<const Device> device, MatchingOptions matching = {},
+                 ForceAwareOptions options = {});
 
   void reset();
   /// One device tick after SurfaceRendering's, `elapsed` s after the last.

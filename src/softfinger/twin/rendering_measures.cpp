@@ -74,7 +74,7 @@ RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& tw
 
 const std::array<MeasureName, kMeasures>& measure_names() {
   using M = RenderingMeasures;
-  static const std::array<MeasureName, kMeasures> names{{
+  static const std::array<MeasureName, kMeasures> kNames{{
       {"iou", 1.0, &M::iou},
       {"centroid_shift_mm", mm, &M::centroid_shift},
       {"normal_angle_deg", deg, &M::normal_angle},
@@ -84,7 +84,7 @@ const std::array<MeasureName, kMeasures>& measure_names() {
       {"pressure_error", 1.0, &M::pressure_error},
       {"strain_energy_density_error", 1.0, &M::strain_energy_density_error},
   }};
-  return names;
+  return kNames;
 }
 
 void MeasureMeans::add(const RenderingMeasures& measures) {
