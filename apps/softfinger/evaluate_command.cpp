@@ -1,7 +1,5 @@
 #include <fmt/core.h>
-#include <signal.h>
 
-#include <atomic>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -12,6 +10,7 @@
 #include "progress_bar.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/evaluation.hpp"
+#include "stop_signal.hpp"
 
 namespace {
 
@@ -20,11 +19,9 @@ using namespace softfinger;
 struct EvaluateFlags {
   EvaluationOptions options;
   std::optional<double> duration_s;
-  std::string wearer;
+  std::string wearer, objective;
   bool json = false;
 };
-
-std::atomic<bool> end_asked{false};
 
 void evaluate_scene(EvaluateFlags flags) {
   if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
@@ -33,9 +30,7 @@ void evaluate_scene(EvaluateFlags flags) {
   }
   flags.options.run.duration = flags.duration_s;
   if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
-  struct sigaction action {};
-  action.sa_handler = [](int) { end_asked.store(true); };
-  sigaction(SIGINT, &action, nullptr);
+  if (!flags.objective.empty()) flags.options.run.objective = objective_of(flags.objective);
 
   ProgressBar bar;
   flags.options.run.load_observer = load_observer(bar);
@@ -43,7 +38,7 @@ void evaluate_scene(EvaluateFlags flags) {
   observer.progress = [&bar](double time, std::optional<double> end) {
     if (end && *end > 0.0) bar.show(time / *end);
   };
-  const Evaluation evaluation = evaluate(flags.options, end_asked, observer);
+  const Evaluation evaluation = evaluate(flags.options, stop_on_signals(), observer);
   bar.clear();
   if (flags.json) {
     fmt::print("{}\n", evaluation_report(evaluation).dump(2));
@@ -72,7 +67,7 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--wearer", flags->wearer,
                       "finger file of who wears the device; the simulated finger where not given");
   command
-      ->add_option("--objective", run.objective,
+      ->add_option("--objective", flags->objective,
                    "what matching aims at, instead of the device file's: surface, "
                    "surface_and_force; or, to compare with, published (Perez et al. 2015) or "
                    "contact_plane (a plane at the contact's centroid)")

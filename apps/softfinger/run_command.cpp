@@ -1,5 +1,4 @@
 #include <fmt/core.h>
-#include <signal.h>
 
 #include <atomic>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/engine/live_session.hpp"
 #include "softfinger/viewer/server.hpp"
+#include "stop_signal.hpp"
 
 namespace {
 
@@ -32,17 +32,6 @@ struct RunFlags {
   bool json = false;
   std::uint16_t port = 8080;
 };
-
-std::atomic<bool> stop_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-// More than one Ctrl-C does not hurry the end: the device retracts, which takes about a second.
-void stop_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { stop_asked.store(true); };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 void check(const RunFlags& flags) {
   if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
@@ -65,14 +54,15 @@ void check(const RunFlags& flags) {
   }
 }
 
-RunSummary run_live(const RunFlags& flags, const RunObserver& observer) {
+RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
+                    const RunObserver& observer) {
   LiveSession session(flags.options, flags.repeat);
   ServerOptions server_options;
   server_options.port = flags.port;
   const Server server(session, server_options);
   fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
   std::fflush(stdout);
-  return session.run(stop_asked, observer);
+  return session.run(stop, observer);
 }
 
 void run(RunFlags flags) {
@@ -80,7 +70,7 @@ void run(RunFlags flags) {
   if (!flags.simd.empty()) choose_instruction_set(flags.simd);
   flags.options.duration = flags.duration_s;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
-  stop_on_signals();
+  const std::atomic<bool>& stop = stop_on_signals();
 
   ProgressBar bar;
   flags.options.load_observer = load_observer(bar);
@@ -94,8 +84,8 @@ void run(RunFlags flags) {
       if (end && *end > 0.0) bar.show(time / *end);
     };
   }
-  const RunSummary summary = flags.headless ? run_headless(flags.options, stop_asked, observer)
-                                            : run_live(flags, observer);
+  const RunSummary summary = flags.headless ? run_headless(flags.options, stop, observer)
+                                            : run_live(flags, stop, observer);
   bar.clear();
   if (flags.json) {
     fmt::print("{}\n", run_report(summary).dump(2));

@@ -302,6 +302,20 @@ TEST_F(SceneOfItsOwn, FingerWithoutDeviceRuns) {
   export_csv(directory_ / "run.db", directory_ / "csv");
 }
 
+TEST_F(SceneOfItsOwn, ForceAwareMatchingReplaysToTheBit) {
+  std::ifstream in(fs::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string plain = "objective = \"surface\"";
+  ASSERT_NE(text.find(plain), std::string::npos);
+  text.replace(text.find(plain), plain.size(), "objective = \"surface_and_force\"");
+  const fs::path device = directory_ / "device.toml";
+  std::ofstream(device) << text;
+  const RunSummary summary = record(write_scene({"index"}, device), directory_ / "run.db", 0.6);
+  EXPECT_GT(summary.all.max_normal_force, 0.1);
+  const ReplayResult result = replay({.recording = directory_ / "run.db", .scene = {}});
+  EXPECT_TRUE(result.agree) << result.difference;
+}
+
 TEST_F(SceneOfItsOwn, RecordingIsNotCreatedBeforeTheRunStarts) {
   RunOptions options;
   options.scene = write_scene({"index"}, "");

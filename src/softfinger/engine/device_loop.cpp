@@ -8,11 +8,6 @@
 namespace softfinger {
 namespace {
 
-Objective chosen_objective(const Device& device, const std::string& name) {
-  const std::string& chosen = name.empty() ? device.settings().matching.objective : name;
-  return objective_of(chosen).value_or(Objective::kSurface);
-}
-
 MatchingOptions matching_options(Objective objective) {
   MatchingOptions options;
   if (objective == Objective::kPublished) {
@@ -26,8 +21,9 @@ MatchingOptions matching_options(Objective objective) {
 
 DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
                        const std::shared_ptr<const FingerModel>& model,
-                       const ActuatorOptions& options, const std::string& objective)
-    : objective_(chosen_objective(*device, objective)),
+                       const ActuatorOptions& options, std::optional<Objective> objective)
+    : objective_(objective ? *objective
+                           : objective_of(device->settings().matching.objective).value()),
       rendering_(device, static_cast<int>(model->sample_nodes.size()),
                  matching_options(objective_)),
       actuator_(device, options) {

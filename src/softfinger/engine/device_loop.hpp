@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <string>
+#include <optional>
 
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/contact/contact_set.hpp"
@@ -27,11 +27,11 @@ struct TickInput {
 /// headless and live runs, replays and the library.
 class DeviceLoop {
  public:
-  /// `model`: the simulated finger. `objective`: of the matching; empty: the device file's. Throws
+  /// `model`: the simulated finger. `objective`: instead of the device file's. Throws
   /// InputError where the port cannot be opened.
   DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
              const std::shared_ptr<const FingerModel>& model, const ActuatorOptions& options,
-             const std::string& objective = {});
+             std::optional<Objective> objective = {});
 
   /// One device tick. Allocates nothing, takes no lock, throws nothing.
   const TickRecord& tick(std::int64_t step, double time, bool tracked, const ContactSet& contact,
@@ -48,7 +48,7 @@ class DeviceLoop {
  private:
   Objective objective_;
   SurfaceRendering rendering_;
-  std::unique_ptr<ForceRendering> force_;  ///< null: objective "surface"
+  std::unique_ptr<ForceRendering> force_;  ///< null: another objective
   Actuator actuator_;
   TickRecord record_;
 };

@@ -10,6 +10,7 @@
 #include "softfinger/device/device.hpp"
 #include "softfinger/engine/recording_info.hpp"
 #include "softfinger/finger/finger_model.hpp"
+#include "softfinger/matching/objective.hpp"
 #include "softfinger/scene/scene.hpp"
 
 namespace softfinger {
@@ -24,8 +25,9 @@ struct RunOptions {
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
   bool wait_for_device = false;      ///< an absent port is no error
-  std::string objective;             ///< of the matching; empty: as the device files say
-  std::string port;                  ///< of every device, instead of its file's; empty: the file's
+  /// Of the matching, instead of the device files'; recordings do not know of it.
+  std::optional<Objective> objective;
+  std::string port;  ///< of every device, instead of its file's; empty: the file's
   /// That step several fingers side by side, or one with a large mesh; the bits do not depend on
   /// it.
   int threads = 1;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLeastForce = 1e-3;      // N; a smaller force is not worth an iteration
 constexpr double kForceTolerance = 1e-3;  // of the virtual force; nobody feels less
+constexpr double kFarOff = 0.5;           // of the virtual force; the last frame is no start then
 constexpr double kStepTolerance = 1e-6;   // m of surface motion
 constexpr double kLeastDamping = 1e-4;    // of the largest diagonal
 constexpr int kRejections = 4;
@@ -68,10 +69,11 @@ struct ForceAwareMatching::Implementation {
   [[nodiscard]] double force_cost(const Vector3& force) const {
     return options.force_weight * options.force_weight * (force - target).squaredNorm();
   }
+  void choose_start(const Configuration& surface);
   [[nodiscard]] bool form_step(const Configuration& q, const Vector3& force,
                                const SurfaceJacobian& force_by_q, double damping);
   void cut_step();
-  void search(double elapsed_friction);
+  void search();
 };
 
 void ForceAwareMatching::Implementation::take(const ContactSet& contact,
@@ -145,15 +147,32 @@ void ForceAwareMatching::Implementation::cut_step() {
   step /= longest;
 }
 
+/// Where the last frame ended, unless the surface match is better: at first touch, and where the
+/// twin has lost contact. The twin is then at result.configuration.
+void ForceAwareMatching::Implementation::choose_start(const Configuration& surface) {
+  const auto cost_at = [&](const Configuration& q) {
+    twin.attempt(q);
+    return surface_cost(q) + force_cost(normal_force_vector(twin.contact()));
+  };
+  result.configuration = before;
+  const double cost = cost_at(before);
+  const Vector3 error = normal_force_vector(twin.contact()) - target;
+  if (error.norm() < kFarOff * target.norm()) return;
+  if (cost_at(surface) < cost) {
+    result.configuration = surface;
+  } else {
+    twin.attempt(before);
+  }
+}
+
 /// From the twin's present attempt at result.configuration.
-void ForceAwareMatching::Implementation::search(double scale) {
+void ForceAwareMatching::Implementation::search() {
   Vector3 force;
   SurfaceJacobian force_by_q;
   if (!twin.force_and_derivative(force, force_by_q)) return;
   double cost = surface_cost(result.configuration) + force_cost(force);
   double damping = 0.0;
   int rejections = 0;
-  result.force = force;
   while (result.iterations < options.iterations && rejections < kRejections) {
     if (!form_step(result.configuration, force, force_by_q, damping)) return;
     cut_step();
@@ -171,13 +190,12 @@ void ForceAwareMatching::Implementation::search(double scale) {
       continue;
     }
     ++result.iterations;
-    result.improved = true;
     result.configuration = trial;
     cost = trial_cost;
     damping *= 0.1;
     rejections = 0;
-    result.force = normal_force_vector(twin.contact());
-    if ((result.force - target).norm() < kForceTolerance * scale) return;
+    const Vector3 error = normal_force_vector(twin.contact()) - target;
+    if (error.norm() < kForceTolerance * target.norm()) return;
     if (result.iterations == options.iterations) return;
     if (!twin.force_and_derivative(force, force_by_q)) return;
   }
@@ -206,33 +224,17 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   result = {};
   self.take(virtual_side, matching);
   self.target = normal_force_vector(virtual_side);
-  const double force = self.target.norm();
-  const bool touches = virtual_side.contact_count > 0 && force > kLeastForce;
-
-  // From where the last frame ended, unless the surface match is the better start: at first touch,
-  // and where the twin has lost contact.
-  result.configuration = surface;
-  const auto costs = [&](const Configuration& q) {
+  if (virtual_side.contact_count > 0 && self.target.norm() > kLeastForce) {
     self.twin.begin_frame(friction_coefficient, elapsed);
-    self.twin.attempt(q);
-    return self.surface_cost(q) + self.force_cost(normal_force_vector(self.twin.contact()));
-  };
-  if (touches && self.twin.contact().contact_count > 0 && self.device->reachable(self.before)) {
-    const double from_before = costs(self.before);
-    if (from_before < costs(surface)) {
-      result.configuration = self.before;
-      costs(self.before);
-    }
+    self.choose_start(surface);
+    self.search();
+    // A step that was refused is not where the frame ends.
+    if (self.twin.configuration() != result.configuration) self.twin.attempt(result.configuration);
+    self.twin.keep();
   } else {
+    result.configuration = surface;
     self.twin.press(surface, friction_coefficient, elapsed);
-    self.twin.begin_frame(friction_coefficient, 0.0);
-    self.twin.attempt(surface);
   }
-  result.force = normal_force_vector(self.twin.contact());
-  if (touches) self.search(force);
-  // A step that was refused is not where the frame ends.
-  if (self.twin.configuration() != result.configuration) self.twin.attempt(result.configuration);
-  self.twin.keep();
   result.force = normal_force_vector(self.twin.contact());
   result.deviation = self.device->deviation(result.configuration, self.samples);
   self.before = result.configuration;

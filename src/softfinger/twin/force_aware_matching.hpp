@@ -25,7 +25,6 @@ struct ForceAwareResult {
   Vector3 force = Vector3::Zero();  ///< of the twin there, see normal_force_vector(); F, N
   double deviation = 0.0;           ///< E there, m^2
   int iterations = 0;
-  bool improved = false;  ///< false: the configuration it was given
 };
 
 /// Objective "surface_and_force": the configuration whose twin feels the virtual contact's normal

@@ -1,0 +1,7 @@
+#pragma once
+
+#include <atomic>
+
+/// From now on Ctrl-C and the terminate signal no longer end the program but set this flag. More
+/// than one does not hurry the end: a device retracts, which takes about a second.
+[[nodiscard]] const std::atomic<bool>& stop_on_signals();
