@@ -29,7 +29,7 @@ void evaluate_scene(EvaluateFlags flags) {
         fmt::format("--duration-s {}: must be a time above 0 in seconds", *flags.duration_s));
   }
   flags.options.run.duration = flags.duration_s;
-  if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
+  if (!flags.wearer.empty()) flags.options.run.wearer = flags.wearer;
   if (!flags.objective.empty()) flags.options.run.objective = objective_of(flags.objective);
 
   ProgressBar bar;
@@ -69,9 +69,9 @@ void add_evaluate_command(CLI::App& app) {
   command
       ->add_option("--objective", flags->objective,
                    "what matching aims at, instead of the device file's: surface, "
-                   "surface_and_force; or, to compare with, published (Perez et al. 2015) or "
+                   "surface_and_force, stress; or, to compare with, published (Perez et al. 2015) or "
                    "contact_plane (a plane at the contact's centroid)")
-      ->check(CLI::IsMember({"surface", "surface_and_force", "published", "contact_plane"}));
+      ->check(CLI::IsMember({"surface", "surface_and_force", "stress", "published", "contact_plane"}));
   command->add_option("--duration-s", flags->duration_s, "end after this time, s");
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] { evaluate_scene(*flags); });

@@ -26,6 +26,7 @@ struct RunFlags {
   RunOptions options;
   std::optional<double> duration_s;
   std::string recording;
+  std::string wearer;
   std::string simd;
   bool headless = false;
   bool repeat = false;
@@ -69,6 +70,7 @@ void run(RunFlags flags) {
   check(flags);
   if (!flags.simd.empty()) choose_instruction_set(flags.simd);
   flags.options.duration = flags.duration_s;
+  if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
   const std::atomic<bool>& stop = stop_on_signals();
 
@@ -113,6 +115,9 @@ void add_run_command(CLI::App& app) {
                    "tracker instead of the scene's: script or csv:FILE; NAME=SPEC for one of "
                    "several fingers")
       ->allow_extra_args(false);
+  command->add_option("--wearer", flags->wearer,
+                      "finger file of whom an emulated force sensor feels; the simulated finger "
+                      "where not given");
   command->add_option("--record", flags->recording, "record into this new file");
   command->add_flag("--record-state", options.record_state,
                     "record all nodes and samples of every step as well");

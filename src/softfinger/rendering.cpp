@@ -49,14 +49,16 @@ struct Rendering::Implementation {
         loop(0, setup->models[index], setup->scene.objects, rate, false),
         clock(rate, rate) {
     if (!setup->devices[index]) return;
-    ActuatorOptions actuator;
+    DeviceLoopOptions device_options;
     if (!options.open_device) {
-      actuator.port = "emulator";
-      actuator.simulated_time = true;
+      device_options.actuator.port = "emulator";
+      device_options.actuator.simulated_time = true;
     }
+    device_options.actuator.ceiling = setup->ceilings[index];
     const Device& description = *setup->devices[index];
     clock = DeviceClock(rate, softfinger::device_rate(description));
-    device = std::make_unique<DeviceLoop>(0, setup->devices[index], setup->models[index], actuator);
+    device = std::make_unique<DeviceLoop>(0, setup->devices[index], setup->models[index],
+                                          device_options);
     command.configuration = device->record().command.configuration;
     command.joints = device->record().command.joints;
     if (description.settings().transport) {
@@ -103,8 +105,10 @@ struct Rendering::Implementation {
   }
 
   void tick(const TrackedPose& tracked, std::chrono::steady_clock::time_point arrival) {
+    const FingerSimulation& simulation = loop.simulation();
     const TickRecord& tick =
-        device->tick(done, tracked.time, tracked.valid, loop.contact(), arrival);
+        device->tick({done, tracked.time, tracked.valid, arrival},
+                     {loop.contact(), simulation.positions(), simulation.bone_pose()});
     command.tick = tick.tick;
     command.time = origin + tick.time;
     command.configuration = tick.command.configuration;

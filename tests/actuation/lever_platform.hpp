@@ -76,8 +76,9 @@ class LeverPlatform : public Device {
     return {};
   }
   void solid_pieces(const Configuration&, std::span<SolidPiece>) const override {}
-  SurfaceDistance signed_distance(const Configuration&, const Vector3&) const override {
-    return {};
+  /// To the level plane at its travel.
+  SurfaceDistance signed_distance(const Configuration& q, const Vector3& p) const override {
+    return {p.z() - q[2], -Configuration::Unit(3, 2)};
   }
   Configuration facing(const Vector3&, const Configuration& q) const override { return q; }
   int approach_axis() const override { return 2; }

@@ -145,6 +145,55 @@ int ticks_to(MotionGuard& guard, const Configuration& goal) {
   return -1;
 }
 
+/// 1 mm into a point 2 mm above home at zero pitch, less with pitch.
+std::shared_ptr<const TravelCeiling> low_ceiling(const std::shared_ptr<const Device>& device) {
+  const Vector3 point = device->surface_pose(device->home()) * Vector3(0.0, 0.0, 2.0 * mm);
+  return std::make_shared<TravelCeiling>(
+      device, std::vector<Vector3>{point},
+      std::vector<TravelCeiling::GridAxis>{{0, -30 * deg, 30 * deg, 3}},
+      std::vector<double>{-1.0 * mm, 1.0 * mm, -2.0 * mm});
+}
+
+TEST(MotionGuard, NeverRisesAboveTheCeiling) {
+  const auto device = lever_platform();
+  const auto ceiling = low_ceiling(device);
+  MotionGuard guard(device, device->settings().transport->servos, ceiling);
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int at_ceiling = 0;
+  for (int k = 0; k < 5000; ++k) {
+    guard.step(configuration(40 * uniform(random), 40 * uniform(random), 20 * uniform(random)),
+               kGuardTick);
+    ASSERT_LE(ceiling->excess(guard.configuration()), 1e-9);
+    JointAngles sent(3);
+    for (int i = 0; i < 3; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      sent[i] = guard.servos()[at].joint_of_target(guard.targets()[at]);
+    }
+    Configuration q;
+    ASSERT_TRUE(device->forward_kinematics(sent, q));
+    ASSERT_LE(ceiling->excess(q), 1e-9) << "of the pulses sent";
+    if (ceiling->excess(guard.configuration()) > -0.05 * mm) ++at_ceiling;
+  }
+  EXPECT_GT(at_ceiling, 100);
+}
+
+TEST(MotionGuard, ComesDownWhereItStandsAboveTheCeiling) {
+  const auto device = lever_platform();
+  const auto ceiling = low_ceiling(device);
+  MotionGuard guard(device, device->settings().transport->servos, ceiling);
+  guard.reset(configuration(0, 0, 8));
+  EXPECT_GT(ceiling->excess(guard.configuration()), 2.0 * mm);
+  double before = ceiling->excess(guard.configuration());
+  for (int k = 0; k < 100; ++k) {
+    guard.step(configuration(3, 0, 9), kGuardTick);
+    const double now = ceiling->excess(guard.configuration());
+    EXPECT_LE(now, std::max(before, 1e-9));
+    before = now;
+  }
+  EXPECT_LE(before, 0.0);
+}
+
 TEST(MotionGuard, GoesByHomeWhereTheStraightWayIsBlocked) {
   const auto device = lever_platform({.wedge = true});
   MotionGuard guard(device, device->settings().transport->servos);

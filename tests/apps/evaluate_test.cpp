@@ -65,6 +65,19 @@ TEST(Evaluate, AWearerOfAnotherSizeFeelsOtherForces) {
   EXPECT_GT(answer.at("mean").at("normal_force_bias"), 0.5);
 }
 
+TEST(Evaluate, AForceSensorCorrectsForAnotherWearer) {
+  const Workplace place;
+  place.write("fingers/larger.toml", place.read("fingers/index.toml") +
+                                         "\n[size]\nlength_mm = 26.2\nbreadth_mm = 16.8\n"
+                                         "depth_mm = 14.2\n");
+  place.write("devices/thimble-3rrs.toml", place.read("devices/thimble-3rrs.toml") +
+                                               "\n[force_sensor]\nkind = \"emulator\"\n"
+                                               "noise_N = 0.02\n");
+  const Answer answer =
+      evaluated({place.path("scenes/plane.toml"), "--wearer", place.path("fingers/larger.toml")});
+  EXPECT_LT(answer.at("mean").at("normal_force_error"), 0.3);
+}
+
 TEST(Evaluate, SaysInOneLineWhatIsWrong) {
   const Workplace place;
   const std::string scene = place.path("scenes/plane.toml");

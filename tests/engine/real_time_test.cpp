@@ -60,13 +60,16 @@ TEST_P(RealTimePath, HeadlessNeitherAllocatesNorLocks) {
 }
 
 TEST_P(RealTimePath, ForceAwareMatchingNeitherAllocatesNorLocks) {
-  options_.duration = 3.0;
-  options_.as_fast_as_possible = true;
-  options_.objective = Objective::kSurfaceAndForce;
-  const RunSummary summary = run_headless(options_, stop_, {}, hooks_);
-  EXPECT_GT(summary.all.max_contact_area, 0.0) << "something is touched";
-  EXPECT_EQ(guard_counts().allocations, 0u);
-  EXPECT_EQ(guard_counts().locks, 0u);
+  for (const Objective objective : {Objective::kSurfaceAndForce, Objective::kStress}) {
+    reset_guard();
+    options_.duration = 3.0;
+    options_.as_fast_as_possible = true;
+    options_.objective = objective;
+    const RunSummary summary = run_headless(options_, stop_, {}, hooks_);
+    EXPECT_GT(summary.all.max_contact_area, 0.0) << "something is touched";
+    EXPECT_EQ(guard_counts().allocations, 0u);
+    EXPECT_EQ(guard_counts().locks, 0u);
+  }
 }
 
 TEST_P(RealTimePath, LiveNeitherAllocatesNorLocks) {

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <iterator>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/csv_export.hpp"
@@ -302,18 +304,60 @@ TEST_F(SceneOfItsOwn, FingerWithoutDeviceRuns) {
   export_csv(directory_ / "run.db", directory_ / "csv");
 }
 
-TEST_F(SceneOfItsOwn, ForceAwareMatchingReplaysToTheBit) {
+/// The thimble's file with another objective and more text at its end.
+std::string thimble_file(const std::string& objective, const std::string& more) {
   std::ifstream in(fs::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml");
   std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::string plain = "objective = \"surface\"";
-  ASSERT_NE(text.find(plain), std::string::npos);
-  text.replace(text.find(plain), plain.size(), "objective = \"surface_and_force\"");
+  text.replace(text.find(plain), plain.size(), "objective = \"" + objective + "\"");
+  return text + more;
+}
+
+TEST_F(SceneOfItsOwn, ForceAwareMatchingReplaysToTheBit) {
   const fs::path device = directory_ / "device.toml";
-  std::ofstream(device) << text;
-  const RunSummary summary = record(write_scene({"index"}, device), directory_ / "run.db", 0.6);
-  EXPECT_GT(summary.all.max_normal_force, 0.1);
-  const ReplayResult result = replay({.recording = directory_ / "run.db", .scene = {}});
+  for (const std::string objective : {"surface_and_force", "stress"}) {
+    std::ofstream(device) << thimble_file(objective, "");
+    const fs::path recording = directory_ / (objective + ".db");
+    const RunSummary summary = record(write_scene({"index"}, device), recording, 0.6);
+    EXPECT_GT(summary.all.max_normal_force, 0.1);
+    const ReplayResult result = replay({.recording = recording, .scene = {}});
+    EXPECT_TRUE(result.agree) << objective << ": " << result.difference;
+  }
+}
+
+TEST_F(SceneOfItsOwn, MeasuredForceReplaysToTheBit) {
+  const fs::path device = directory_ / "device.toml";
+  std::ofstream(device) << thimble_file("surface",
+                                        "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = 0.02\n");
+  const fs::path recording = directory_ / "run.db";
+  record(write_scene({"index"}, device), recording, 0.6);
+  double most = 0.0;
+  for (const TickRecord& tick : ticks_of(recording)) {
+    EXPECT_EQ(tick.reading.configuration.size(), tick.tick == 0 ? 0 : 3);
+    most = std::max(most, std::abs(tick.travel_offset));
+  }
+  EXPECT_GT(most, 0.0) << "what is measured is made use of";
+  const ReplayResult result = replay({.recording = recording, .scene = {}});
   EXPECT_TRUE(result.agree) << result.difference;
+}
+
+TEST_F(SceneOfItsOwn, ForceLimitGoesWithEveryCommand) {
+  const fs::path device = directory_ / "device.toml";
+  std::string text = thimble_file("surface", "");
+  const std::string plain = "max_force_N = 4.7";
+  ASSERT_NE(text.find(plain), std::string::npos);
+  text.replace(text.find(plain), plain.size(), "max_force_N = 0.3");
+  std::ofstream(device) << text;
+  const fs::path recording = directory_ / "run.db";
+  const RunSummary summary = record(write_scene({"index"}, device), recording, 0.6);
+  EXPECT_GT(summary.all.max_normal_force, 0.3);
+  int lowered = 0;
+  for (const TickRecord& tick : ticks_of(recording)) {
+    ASSERT_TRUE(std::isfinite(tick.command.ceiling));
+    EXPECT_LE(tick.command.configuration[2], tick.command.ceiling + 1e-9);
+    if (tick.wanted[2] > tick.command.configuration[2] + 0.1e-3) ++lowered;
+  }
+  EXPECT_GT(lowered, 0);
 }
 
 TEST_F(SceneOfItsOwn, RecordingIsNotCreatedBeforeTheRunStarts) {

@@ -16,6 +16,7 @@
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
 #include "softfinger/twin/force_aware_matching.hpp"
+#include "softfinger/twin/rendering_measures.hpp"
 
 namespace softfinger {
 namespace {
@@ -155,6 +156,71 @@ TEST(ForceAwareMatching, MeetsTheForceOnAFinerFinger) {
   EXPECT_LE(outcome.percentile(0.5), 0.01);
   EXPECT_LE(outcome.percentile(0.9), 0.05);
   EXPECT_EQ(outcome.unconverged, 0);
+}
+
+/// Stress error and force error of an objective on a sphere that the disk cannot follow.
+std::pair<double, double> errors_on_a_sphere(const ForceAwareOptions& options) {
+  const auto device = load_device(kProject / "devices" / "thimble-3rrs.toml");
+  const auto model = tightly_held("index");
+  VirtualObject object;
+  object.name = "object";
+  object.shape = Ball{8.0 * mm};
+  Waypoint still;
+  still.pose.translation.z() = -8.0 * mm;
+  object.motion = Trajectory({still});
+  FingerSimulation simulation(model, {&object, 1}, kStep);
+  const double lowest =
+      std::min_element(model->mesh.nodes.begin(), model->mesh.nodes.end(),
+                       [](const Vector3& a, const Vector3& b) { return a.z() < b.z(); })
+          ->z();
+  Pose X_WFt{exp_rotation({0.1, 0.15, 0.0}), Vector3(0.0, 0.0, -lowest)};
+  simulation.reset(X_WFt);
+  for (int step = 1; step <= 200; ++step) {
+    X_WFt.translation.z() = std::max(-lowest - 1.5 * mm, X_WFt.translation.z() - 0.02 * mm);
+    simulation.step(X_WFt, step * kStep);
+  }
+  const ContactSet& contact = simulation.contact();
+  std::vector<Vector3> nodes_F(model->mesh.nodes.size());
+  transform(simulation.bone_pose().inverse(), simulation.positions(), nodes_F);
+
+  std::vector<Vector3> points;
+  std::vector<std::uint8_t> in_contact;
+  std::vector<double> gaps;
+  for (const ContactSample& sample : contact.samples) {
+    points.push_back(sample.position_F);
+    in_contact.push_back(sample.in_contact ? 1 : 0);
+    gaps.push_back(sample.gap);
+  }
+  const auto samples = static_cast<int>(points.size());
+  ContactSurfaceMatching surface(device, samples);
+  const MatchingResult start = surface.solve({points, in_contact, {}, gaps}, {});
+  ForceAwareMatching matching(model, device, samples, options);
+  for (int frame = 0; frame < 8; ++frame) {
+    matching.match(contact, start.configuration, contact.friction_coefficient, 1.0 / 30.0, {},
+                   nodes_F);
+  }
+  ElementLoads loads(model);
+  std::vector<Stress> wanted(loads.size());
+  std::vector<Stress> felt(loads.size());
+  const std::vector<double> densities(loads.size());
+  loads.stresses(nodes_F, wanted);
+  loads.stresses(matching.twin().positions(), felt);
+  const RenderingMeasures measures =
+      compare({contact, densities, wanted, loads.volumes()},
+              {matching.twin().contact(), densities, felt, loads.volumes()});
+  return {measures.stress_error, measures.normal_force_error};
+}
+
+TEST(ForceAwareMatching, EachObjectiveIsBestAtItsOwn) {
+  const auto [stress_of_force, force_of_force] = errors_on_a_sphere({});
+  const auto [stress_of_stress, force_of_stress] =
+      errors_on_a_sphere(ForceAwareOptions::stress());
+  std::cout << "sphere: stress error " << stress_of_force << " by force, " << stress_of_stress
+            << " by stress; force error " << force_of_force << " by force, " << force_of_stress
+            << " by stress\n";
+  EXPECT_LT(stress_of_stress, 0.98 * stress_of_force);
+  EXPECT_LT(force_of_force, 0.01);
+  EXPECT_LT(force_of_force, force_of_stress);
 }
 
 }  // namespace

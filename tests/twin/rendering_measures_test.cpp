@@ -36,7 +36,9 @@ RenderingMeasures compare_contacts(const ContactSet& v, const ContactSet& t) {
   const std::vector<double> v_energy{1.0, 2.0};
   const std::vector<double> t_energy{1.0, 4.0};
   const std::vector<double> volumes{3.0, 1.0};
-  return compare({v, v_energy, volumes}, {t, t_energy, volumes});
+  const std::vector<Stress> v_stress{{1.0, 0.0, 0.0, 2.0, 0.0, 0.0}, {0.0, 3.0, 0.0, 0.0, 0.0, 0.0}};
+  const std::vector<Stress> t_stress{{1.0, 0.0, 0.0, 1.0, 0.0, 0.0}, {0.0, 3.0, 2.0, 0.0, 0.0, 0.0}};
+  return compare({v, v_energy, v_stress, volumes}, {t, t_energy, t_stress, volumes});
 }
 
 TEST(RenderingMeasures, AreThoseOfAWorkedExample) {
@@ -55,12 +57,16 @@ TEST(RenderingMeasures, AreThoseOfAWorkedExample) {
   // Pressures 0.2, 0.2, 0 against 0, 0.2, 0.1 N/mm2, weighted by 1, 2, 3.
   EXPECT_NEAR(m.pressure_error, std::sqrt((0.04 + 3 * 0.01) / (0.04 + 2 * 0.04)), 1e-12);
   EXPECT_NEAR(m.strain_energy_density_error, std::sqrt(4.0 / (3.0 + 4.0)), 1e-12);
+  // Shear counts twice: 3 (1 + 2 * 4) + 9 at most, of which 3 * 2 * 1 + 4 differ.
+  EXPECT_NEAR(m.stress_error, std::sqrt(10.0 / 36.0), 1e-12);
 }
 
 TEST(RenderingMeasures, OfASideWithItselfAreZero) {
   const ContactSet v = contact_of({1, 2, 3}, {0.2, 0.4, 0.0});
   const std::vector<double> energy{1.0, 2.0};
-  const RenderingMeasures m = compare({v, energy, energy}, {v, energy, energy});
+  const std::vector<Stress> stress(2, Stress{1.0, 2.0, 3.0, 4.0, 5.0, 6.0});
+  const RenderingMeasures m =
+      compare({v, energy, stress, energy}, {v, energy, stress, energy});
   EXPECT_EQ(m.iou, 1.0);
   for (const MeasureName& name : measure_names()) {
     if (name.name != "iou") {

@@ -15,6 +15,7 @@
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/device/travel_ceiling.hpp"
 
 namespace softfinger {
 namespace {
@@ -83,7 +84,7 @@ struct Actuator::Impl {
   Impl(std::shared_ptr<const Device> the_device, const ActuatorOptions& the_options)
       : device(std::move(the_device)),
         options(the_options),
-        guard(device, servo_settings(*device)) {}
+        guard(device, servo_settings(*device), options.ceiling) {}
 
   void open();
   void form(const Configuration& goal, double dt);
@@ -133,7 +134,8 @@ void Actuator::Impl::open() {
       device, MaestroLine::Options{.port = line_port,
                                    .baud = static_cast<unsigned>(transport.baud),
                                    .rate = transport.rate,
-                                   .unpaced = options.simulated_time});
+                                   .unpaced = options.simulated_time,
+                                   .ceiling = options.ceiling});
   const std::string reason = line->open();
   if (!reason.empty() && !options.wait_for_device) refuse_port(options, port, reason);
   line->start();
@@ -143,6 +145,7 @@ void Actuator::Impl::form(const Configuration& goal, double dt) {
   guard.step(goal, dt);
   formed.configuration = guard.configuration();
   formed.joints = guard.joints();
+  if (options.ceiling) formed.ceiling = options.ceiling->travel(formed.configuration);
   const auto targets = guard.targets();
   std::copy(targets.begin(), targets.end(), formed.targets.begin());
   formed.servos = static_cast<int>(targets.size());

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 namespace softfinger {
 
 class Device;
+class TravelCeiling;
 
 struct ActuatorOptions {
   /// Port instead of the device file's transport.port: "emulator" or any tty. Empty: the file's.
@@ -27,6 +29,8 @@ struct ActuatorOptions {
   /// served in wall time all the same: it gets the newest command at the device's own rate, since
   /// motors know no other time.
   bool simulated_time = false;
+  /// No command advances the device further. Null: no limit of force.
+  std::shared_ptr<const TravelCeiling> ceiling = nullptr;
 };
 
 /// What the loop wants of the device at one tick.
@@ -41,6 +45,8 @@ struct FormedCommand {
   static constexpr int kMaxServos = 24;  ///< channels of the largest Maestro
   Configuration configuration;           ///< q nearest to the wanted one that may be sent now
   JointAngles joints;                    ///< of that q; rad
+  /// Up to where force limits let the device advance there; SI, infinite without a limit.
+  double ceiling = std::numeric_limits<double>::infinity();
   std::array<std::uint16_t, kMaxServos> targets{};  ///< quarter microseconds, one per joint
   int servos = 0;  ///< how many of `targets` are used; 0 for a device without transport
   DeviceState state = DeviceState::kHoming;

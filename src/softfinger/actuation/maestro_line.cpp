@@ -37,7 +37,7 @@ MaestroLine::MaestroLine(std::shared_ptr<const Device> device, Options options)
     : device_(std::move(device)),
       options_(std::move(options)),
       period_(seconds(1.0 / options_.rate)),
-      guard_(device_, device_->settings().transport->servos),
+      guard_(device_, device_->settings().transport->servos, options_.ceiling),
       wanted_(Wanted{device_->home(), DeviceState::kHoming}),
       report_(Report{device_->home(), false}),
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {

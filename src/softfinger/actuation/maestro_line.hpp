@@ -28,6 +28,7 @@ class MaestroLine {
     double rate = 30.0;  ///< device ticks per s
     /// Commands may come faster than `rate`; only the newest at each tick is sent.
     bool unpaced = false;
+    std::shared_ptr<const TravelCeiling> ceiling = nullptr;  ///< null: none
   };
 
   MaestroLine(std::shared_ptr<const Device> device, Options options);

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace softfinger {
 namespace {
@@ -18,6 +19,10 @@ constexpr double kBlocked = 1e-2;
 /// Towards home by this much a try, where rounding to the wire would break a limit.
 constexpr double kPullBack = 2e-3;
 constexpr int kPullBacks = 4;
+/// Wanted poses stay this much (m) below the ceiling, so that rounding does not lead over it.
+constexpr double kBelowCeiling = 2e-5;
+/// What excess over the ceiling (m) is none.
+constexpr double kOnCeiling = 1e-9;
 /// Step (m of surface motion) of differences of inverse kinematics.
 constexpr double kDifference = 1e-6;
 
@@ -72,14 +77,28 @@ double largest_fraction(const Allowed& allowed) {
 }  // namespace
 
 MotionGuard::MotionGuard(std::shared_ptr<const Device> device,
-                         std::span<const ServoSettings> servos)
-    : device_(std::move(device)), servos_(servos.begin(), servos.end()) {
+                         std::span<const ServoSettings> servos,
+                         std::shared_ptr<const TravelCeiling> ceiling)
+    : device_(std::move(device)),
+      servos_(servos.begin(), servos.end()),
+      ceiling_(std::move(ceiling)) {
   reset(device_->home());
+}
+
+bool MotionGuard::allowed(const Configuration& q) const {
+  return device_->reachable(q) && (!ceiling_ || ceiling_->excess(q) <= most_excess_);
+}
+
+void MotionGuard::take(const Command& command) {
+  now_ = command;
+  most_excess_ = kOnCeiling;
+  if (ceiling_) most_excess_ = std::max(most_excess_, ceiling_->excess(now_.q));
 }
 
 void MotionGuard::reset(const Configuration& q) {
   by_home_ = false;
   arrived_ = true;
+  most_excess_ = std::numeric_limits<double>::infinity();
   Command command;
   if (!form(q, command)) {
     // Exactly on a limit: the next inside.
@@ -87,7 +106,7 @@ void MotionGuard::reset(const Configuration& q) {
       if (form(between(q, device_->home(), kPullBack * i), command)) break;
     }
   }
-  now_ = command;
+  take(command);
 }
 
 Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
@@ -96,9 +115,10 @@ Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
     const double farthest = kFarthest / device_->axes()[static_cast<std::size_t>(i)].metric;
     goal[i] = std::clamp(goal[i], -farthest, farthest);
   }
+  if (ceiling_) ceiling_->lower(goal, kBelowCeiling);
   const Configuration& home = device_->home();
   const double fraction =
-      largest_fraction([&](double t) { return device_->reachable(between(home, goal, t)); });
+      largest_fraction([&](double t) { return allowed(between(home, goal, t)); });
   return fraction == 1.0 ? goal : between(home, goal, fraction);
 }
 
@@ -121,14 +141,14 @@ double MotionGuard::allowed_fraction(const Configuration& goal, double dt) const
   return largest_fraction([&](double t) {
     const Configuration q = between(now_.q, goal, t);
     JointAngles joints;
-    return device_->reachable(q) && device_->inverse_kinematics(q, joints) &&
+    return allowed(q) && device_->inverse_kinematics(q, joints) &&
            within_travel(joints, dt);
   });
 }
 
 bool MotionGuard::way_is_clear(const Configuration& goal) const {
   for (int i = 1; i <= kWayPoints; ++i) {
-    if (!device_->reachable(between(now_.q, goal, static_cast<double>(i) / kWayPoints))) {
+    if (!allowed(between(now_.q, goal, static_cast<double>(i) / kWayPoints))) {
       return false;
     }
   }
@@ -137,7 +157,7 @@ bool MotionGuard::way_is_clear(const Configuration& goal) const {
 
 bool MotionGuard::form(const Configuration& q, Command& command) const {
   command.q = q;
-  if (!device_->reachable(q) || !device_->inverse_kinematics(q, command.joints)) return false;
+  if (!allowed(q) || !device_->inverse_kinematics(q, command.joints)) return false;
   if (servos_.empty()) return true;
   const JointLimits& limits = device_->joint_limits();
   JointAngles sent = command.joints;
@@ -148,7 +168,7 @@ bool MotionGuard::form(const Configuration& q, Command& command) const {
   }
   // Rounding moves the platform too: what counts is the pose of the pulses that go out.
   Configuration rounded;
-  return pose_of_joints(*device_, sent, q, rounded) && device_->reachable(rounded);
+  return pose_of_joints(*device_, sent, q, rounded) && allowed(rounded);
 }
 
 void MotionGuard::step(const Configuration& wanted, double dt) {
@@ -175,7 +195,7 @@ void MotionGuard::step(const Configuration& wanted, double dt) {
   for (int i = 0; i <= kPullBacks; ++i) {
     const Configuration q = i == 0 ? next : between(next, device_->home(), kPullBack * i);
     if (form(q, command) && within_travel(command.joints, dt)) {
-      now_ = command;
+      take(command);
       arrived_ = fraction == 1.0 && !by_home_;
       return;
     }

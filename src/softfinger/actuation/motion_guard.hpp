@@ -9,11 +9,14 @@
 #include "softfinger/actuation/maestro_protocol.hpp"
 #include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/device/travel_ceiling.hpp"
 
 namespace softfinger {
 
 /// The last function before the wire. Whatever is wanted, what it gives
 /// - lies in the device's workspace: joint and tilt limits, no singularity,
+/// - is not advanced further than the ceiling, if there is one (where it already stands higher, as
+///   after reset(), it only comes down),
 /// - is at most max_rate * dt in every joint away from what it gave before,
 /// both of the pulses as sent, after rounding to quarter microseconds.
 ///
@@ -28,7 +31,9 @@ namespace softfinger {
 class MotionGuard {
  public:
   /// Stands at the device's home. One servo per joint, or none (targets are then not formed).
-  MotionGuard(std::shared_ptr<const Device> device, std::span<const ServoSettings> servos);
+  /// `ceiling`: null: none.
+  MotionGuard(std::shared_ptr<const Device> device, std::span<const ServoSettings> servos,
+              std::shared_ptr<const TravelCeiling> ceiling = nullptr);
 
   /// Takes q, which must be reachable, as where the device is.
   void reset(const Configuration& q);
@@ -53,7 +58,11 @@ class MotionGuard {
     std::array<std::uint16_t, kMaestroChannels> targets{};
   };
 
-  /// wanted, made finite and brought into the workspace.
+  /// In the workspace and below the ceiling.
+  [[nodiscard]] bool allowed(const Configuration& q) const;
+  /// Takes a command as the present one.
+  void take(const Command& command);
+  /// wanted, made finite and brought into the workspace, below the ceiling.
   [[nodiscard]] Configuration allowed_goal(const Configuration& wanted) const;
   /// Largest fraction of the way from the present q to `goal` that may be gone in one step.
   [[nodiscard]] double allowed_fraction(const Configuration& goal, double dt) const;
@@ -66,6 +75,8 @@ class MotionGuard {
 
   std::shared_ptr<const Device> device_;
   std::vector<ServoMap> servos_;
+  std::shared_ptr<const TravelCeiling> ceiling_;
+  double most_excess_ = 0.0;  ///< over the ceiling, that is no reason to refuse; SI
   Command now_;
   bool by_home_ = false;
   bool arrived_ = true;

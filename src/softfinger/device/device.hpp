@@ -39,6 +39,12 @@ struct MatchingSettings {
   std::string objective = "surface";
 };
 
+/// `[force_sensor]` of a device file: what tells the force on the wearer's finger.
+struct ForceSensorSettings {
+  std::string kind;    ///< "emulator"
+  double noise = 0.0;  ///< of the emulated sensor, standard deviation, N
+};
+
 /// What every kind of device has beside its geometry.
 struct DeviceSettings {
   std::string kind;
@@ -47,9 +53,10 @@ struct DeviceSettings {
   Configuration home;       ///< where the device rests when nothing is near
   Configuration retracted;  ///< where it goes when a run stops or stalls
   JointLimits joint_limits;
-  double max_force = 0.0;  ///< N, of the device; 0: not given
+  double max_force = 0.0;  ///< normal force on the finger that is never exceeded, N; 0: not given
   MatchingSettings matching;
   std::optional<TransportSettings> transport;
+  std::optional<ForceSensorSettings> force_sensor;
   std::string as_read;  ///< the device file as JSON, defaults filled in
 };
 

@@ -40,7 +40,7 @@ MatchingSettings read_matching(const ConfigTable& table) {
       table.number("separation_tolerance_mm", Range::at_least(0.0), matching.separation_tolerance);
   matching.approach = table.number("approach_mm", Range::at_least(0.0), matching.approach);
   matching.objective =
-      table.choice("objective", {"surface", "surface_and_force"}, matching.objective);
+      table.choice("objective", {"surface", "surface_and_force", "stress"}, matching.objective);
   return matching;
 }
 
@@ -105,6 +105,13 @@ TransportSettings read_transport(const ConfigTable& table, const JointLimits& li
   return transport;
 }
 
+ForceSensorSettings read_force_sensor(const ConfigTable& table) {
+  ForceSensorSettings sensor;
+  sensor.kind = table.choice("kind", {"emulator"});
+  sensor.noise = table.number("noise_N", Range::at_least(0.0), 0.0);
+  return sensor;
+}
+
 }  // namespace
 
 JointLimits read_joint_limits(const ConfigTable& limits, int joints) {
@@ -148,6 +155,9 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
   settings.matching = read_matching(root.table_or_empty("matching"));
   if (const auto transport = root.optional_table("transport")) {
     settings.transport = read_transport(*transport, settings.joint_limits);
+  }
+  if (const auto sensor = root.optional_table("force_sensor")) {
+    settings.force_sensor = read_force_sensor(*sensor);
   }
   root.finish();
   settings.as_read = file.as_read();

@@ -110,6 +110,7 @@ class Export {
     const auto configuration =
         open("configuration.csv",
              names_.empty() ? "deviation_mm2" : fmt::format("{},{}deviation_mm2", names, wanted));
+    const auto force = open("force.csv", "measured_force_N,travel_offset_mm,travel_ceiling_mm");
     const auto joints = open("joints.csv", fmt::format("{}{}{}", numbered(angles_, "joint", "deg"),
                                                        angles_ > 0 && lengths_ > 0 ? "," : "",
                                                        numbered(lengths_, "joint", "mm")));
@@ -125,6 +126,12 @@ class Export {
       write_configuration(*configuration, finger_of(tick), tick.wanted);
       configuration->field(tick.deviation / mm2);
       configuration->end_row();
+
+      begin_row(*force, tick);
+      force->field(tick.reading.configuration.size() > 0 ? tick.reading.normal_force : kMissing);
+      force->field(tick.travel_offset / mm);
+      force->field(std::isfinite(tick.command.ceiling) ? tick.command.ceiling / mm : kMissing);
+      force->end_row();
 
       begin_row(*joints, tick);
       write_joints(*joints, finger_of(tick).linear_joints, tick.command.joints);
@@ -142,6 +149,7 @@ class Export {
       tick_times_[{tick.step, tick.finger}] = {tick.cpu_time, tick.latency};
     }
     configuration->close();
+    force->close();
     joints->close();
     command->close();
   }

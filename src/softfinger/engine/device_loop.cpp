@@ -17,18 +17,37 @@ MatchingOptions matching_options(Objective objective) {
   return options;
 }
 
+ForceAwareOptions force_aware_options(Objective objective) {
+  return objective == Objective::kStress ? ForceAwareOptions::stress() : ForceAwareOptions{};
+}
+
+/// Of the emulated sensor's noise, beside the finger's number.
+constexpr std::uint64_t kNoiseSeed = 2015;
+
 }  // namespace
 
 DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
                        const std::shared_ptr<const FingerModel>& model,
-                       const ActuatorOptions& options, std::optional<Objective> objective)
-    : objective_(objective ? *objective
-                           : objective_of(device->settings().matching.objective).value()),
+                       const DeviceLoopOptions& options)
+    : objective_(options.objective
+                     ? *options.objective
+                     : objective_of(device->settings().matching.objective).value()),
       rendering_(device, static_cast<int>(model->sample_nodes.size()),
                  matching_options(objective_)),
-      actuator_(device, options) {
-  if (objective_ == Objective::kSurfaceAndForce) {
-    force_ = std::make_unique<ForceRendering>(model, device);
+      stands_(device->home()),
+      actuator_(device, options.actuator) {
+  if (objective_ == Objective::kSurfaceAndForce || objective_ == Objective::kStress) {
+    force_ = std::make_unique<ForceRendering>(model, device, MatchingOptions{},
+                                              force_aware_options(objective_));
+  }
+  if (objective_ == Objective::kStress) nodes_F_.resize(model->mesh.nodes.size());
+  if (const auto& sensor = device->settings().force_sensor) {
+    offset_ = std::make_unique<TravelOffset>(model, device);
+    if (!options.replay) {
+      sensor_ = std::make_unique<EmulatedForceSensor>(
+          options.wearer ? options.wearer : model, device, sensor->noise,
+          kNoiseSeed + static_cast<std::uint64_t>(finger));
+    }
   }
   record_.finger = finger;
   record_.tick = -1;
@@ -38,32 +57,55 @@ DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>&
   device->clamped_joints(device->home(), record_.command.joints);
 }
 
-const TickRecord& DeviceLoop::tick(std::int64_t step, double time, bool tracked,
-                                   const ContactSet& contact,
-                                   std::chrono::steady_clock::time_point arrival) {
+const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& finger) {
   const double cpu_began = thread_cpu_time();
+  const ContactSet& contact = finger.contact;
+  const double elapsed = std::max(0.0, input.time - record_.time);
   const RenderedSurface* rendered = &rendering_.tick(contact);
-  if (force_) rendered = &force_->tick(contact, *rendered, std::max(0.0, time - record_.time));
+  if (wants_nodes()) transform(finger.X_WF.inverse(), finger.nodes_W, nodes_F_);
+  if (force_) rendered = &force_->tick(contact, nodes_F_, *rendered, elapsed);
   RenderedSurface surface = *rendered;
   if (objective_ == Objective::kContactPlane && contact.contact_count > 0) {
     surface.configuration = contact_plane(rendering_.device(), contact, surface.configuration);
   }
+  Configuration corrected = surface.configuration;
+  if (offset_) {
+    if (reading_.configuration.size() > 0) {
+      offset_->update(reading_, contact.friction_coefficient, elapsed);
+    }
+    corrected = offset_->corrected(corrected);
+    record_.travel_offset = offset_->value();
+  }
   record_.cpu_time = thread_cpu_time() - cpu_began;
   ++record_.tick;
-  record_.step = step;
-  record_.time = time;
-  record_.tracked = tracked;
+  record_.step = input.step;
+  record_.time = input.time;
+  record_.tracked = input.tracked;
+  record_.reading = reading_;
   record_.wanted = surface.configuration;
   record_.deviation = surface.deviation;
   record_.iterations = surface.iterations;
-  record_.command = actuator_.command({.configuration = surface.configuration,
-                                       .tracked = tracked,
+  record_.command = actuator_.command({.configuration = corrected,
+                                       .tracked = input.tracked,
                                        .touching = contact.contact_count > 0},
-                                      time);
+                                      input.time);
   record_.latency =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - arrival).count();
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - input.arrival).count();
   record_.hash = hash_of(record_);
+  if (sensor_) measure(contact.friction_coefficient, elapsed);
   return record_;
+}
+
+/// After the command, for the next tick.
+void DeviceLoop::measure(double friction_coefficient, double elapsed) {
+  JointAngles joints;
+  if (!actuator_.read_servo_joints(joints)) {
+    stands_ = record_.command.configuration;
+  } else if (Configuration q; device().forward_kinematics(joints, q)) {
+    // Between two commands the joints may stand for no pose of the workspace.
+    stands_ = q;
+  }
+  reading_ = sensor_->measure(stands_, friction_coefficient, elapsed);
 }
 
 }  // namespace softfinger

@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/contact/contact_set.hpp"
+#include "softfinger/engine/emulated_force_sensor.hpp"
 #include "softfinger/engine/record.hpp"
 #include "softfinger/matching/objective.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
@@ -14,31 +17,44 @@
 
 namespace softfinger {
 
-/// What a device tick is given.
+/// What a device tick is about.
 struct TickInput {
   std::int64_t step = 0;
   double time = 0.0;                              ///< s, end of that step
   bool tracked = true;                            ///< the tracker knows where the finger is
   std::chrono::steady_clock::time_point arrival;  ///< of the pose the step used
-  ContactSet contact;
+};
+
+/// The virtual finger at that step.
+struct VirtualFinger {
+  const ContactSet& contact;
+  std::span<const Vector3> nodes_W;  ///< all, m; only looked at where the loop wants_nodes()
+  const Pose& X_WF;
+};
+
+struct DeviceLoopOptions {
+  ActuatorOptions actuator;
+  std::optional<Objective> objective;  ///< instead of the device file's
+  /// Whom an emulated force sensor presses; null: the simulated finger.
+  std::shared_ptr<const FingerModel> wearer = nullptr;
+  /// There is no sensor: replay_reading() says what one said.
+  bool replay = false;
 };
 
 /// The device side of one finger: contact set to motor command, tick by tick. The same code serves
-/// headless and live runs, replays and the library.
+/// headless and live runs, replays and the library. Where the device measures force, the reading of
+/// one tick corrects the next.
 class DeviceLoop {
  public:
-  /// `model`: the simulated finger. `objective`: instead of the device file's. Throws
-  /// InputError where the port cannot be opened.
+  /// `model`: the simulated finger. Throws InputError where the port cannot be opened.
   DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
-             const std::shared_ptr<const FingerModel>& model, const ActuatorOptions& options,
-             std::optional<Objective> objective = {});
+             const std::shared_ptr<const FingerModel>& model, const DeviceLoopOptions& options);
 
   /// One device tick. Allocates nothing, takes no lock, throws nothing.
-  const TickRecord& tick(std::int64_t step, double time, bool tracked, const ContactSet& contact,
-                         std::chrono::steady_clock::time_point arrival);
-  const TickRecord& tick(const TickInput& input) {
-    return tick(input.step, input.time, input.tracked, input.contact, input.arrival);
-  }
+  const TickRecord& tick(const TickInput& input, const VirtualFinger& finger);
+  /// Before a tick that is replayed.
+  void replay_reading(const ForceReading& reading) { reading_ = reading; }
+  [[nodiscard]] bool wants_nodes() const { return !nodes_F_.empty(); }
   /// The last tick; tick -1 before the first.
   [[nodiscard]] const TickRecord& record() const { return record_; }
   [[nodiscard]] const Device& device() const { return rendering_.device(); }
@@ -46,9 +62,16 @@ class DeviceLoop {
   [[nodiscard]] const Actuator& actuator() const { return actuator_; }
 
  private:
+  void measure(double friction_coefficient, double elapsed);
+
   Objective objective_;
   SurfaceRendering rendering_;
-  std::unique_ptr<ForceRendering> force_;  ///< null: another objective
+  std::unique_ptr<ForceRendering> force_;        ///< null: another objective
+  std::unique_ptr<TravelOffset> offset_;         ///< null: force is not measured
+  std::unique_ptr<EmulatedForceSensor> sensor_;  ///< null: none
+  ForceReading reading_;                         ///< newest; no configuration: none yet
+  Configuration stands_;                         ///< where the device is, as far as known
+  std::vector<Vector3> nodes_F_;                 ///< empty: not wanted
   Actuator actuator_;
   TickRecord record_;
 };

@@ -9,22 +9,31 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/device_loop.hpp"
 #include "softfinger/engine/finger_loop.hpp"
-#include "softfinger/finger/strain_energy.hpp"
+#include "softfinger/finger/element_loads.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
 namespace {
 
-void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
-  if (wearer.mesh.tetrahedra == model.mesh.tetrahedra &&
-      wearer.sample_nodes == model.sample_nodes && wearer.node_is_rigid == model.node_is_rigid) {
-    return;
+/// What the tissue of one finger bears.
+class Loads {
+ public:
+  explicit Loads(const std::shared_ptr<const FingerModel>& model)
+      : loads_(model), densities_(loads_.size()), stresses_(loads_.size()) {}
+
+  void take(std::span<const Vector3> positions_F) {
+    loads_.energy_densities(positions_F, densities_);
+    loads_.stresses(positions_F, stresses_);
   }
-  throw InputError(
-      fmt::format("{}: its mesh is not connected as that of {}; a wearer may have another [size], "
-                  "other constants or moved nodes, but the same elements and groups",
-                  wearer.file.string(), model.file.string()));
-}
+  [[nodiscard]] TouchedSkin skin(const ContactSet& contact) const {
+    return {contact, densities_, stresses_, loads_.volumes()};
+  }
+
+ private:
+  ElementLoads loads_;
+  std::vector<double> densities_;
+  std::vector<Stress> stresses_;
+};
 
 /// What judges one finger's device.
 class Judge {
@@ -32,12 +41,8 @@ class Judge {
   Judge(const std::shared_ptr<const FingerModel>& model,
         const std::shared_ptr<const FingerModel>& wearer,
         const std::shared_ptr<const Device>& device)
-      : model_energy_(model),
-        wearer_energy_(wearer),
-        twin_(wearer, device),
-        lagged_(wearer, device) {
-    virtual_densities_.resize(model_energy_.elements());
-    twin_densities_.resize(wearer_energy_.elements());
+      : model_(model), wearer_(wearer), twin_(wearer, device), lagged_(wearer, device) {
+    nodes_F_.resize(model->mesh.nodes.size());
     servo_q_ = device->home();
   }
 
@@ -51,7 +56,8 @@ class Judge {
     frame.time = tick.time;
     frame.virtual_force = loop.contact().normal_force;
     if (loop.contact().contact_count > 0) {
-      model_energy_.densities(loop.simulation().positions(), virtual_densities_);
+      transform(loop.simulation().bone_pose().inverse(), loop.simulation().positions(), nodes_F_);
+      model_.take(nodes_F_);
     }
     frame.commanded = press(twin_, tick.command.configuration, friction, elapsed, loop, answer);
     frame.twin_force = twin_.contact().normal_force;
@@ -74,15 +80,14 @@ class Judge {
                           const FingerLoop& loop, Evaluation& answer) {
     if (!twin.press(q, friction, elapsed).converged) ++answer.unconverged;
     if (loop.contact().contact_count > 0 && twin.contact().contact_count > 0) {
-      wearer_energy_.densities(twin.positions(), twin_densities_);
+      wearer_.take(twin.positions());
     }
-    return compare({loop.contact(), virtual_densities_, model_energy_.volumes()},
-                   {twin.contact(), twin_densities_, wearer_energy_.volumes()});
+    return compare(model_.skin(loop.contact()), wearer_.skin(twin.contact()));
   }
 
-  StrainEnergy model_energy_, wearer_energy_;
+  Loads model_, wearer_;
   Twin twin_, lagged_;
-  std::vector<double> virtual_densities_, twin_densities_;
+  std::vector<Vector3> nodes_F_;
   Configuration servo_q_;
   double time_ = 0.0;
 };
@@ -95,8 +100,6 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
   run.as_fast_as_possible = true;
   run.port = "emulator";
   const std::shared_ptr<const RunSetup> setup = load_setup(run);
-  std::shared_ptr<const FingerModel> wearer;
-  if (options.wearer) wearer = FingerModel::load(*options.wearer);
   std::vector<Judge> judges;
   Evaluation answer;
   answer.has_lagged = true;
@@ -106,8 +109,8 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
       throw InputError(fmt::format("{}: finger {} has no device to judge; give it one, or --device",
                                    setup->scene.file.string(), name));
     }
-    if (wearer) check_connectivity(*wearer, *setup->models[i]);
-    judges.emplace_back(setup->models[i], wearer ? wearer : setup->models[i], setup->devices[i]);
+    judges.emplace_back(setup->models[i], setup->wearer ? setup->wearer : setup->models[i],
+                        setup->devices[i]);
     answer.fingers.push_back(name);
   }
   SceneRun::Hooks hooks;

@@ -13,8 +13,6 @@ namespace softfinger {
 
 struct EvaluationOptions {
   RunOptions run;  ///< headless and as fast as possible whatever it says; devices are emulated
-  /// Finger file of the wearer; empty: the simulated finger itself.
-  std::optional<std::filesystem::path> wearer;
 };
 
 /// One device tick of one finger, judged.

@@ -40,6 +40,8 @@ bool same(const Configuration& a, const Configuration& b) {
 std::uint64_t hash_of(const TickRecord& tick) {
   Hash hash;
   hash.add(tick.tick).add(tick.step).add(tick.tracked);
+  add(hash, tick.reading.configuration);
+  hash.add(tick.reading.normal_force).add(tick.travel_offset);
   add(hash, tick.wanted);
   add(hash, tick.command.configuration);
   add(hash, tick.command.joints);
@@ -78,11 +80,13 @@ const char* first_difference(const StepRecord& a, const StepRecord& b) {
 }
 
 const char* first_difference(const TickRecord& a, const TickRecord& b) {
-  if (a.step != b.step || a.finger != b.finger || a.tick != b.tick || a.tracked != b.tracked) {
+  if (a.step != b.step || a.finger != b.finger || a.tick != b.tick || a.tracked != b.tracked ||
+      !same(a.reading.configuration, b.reading.configuration) ||
+      !same(a.reading.normal_force, b.reading.normal_force)) {
     return "device tick";
   }
   if (!same(a.wanted, b.wanted) || !same(a.deviation, b.deviation) ||
-      a.iterations != b.iterations) {
+      a.iterations != b.iterations || !same(a.travel_offset, b.travel_offset)) {
     return "matching";
   }
   if (!same(a.command.configuration, b.command.configuration) ||

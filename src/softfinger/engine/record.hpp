@@ -9,6 +9,7 @@
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/tracking/tracker.hpp"
+#include "softfinger/twin/travel_offset.hpp"
 
 namespace softfinger {
 
@@ -84,10 +85,13 @@ struct TickRecord {
   std::int64_t step = 0;  ///< whose contact set was rendered
   double time = 0.0;      ///< s, of that step
   bool tracked = true;
+  /// What the device's force sensor said last, an input of the tick; no configuration: nothing.
+  ForceReading reading;
   // What the tick computed; compared bit by bit by a replay.
   Configuration wanted;    ///< q of the match; rad and m
   double deviation = 0.0;  ///< E at the match's q, m^2
   std::int64_t iterations = 0;
+  double travel_offset = 0.0;  ///< taken off `wanted`, see TravelOffset, m
   FormedCommand command;
   std::uint64_t hash = 0;  ///< of all above
   // Not compared.

@@ -8,7 +8,7 @@
 namespace softfinger {
 
 /// The recording's layout; a program reads the versions it knows.
-inline constexpr std::int64_t kRecordingFormatVersion = 1;
+inline constexpr std::int64_t kRecordingFormatVersion = 2;
 
 /// What a recording says of its run as a whole.
 struct RecordingInfo {

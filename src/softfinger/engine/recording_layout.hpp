@@ -28,7 +28,9 @@ create table steps(step integer not null, finger integer not null, time_s real n
   primary key(step, finger)) without rowid;
 create table ticks(step integer not null, finger integer not null, tick integer not null,
   time_s real not null, tracked integer not null,
+  measured_force_N real, measured_at blob not null,
   wanted blob not null, deviation_m2 real, iterations integer not null,
+  travel_offset_m real, ceiling real,
   configuration blob not null, joints_rad blob not null, servo_us blob not null,
   state text not null, hash integer not null, cpu_s real, latency_s real,
   primary key(step, finger, tick)) without rowid;
@@ -44,7 +46,7 @@ inline const std::string kMeshKey = "mesh:";
 inline const std::string kLinearJointsKey = "linear_joints:";
 
 inline constexpr int kStepColumns = 39;
-inline constexpr int kTickColumns = 15;
+inline constexpr int kTickColumns = 19;
 
 /// "insert into TABLE values (?,?,...)".
 inline std::string insert_into(const char* table, int columns) {

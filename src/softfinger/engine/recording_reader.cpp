@@ -252,9 +252,13 @@ bool RecordingReader::next(TickRecord& r) {
     r.tick = row.integer(column++);
     r.time = row.number(column++);
     r.tracked = row.integer(column++) != 0;
+    r.reading.normal_force = row.number(column++);
+    r.reading.configuration = read_numbers(row, column++);
     r.wanted = read_numbers(row, column++);
     r.deviation = row.number(column++);
     r.iterations = row.integer(column++);
+    r.travel_offset = row.number(column++);
+    r.command.ceiling = row.number(column++);
     r.command.configuration = read_numbers(row, column++);
     r.command.joints = read_numbers(row, column++);
     const Configuration servo_us = read_numbers(row, column++);

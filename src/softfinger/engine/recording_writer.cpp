@@ -170,9 +170,13 @@ struct RecordingWriter::Database {
     s.bind(column++, r.tick);
     s.bind(column++, r.time);
     s.bind(column++, std::int64_t{r.tracked});
+    s.bind(column++, r.reading.normal_force);
+    bind_numbers(s, column++, r.reading.configuration);
     bind_numbers(s, column++, r.wanted);
     s.bind(column++, r.deviation);
     s.bind(column++, r.iterations);
+    s.bind(column++, r.travel_offset);
+    s.bind(column++, r.command.ceiling);
     bind_numbers(s, column++, r.command.configuration);
     bind_numbers(s, column++, r.command.joints);
     Configuration servo_us(r.command.servos);

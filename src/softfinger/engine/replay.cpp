@@ -29,17 +29,19 @@ bool same_bytes(const std::vector<Row>& a, const std::vector<Row>& b) {
 class Replayer {
  public:
   Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
-    ActuatorOptions actuator;
-    actuator.port = "emulator";
-    actuator.simulated_time = true;
+    DeviceLoopOptions options;
+    options.actuator.port = "emulator";
+    options.actuator.simulated_time = true;
+    options.replay = true;
     for (std::size_t i = 0; i < setup_->models.size(); ++i) {
       const auto index = static_cast<std::int64_t>(i);
       Finger& finger = fingers_.emplace_back();
       finger.loop = std::make_unique<FingerLoop>(index, setup_->models[i], setup_->scene.objects,
                                                  setup_->scene.simulation_rate, with_state);
       if (!setup_->devices[i]) continue;
+      options.actuator.ceiling = setup_->ceilings[i];
       finger.device =
-          std::make_unique<DeviceLoop>(index, setup_->devices[i], setup_->models[i], actuator);
+          std::make_unique<DeviceLoop>(index, setup_->devices[i], setup_->models[i], options);
     }
   }
 
@@ -57,9 +59,11 @@ class Replayer {
   const char* tick(const TickRecord& recorded) {
     Finger& finger = finger_of(recorded);
     if (!finger.device) return "device tick";
-    const TickRecord& tick =
-        finger.device->tick(recorded.step, recorded.time, recorded.tracked, finger.loop->contact(),
-                            std::chrono::steady_clock::now());
+    finger.device->replay_reading(recorded.reading);
+    const FingerSimulation& simulation = finger.loop->simulation();
+    const TickRecord& tick = finger.device->tick(
+        {recorded.step, recorded.time, recorded.tracked, std::chrono::steady_clock::now()},
+        {finger.loop->contact(), simulation.positions(), simulation.bone_pose()});
     finger.tick_hashes[tick.tick] = tick.hash;
     return first_difference(recorded, tick);
   }

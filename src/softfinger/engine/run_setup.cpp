@@ -10,6 +10,7 @@
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
+#include "softfinger/twin/force_ceiling.hpp"
 
 namespace softfinger {
 namespace {
@@ -51,6 +52,30 @@ std::string content_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Null where the device file says nothing of force.
+std::shared_ptr<const TravelCeiling> ceiling_of(const SceneFinger& finger,
+                                                const FingerModel& model,
+                                                const std::shared_ptr<const Device>& device) {
+  if (!device || !(device->settings().max_force > 0.0)) return nullptr;
+  try {
+    return std::make_shared<TravelCeiling>(
+        force_ceiling(model, device, device->settings().max_force));
+  } catch (const InputError& error) {
+    ConfigFile(*finger.device).root().table("limits").fail("max_force_N", error.what());
+  }
+}
+
+void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
+  if (wearer.mesh.tetrahedra == model.mesh.tetrahedra &&
+      wearer.sample_nodes == model.sample_nodes && wearer.node_is_rigid == model.node_is_rigid) {
+    return;
+  }
+  throw InputError(
+      fmt::format("{}: its mesh is not connected as that of {}; a wearer may have another [size], "
+                  "other constants or moved nodes, but the same elements and groups",
+                  wearer.file.string(), model.file.string()));
+}
+
 fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
 
 }  // namespace
@@ -70,6 +95,12 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   for (const SceneFinger& finger : scene.fingers) {
     setup->models.push_back(FingerModel::load(finger.model));
     setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);
+    setup->ceilings.push_back(
+        ceiling_of(finger, *setup->models.back(), setup->devices.back()));
+  }
+  if (options.wearer) {
+    setup->wearer = FingerModel::load(*options.wearer);
+    for (const auto& model : setup->models) check_connectivity(*setup->wearer, *model);
   }
   return setup;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "softfinger/device/device.hpp"
+#include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/engine/recording_info.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/matching/objective.hpp"
@@ -27,6 +28,8 @@ struct RunOptions {
   bool wait_for_device = false;      ///< an absent port is no error
   /// Of the matching, instead of the device files'; recordings do not know of it.
   std::optional<Objective> objective;
+  /// Finger file of whom the device is on, as far as it is emulated; empty: the simulated finger.
+  std::optional<std::filesystem::path> wearer;
   std::string port;  ///< of every device, instead of its file's; empty: the file's
   /// That step several fingers side by side, or one with a large mesh; the bits do not depend on
   /// it.
@@ -41,6 +44,10 @@ struct RunSetup {
   Scene scene;                                             ///< overrides applied
   std::vector<std::shared_ptr<const FingerModel>> models;  ///< one per finger
   std::vector<std::shared_ptr<const Device>> devices;      ///< one per finger; null: none
+  /// One per finger: how far its device may be advanced; null: its force has no limit.
+  std::vector<std::shared_ptr<const TravelCeiling>> ceilings;
+  /// Whom emulated force sensors press; null: the simulated fingers.
+  std::shared_ptr<const FingerModel> wearer;
   /// One per finger: what a file in its tracker's name is relative to.
   std::vector<std::filesystem::path> tracker_directories;
 };

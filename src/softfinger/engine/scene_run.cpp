@@ -23,22 +23,30 @@ using Clock = std::chrono::steady_clock;
 constexpr double kSnapshotRate = 60.0;  // Hz
 constexpr auto kPausedInterval = std::chrono::milliseconds(5);
 
-/// A mailbox draft has to have its full size before the loop starts.
-TickInput initial_input(std::size_t samples) {
+/// What a step hands to the device thread.
+struct HandedTick {
   TickInput input;
-  input.contact.samples.resize(samples);
-  return input;
+  ContactSet contact;
+  std::vector<Vector3> nodes_W;  ///< empty: not wanted
+  Pose X_WF;
+
+  [[nodiscard]] VirtualFinger finger() const { return {contact, nodes_W, X_WF}; }
+};
+
+/// A mailbox draft has to have its full size before the loop starts.
+HandedTick initial_handed(const FingerModel& model, bool with_nodes) {
+  HandedTick handed;
+  handed.contact.samples.resize(model.sample_nodes.size());
+  if (with_nodes) handed.nodes_W.resize(model.mesh.nodes.size());
+  return handed;
+}
+
+VirtualFinger virtual_finger(const FingerLoop& loop) {
+  const FingerSimulation& simulation = loop.simulation();
+  return {loop.contact(), simulation.positions(), simulation.bone_pose()};
 }
 
 }  // namespace
-
-/// What a device tick is about.
-struct TickContext {
-  std::int64_t step;
-  double time;
-  bool tracked;
-  Clock::time_point arrival;
-};
 
 struct SceneRun::Finger {
   Finger(std::int64_t index, const RunSetup& setup, const RunOptions& options, Mode mode,
@@ -50,18 +58,21 @@ struct SceneRun::Finger {
     const SceneFinger& scene_finger = setup.scene.fingers[i];
     tracker =
         make_tracker(scene_finger.tracker, setup.tracker_directories[i], scene_finger.waypoints);
-    const std::size_t samples = setup.models[i]->sample_nodes.size();
     if (!setup.devices[i]) return;
     clock = DeviceClock(setup.scene.simulation_rate, device_rate(*setup.devices[i]));
-    ActuatorOptions actuator;
+    DeviceLoopOptions device_options;
+    device_options.objective = options.objective;
+    device_options.wearer = setup.wearer;
+    ActuatorOptions& actuator = device_options.actuator;
     if (scene_finger.device) actuator.device_file = *scene_finger.device;
     actuator.wait_for_device = options.wait_for_device;
     actuator.port = options.port;
     actuator.simulated_time = mode == Mode::kHeadless && options.as_fast_as_possible;
-    device = std::make_unique<DeviceLoop>(index, setup.devices[i], setup.models[i], actuator,
-                                          options.objective);
+    actuator.ceiling = setup.ceilings[i];
+    device =
+        std::make_unique<DeviceLoop>(index, setup.devices[i], setup.models[i], device_options);
     feedback.emplace(initial_feedback(*device));
-    input.emplace(initial_input(samples));
+    input.emplace(initial_handed(*setup.models[i], device->wants_nodes()));
   }
 
   FingerLoop loop;
@@ -71,13 +82,13 @@ struct SceneRun::Finger {
   std::int64_t known_tick = -1;        // newest tick known to the simulation
   std::uint64_t known_tick_hash = 0;
   double known_match_time = 0.0;
-  TickContext last_sent{};
+  TickInput last_sent{};
   Clock::time_point arrival;  // of the step's pose
   TrackedPose tracked;
   FingerSummary summary;  // simulation thread
 
   // Live: between the simulation thread and this finger's device thread.
-  std::optional<Mailbox<TickInput>> input;
+  std::optional<Mailbox<HandedTick>> input;
   std::optional<Mailbox<DeviceFeedback>> feedback;
   std::atomic<std::uint32_t> doorbell{0};
   std::thread thread;
@@ -221,11 +232,11 @@ void SceneRun::conclude_step(Finger& finger, std::int64_t step) {
   const double time = static_cast<double>(step) / rate_;
   if (finger.device) {
     const bool due = finger.clock.ticks(step);
-    const TickContext context{step, time, finger.tracked.valid, finger.arrival};
+    const TickInput input{step, time, finger.tracked.valid, finger.arrival};
     if (mode_ == Mode::kHeadless) {
-      if (due) tick_here(finger, context);
+      if (due) tick_here(finger, input);
     } else {
-      if (due) send_to_device(finger, context);
+      if (due) send_to_device(finger, input);
       if (finger.feedback->refresh()) {
         const TickRecord& tick = finger.feedback->latest().tick;
         finger.known_tick = tick.tick;
@@ -239,9 +250,8 @@ void SceneRun::conclude_step(Finger& finger, std::int64_t step) {
   finger.summary.add(record);
 }
 
-void SceneRun::tick_here(Finger& finger, const TickContext& context) {
-  const TickRecord& tick = finger.device->tick(context.step, context.time, context.tracked,
-                                               finger.loop.contact(), context.arrival);
+void SceneRun::tick_here(Finger& finger, const TickInput& input) {
+  const TickRecord& tick = finger.device->tick(input, virtual_finger(finger.loop));
   finger.known_tick = tick.tick;
   finger.known_tick_hash = tick.hash;
   if (recording_) recording_->push(tick);
@@ -251,14 +261,16 @@ void SceneRun::tick_here(Finger& finger, const TickContext& context) {
   }
 }
 
-void SceneRun::send_to_device(Finger& finger, const TickContext& context) {
-  finger.last_sent = context;
-  TickInput& draft = finger.input->draft();
-  draft.step = context.step;
-  draft.time = context.time;
-  draft.tracked = context.tracked;
-  draft.arrival = context.arrival;
+void SceneRun::send_to_device(Finger& finger, const TickInput& input) {
+  finger.last_sent = input;
+  HandedTick& draft = finger.input->draft();
+  draft.input = input;
   draft.contact = finger.loop.contact();
+  if (finger.device->wants_nodes()) {
+    const std::span<const Vector3> nodes = finger.loop.simulation().positions();
+    std::copy(nodes.begin(), nodes.end(), draft.nodes_W.begin());
+    draft.X_WF = finger.loop.simulation().bone_pose();
+  }
   finger.input->publish();
   finger.doorbell.fetch_add(1, std::memory_order_release);
   finger.doorbell.notify_one();
@@ -272,11 +284,11 @@ void SceneRun::keep_devices_alive() {
     const auto period = std::chrono::duration<double>(1.0 / device_rate(finger->device->device()));
     const Clock::time_point now = Clock::now();
     if (now - finger->last_sent.arrival < period) continue;
-    TickContext context = finger->last_sent;
-    context.step = finger->loop.record().step;
-    context.time = finger->loop.record().time;
-    context.arrival = now;
-    send_to_device(*finger, context);
+    TickInput input = finger->last_sent;
+    input.step = finger->loop.record().step;
+    input.time = finger->loop.record().time;
+    input.arrival = now;
+    send_to_device(*finger, input);
   }
 }
 
@@ -289,7 +301,8 @@ void SceneRun::serve_device(Finger& finger) {
     heard = finger.doorbell.load(std::memory_order_acquire);
     if (devices_ending_.load()) return;
     if (!finger.input->refresh()) continue;
-    const TickRecord& tick = finger.device->tick(finger.input->latest());
+    const HandedTick& handed = finger.input->latest();
+    const TickRecord& tick = finger.device->tick(handed.input, handed.finger());
     // Recorded before it is told: a recorded step never names a tick that is not recorded.
     if (recording_) recording_->push(tick);
     finger.device_summary.add(tick);

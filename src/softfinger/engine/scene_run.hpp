@@ -20,7 +20,7 @@ namespace softfinger {
 class DeviceLoop;
 class FingerLoop;
 class ThreadTeam;
-struct TickContext;
+struct TickInput;
 
 /// One run of one scene from start to end: the simulation thread and, in a live run, one device
 /// thread a finger. Headless, a device tick is computed in the step it falls in; live, the step
@@ -78,8 +78,8 @@ class SceneRun {
   void simulate_step(std::int64_t step);
   void step_finger(Finger& finger, std::int64_t step);
   void conclude_step(Finger& finger, std::int64_t step);
-  void tick_here(Finger& finger, const TickContext& context);
-  void send_to_device(Finger& finger, const TickContext& context);
+  void tick_here(Finger& finger, const TickInput& context);
+  void send_to_device(Finger& finger, const TickInput& context);
   void keep_devices_alive();
   void serve_device(Finger& finger);
   void publish_snapshot(std::int64_t step, bool finished);

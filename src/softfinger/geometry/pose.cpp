@@ -5,6 +5,10 @@
 
 namespace softfinger {
 
+void transform(const Pose& X_AB, std::span<const Vector3> points_B, std::span<Vector3> points_A) {
+  for (std::size_t i = 0; i < points_B.size(); ++i) points_A[i] = X_AB * points_B[i];
+}
+
 Matrix3 skew(const Vector3& a) {
   Matrix3 m;
   m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;

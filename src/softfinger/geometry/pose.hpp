@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <span>
 
 namespace softfinger {
 
@@ -22,6 +23,9 @@ struct Pose {
     return {rotation.transpose(), -(rotation.transpose() * translation)};
   }
 };
+
+/// Every point in B to A; spans of one length.
+void transform(const Pose& X_AB, std::span<const Vector3> points_B, std::span<Vector3> points_A);
 
 /// Cross-product matrix: skew(a) * b = a x b.
 [[nodiscard]] Matrix3 skew(const Vector3& a);

@@ -11,6 +11,7 @@ namespace softfinger {
 enum class Objective {
   kSurface,          ///< contact surface matching
   kSurfaceAndForce,  ///< and the force that the twin feels
+  kStress,           ///< the stress that the twin bears below its skin
   kPublished,        ///< as in Perez et al. 2015: constant separation, joints cut afterwards
   kContactPlane      ///< a plane at the contact's centroid and mean normal
 };
@@ -19,9 +20,10 @@ struct ObjectiveName {
   Objective objective;
   std::string_view name;
 };
-inline constexpr std::array<ObjectiveName, 4> kObjectiveNames{{
+inline constexpr std::array<ObjectiveName, 5> kObjectiveNames{{
     {Objective::kSurface, "surface"},
     {Objective::kSurfaceAndForce, "surface_and_force"},
+    {Objective::kStress, "stress"},
     {Objective::kPublished, "published"},
     {Objective::kContactPlane, "contact_plane"},
 }};

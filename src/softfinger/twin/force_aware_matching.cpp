@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/finger/element_loads.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
 #include "softfinger/numerics/quadratic_program.hpp"
 
@@ -17,16 +19,94 @@ constexpr double kFarOff = 0.5;           // of the virtual force; the last fram
 constexpr double kStepTolerance = 1e-6;   // m of surface motion
 constexpr double kLeastDamping = 1e-4;    // of the largest diagonal
 constexpr int kRejections = 4;
+constexpr double kStressStep = 1e-7;      // m of surface motion, of differences of stress
+constexpr double kStressTolerance = 1e-3; // of the cost; a step that gains less is the last
+
+/// Stress of the virtual finger and of the twin, as a residual r with |r|^2 the stress part of the
+/// cost.
+class StressMatch {
+ public:
+  StressMatch(const std::shared_ptr<const FingerModel>& model, double weight, int dof)
+      : loads_(model),
+        wanted_(loads_.size()),
+        stresses_(loads_.size()),
+        scales_(static_cast<Eigen::Index>(6 * loads_.size())),
+        residual_(scales_.size()),
+        jacobian_(scales_.size(), dof),
+        moved_(model->mesh.nodes.size()) {
+    double sum = 0.0;
+    for (const double volume : loads_.volumes()) sum += volume;
+    for (std::size_t e = 0; e < loads_.size(); ++e) {
+      const double one = weight * std::sqrt(loads_.volumes()[e] / sum);
+      // Shear stands twice in the tensor.
+      for (Eigen::Index c = 0; c < 6; ++c) {
+        scales_[6 * static_cast<Eigen::Index>(e) + c] = c < 3 ? one : std::sqrt(2.0) * one;
+      }
+    }
+  }
+
+  void want(std::span<const Vector3> nodes_F) { loads_.stresses(nodes_F, wanted_); }
+  double cost(const Twin& twin) {
+    evaluate(twin.positions());
+    return residual_.squaredNorm();
+  }
+  /// Residual and Jacobian at the twin's last attempt, after its force_and_derivative().
+  void linearise(const Twin& twin) {
+    const std::span<const Vector3> positions = twin.positions();
+    for (int k = 0; k < jacobian_.cols(); ++k) {
+      const double step =
+          kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
+      for (std::size_t n = 0; n < moved_.size(); ++n) {
+        moved_[n] = positions[n] + step * twin.node_motion(n, k);
+      }
+      evaluate(moved_);
+      jacobian_.col(k) = residual_ / step;
+    }
+    evaluate(positions);
+    for (int k = 0; k < jacobian_.cols(); ++k) {
+      const double step =
+          kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
+      jacobian_.col(k) -= residual_ / step;
+    }
+  }
+  /// gradient += 2 J^T r, gauss_newton += 2 J^T J. By columns: a matrix product wants memory.
+  void add_to(Eigen::VectorXd& gradient, Eigen::MatrixXd& gauss_newton) const {
+    for (int j = 0; j < jacobian_.cols(); ++j) {
+      gradient[j] += 2.0 * jacobian_.col(j).dot(residual_);
+      for (int i = 0; i < jacobian_.cols(); ++i) {
+        gauss_newton(i, j) += 2.0 * jacobian_.col(i).dot(jacobian_.col(j));
+      }
+    }
+  }
+
+ private:
+  void evaluate(std::span<const Vector3> positions) {
+    loads_.stresses(positions, stresses_);
+    for (std::size_t e = 0; e < stresses_.size(); ++e) {
+      for (std::size_t c = 0; c < 6; ++c) {
+        const auto i = static_cast<Eigen::Index>(6 * e + c);
+        residual_[i] = scales_[i] * (stresses_[e][c] - wanted_[e][c]);
+      }
+    }
+  }
+
+  ElementLoads loads_;
+  std::vector<Stress> wanted_, stresses_;
+  Eigen::VectorXd scales_, residual_;
+  Eigen::MatrixXd jacobian_;
+  std::vector<Vector3> moved_;
+};
 
 }  // namespace
 
 struct ForceAwareMatching::Implementation {
-  Implementation(std::shared_ptr<const FingerModel> model, std::shared_ptr<const Device> the_device,
+  Implementation(const std::shared_ptr<const FingerModel>& model,
+                 std::shared_ptr<const Device> the_device,
                  int the_capacity, const ForceAwareOptions& the_options)
       : device(std::move(the_device)),
         capacity(static_cast<std::size_t>(the_capacity)),
         options(the_options),
-        twin(std::move(model), device),
+        twin(model, device),
         dof(device->degrees_of_freedom()),
         program(dof, device->constraint_count()),
         gradient(dof),
@@ -37,6 +117,7 @@ struct ForceAwareMatching::Implementation {
         values(device->constraint_count()),
         jacobian(device->constraint_count(), dof) {
     for (auto* array : {&x, &y, &z, &weight, &margin}) array->resize(capacity);
+    if (options.stress_weight > 0.0) stress.emplace(model, options.stress_weight, dof);
     result.configuration = device->home();
     before = device->home();
   }
@@ -45,6 +126,7 @@ struct ForceAwareMatching::Implementation {
   std::size_t capacity;
   ForceAwareOptions options;
   Twin twin;
+  std::optional<StressMatch> stress;
   int dof;
   QuadraticProgram program;
   Eigen::VectorXd gradient, step;
@@ -61,13 +143,16 @@ struct ForceAwareMatching::Implementation {
   [[nodiscard]] double metric(int k) const {
     return device->axes()[static_cast<std::size_t>(k)].metric;
   }
-  /// The cost without its force part, m^2.
+  /// The cost without what the twin feels, m^2.
   [[nodiscard]] double surface_cost(const Configuration& q) const {
-    return device->deviation(q, samples) +
+    return options.surface_weight * options.surface_weight * device->deviation(q, samples) +
            options.inertia_weight * options.inertia_weight * device->squared_distance(q, before);
   }
-  [[nodiscard]] double force_cost(const Vector3& force) const {
-    return options.force_weight * options.force_weight * (force - target).squaredNorm();
+  [[nodiscard]] Vector3 force_error() const { return normal_force_vector(twin.contact()) - target; }
+  /// The rest of it, at the twin's last attempt, m^2.
+  [[nodiscard]] double felt_cost() {
+    const double force = options.force_weight * options.force_weight * force_error().squaredNorm();
+    return stress ? force + stress->cost(twin) : force;
   }
   void choose_start(const Configuration& surface);
   [[nodiscard]] bool form_step(const Configuration& q, const Vector3& force,
@@ -108,6 +193,13 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
                                                    const SurfaceJacobian& force_by_q,
                                                    double damping) {
   device->deviation_derivatives(q, samples, gradient, gauss_newton, hessian);
+  const double per_deviation = options.surface_weight * options.surface_weight;
+  gradient *= per_deviation;
+  gauss_newton *= per_deviation;
+  if (stress) {
+    stress->linearise(twin);
+    stress->add_to(gradient, gauss_newton);
+  }
   const double per_newton = 2.0 * options.force_weight * options.force_weight;
   const double inertia = 2.0 * options.inertia_weight * options.inertia_weight;
   for (int k = 0; k < dof; ++k) {
@@ -152,12 +244,11 @@ void ForceAwareMatching::Implementation::cut_step() {
 void ForceAwareMatching::Implementation::choose_start(const Configuration& surface) {
   const auto cost_at = [&](const Configuration& q) {
     twin.attempt(q);
-    return surface_cost(q) + force_cost(normal_force_vector(twin.contact()));
+    return surface_cost(q) + felt_cost();
   };
   result.configuration = before;
   const double cost = cost_at(before);
-  const Vector3 error = normal_force_vector(twin.contact()) - target;
-  if (error.norm() < kFarOff * target.norm()) return;
+  if (force_error().norm() < kFarOff * target.norm()) return;
   if (cost_at(surface) < cost) {
     result.configuration = surface;
   } else {
@@ -170,7 +261,7 @@ void ForceAwareMatching::Implementation::search() {
   Vector3 force;
   SurfaceJacobian force_by_q;
   if (!twin.force_and_derivative(force, force_by_q)) return;
-  double cost = surface_cost(result.configuration) + force_cost(force);
+  double cost = surface_cost(result.configuration) + felt_cost();
   double damping = 0.0;
   int rejections = 0;
   while (result.iterations < options.iterations && rejections < kRejections) {
@@ -183,7 +274,7 @@ void ForceAwareMatching::Implementation::search() {
     const double length = std::sqrt(device->squared_distance(trial, result.configuration));
     if (length < kStepTolerance) return;
     const bool settled = twin.attempt(trial).converged;
-    const double trial_cost = surface_cost(trial) + force_cost(normal_force_vector(twin.contact()));
+    const double trial_cost = surface_cost(trial) + felt_cost();
     if (!settled || !(trial_cost < cost)) {
       ++rejections;
       damping = std::max(10.0 * damping, kLeastDamping * 10.0);
@@ -191,21 +282,21 @@ void ForceAwareMatching::Implementation::search() {
     }
     ++result.iterations;
     result.configuration = trial;
+    const bool gained = cost - trial_cost > kStressTolerance * cost;
     cost = trial_cost;
     damping *= 0.1;
     rejections = 0;
-    const Vector3 error = normal_force_vector(twin.contact()) - target;
-    if (error.norm() < kForceTolerance * target.norm()) return;
+    if (stress ? !gained : force_error().norm() < kForceTolerance * target.norm()) return;
     if (result.iterations == options.iterations) return;
     if (!twin.force_and_derivative(force, force_by_q)) return;
   }
 }
 
-ForceAwareMatching::ForceAwareMatching(std::shared_ptr<const FingerModel> model,
+ForceAwareMatching::ForceAwareMatching(const std::shared_ptr<const FingerModel>& model,
                                        std::shared_ptr<const Device> device, int capacity,
                                        ForceAwareOptions options)
-    : implementation_(std::make_unique<Implementation>(std::move(model), std::move(device),
-                                                       capacity, options)) {}
+    : implementation_(
+          std::make_unique<Implementation>(model, std::move(device), capacity, options)) {}
 ForceAwareMatching::~ForceAwareMatching() = default;
 ForceAwareMatching::ForceAwareMatching(ForceAwareMatching&&) noexcept = default;
 ForceAwareMatching& ForceAwareMatching::operator=(ForceAwareMatching&&) noexcept = default;
@@ -218,13 +309,15 @@ void ForceAwareMatching::reset() {
 const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side,
                                                   const Configuration& surface,
                                                   double friction_coefficient, double elapsed,
-                                                  const MatchingOptions& matching) {
+                                                  const MatchingOptions& matching,
+                                                  std::span<const Vector3> nodes_F) {
   Implementation& self = *implementation_;
   ForceAwareResult& result = self.result;
   result = {};
   self.take(virtual_side, matching);
   self.target = normal_force_vector(virtual_side);
   if (virtual_side.contact_count > 0 && self.target.norm() > kLeastForce) {
+    if (self.stress) self.stress->want(nodes_F);
     self.twin.begin_frame(friction_coefficient, elapsed);
     self.choose_start(surface);
     self.search();

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "softfinger/matching/surface_rendering.hpp"
 #include "softfinger/twin/force_aware_matching.hpp"
 
 namespace softfinger {
 
-/// The running loop's behaviour with objective "surface_and_force": what SurfaceRendering wants,
-/// put right by what the twin feels. Off the skin the correction is given back at a bounded rate,
+/// The running loop's behaviour with objectives "surface_and_force" and "stress": what
+/// SurfaceRendering wants, put right by what the twin feels. Off the skin the correction is given back at a bounded rate,
 /// so that neither touch nor release, nor a twin that loses contact, makes the device jump. tick()
 /// does not allocate.
 class ForceRendering {
@@ -18,9 +19,10 @@ class ForceRendering {
                  ForceAwareOptions options = {});
 
   void reset();
-  /// One device tick after SurfaceRendering's, `elapsed` s after the last.
-  const RenderedSurface& tick(const ContactSet& contact, const RenderedSurface& surface,
-                              double elapsed);
+  /// One device tick after SurfaceRendering's, `elapsed` s after the last. `nodes_F`: see
+  /// ForceAwareMatching::match().
+  const RenderedSurface& tick(const ContactSet& contact, std::span<const Vector3> nodes_F,
+                              const RenderedSurface& surface, double elapsed);
 
  private:
   std::shared_ptr<const Device> device_;

@@ -64,10 +64,17 @@ RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& tw
   result.contact_area_error = std::abs(t.contact_area - v.contact_area) / v.contact_area;
   result.pressure_error = pressures.value();
   RelativeError energies;
+  RelativeError stresses;
   for (std::size_t e = 0; e < virtual_side.energy_densities.size(); ++e) {
     energies.add(virtual_side.volumes[e], virtual_side.energy_densities[e],
                  twin.energy_densities[e]);
+    for (std::size_t c = 0; c < 6; ++c) {
+      // Shear stands twice in the tensor.
+      const double weight = (c < 3 ? 1.0 : 2.0) * virtual_side.volumes[e];
+      stresses.add(weight, virtual_side.stresses[e][c], twin.stresses[e][c]);
+    }
   }
+  result.stress_error = stresses.value();
   result.strain_energy_density_error = energies.value();
   return result;
 }
@@ -83,6 +90,7 @@ const std::array<MeasureName, kMeasures>& measure_names() {
       {"contact_area_error", 1.0, &M::contact_area_error},
       {"pressure_error", 1.0, &M::pressure_error},
       {"strain_energy_density_error", 1.0, &M::strain_energy_density_error},
+      {"stress_error", 1.0, &M::stress_error},
   }};
   return kNames;
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "softfinger/contact/contact_set.hpp"
+#include "softfinger/finger/element_loads.hpp"
 
 namespace softfinger {
 
@@ -30,13 +31,15 @@ struct RenderingMeasures {
   double contact_area_error = kUndefined;  ///< |a_twin - a_virtual| / a_virtual, deformed areas
   double pressure_error = kUndefined;      ///< sqrt(sum a (p_t - p_v)^2 / sum a p_v^2)
   double strain_energy_density_error = kUndefined;  ///< likewise over elements by rest volume
+  double stress_error = kUndefined;                 ///< likewise, all components of the stress
 };
 
-/// One side of a frame. The sides have the same samples and elements; densities in J/m^3, with the
-/// rest volumes (m^3) of the side that sets the weights.
+/// One side of a frame. The sides have the same samples and elements; densities in J/m^3,
+/// stresses in Pa, with the rest volumes (m^3) of the side that sets the weights.
 struct TouchedSkin {
   const ContactSet& contact;
   std::span<const double> energy_densities;
+  std::span<const Stress> stresses;
   std::span<const double> volumes;
 };
 
@@ -49,7 +52,7 @@ struct MeasureName {
   double unit;
   double RenderingMeasures::*member;
 };
-inline constexpr std::size_t kMeasures = 8;
+inline constexpr std::size_t kMeasures = 9;
 [[nodiscard]] const std::array<MeasureName, kMeasures>& measure_names();
 
 /// Means over frames, each over the frames in which it is defined.

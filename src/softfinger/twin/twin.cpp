@@ -42,7 +42,8 @@ struct Twin::Implementation {
         history(potential.elastic().make_history()),
         anchors(kept_anchors),
         contact(make_contact_set(*wearer)),
-        shift(potential.gradient().size()) {
+        shifts(static_cast<std::size_t>(device->degrees_of_freedom()),
+               std::vector<double>(potential.gradient().size())) {
     touching.reserve(pieces.size() * (wearer->sample_nodes.size() + FeaturePoints::kMost));
     for (std::size_t k = 0; k < pieces.size(); ++k) obstacles[k].shape = &pieces[k].shape;
     reset();
@@ -66,7 +67,7 @@ struct Twin::Implementation {
   std::vector<Vector3> positions;
   std::vector<FrictionAnchor> anchors;
   ContactSet contact;
-  std::vector<double> shift;  ///< of the unknowns, by one coordinate of q
+  std::vector<std::vector<double>> shifts;  ///< of the unknowns, by each component of q
   struct TouchingPair {
     std::size_t point, piece;
     ContactPotential::PairResponse response;
@@ -81,7 +82,8 @@ struct Twin::Implementation {
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
   void find_touching();
   void drag_by(int k);
-  [[nodiscard]] Vector3 motion_of_point(std::size_t i) const;
+  [[nodiscard]] Vector3 node_motion(std::size_t node, int k) const;
+  [[nodiscard]] Vector3 motion_of_point(std::size_t i, int k) const;
 };
 
 void Twin::Implementation::reset() {
@@ -169,8 +171,9 @@ void Twin::Implementation::find_touching() {
   }
 }
 
-/// shift = how the skin's equilibrium moves by coordinate k: -A^-1 dG/dq.
+/// How the skin's equilibrium moves by component k: -A^-1 dG/dq.
 void Twin::Implementation::drag_by(int k) {
+  std::vector<double>& shift = shifts[static_cast<std::size_t>(k)];
   std::fill(shift.begin(), shift.end(), 0.0);
   const std::size_t samples = wearer->sample_nodes.size();
   const auto add = [&](int node, const Vector3& force) {
@@ -193,13 +196,16 @@ void Twin::Implementation::drag_by(int k) {
   potential.solve(shift);
 }
 
-/// What drag_by() found, at contact point i.
-Vector3 Twin::Implementation::motion_of_point(std::size_t i) const {
-  const auto at = [&](int node) -> Vector3 {
-    const int block = potential.unknowns().block_of_node[static_cast<std::size_t>(node)];
-    return block < 0 ? Vector3::Zero()
-                     : Vector3(Eigen::Map<const Vector3>(shift.data() + 3 * block));
-  };
+/// What drag_by(k) found.
+Vector3 Twin::Implementation::node_motion(std::size_t node, int k) const {
+  const int block = potential.unknowns().block_of_node[node];
+  if (block < 0) return Vector3::Zero();
+  return Eigen::Map<const Vector3>(shifts[static_cast<std::size_t>(k)].data() + 3 * block);
+}
+
+/// The same at contact point i.
+Vector3 Twin::Implementation::motion_of_point(std::size_t i, int k) const {
+  const auto at = [&](int node) { return node_motion(static_cast<std::size_t>(node), k); };
   const std::size_t samples = wearer->sample_nodes.size();
   if (i < samples) return at(wearer->sample_nodes[i]);
   const FeaturePoints::Point& feature = potential.features().points()[i - samples];
@@ -211,6 +217,7 @@ Vector3 Twin::Implementation::motion_of_point(std::size_t i) const {
 bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
   const int dof = device->degrees_of_freedom();
   by_q.setZero(3, dof);
+  for (std::vector<double>& shift : shifts) std::fill(shift.begin(), shift.end(), 0.0);
   const std::span<const Vector3> points = potential.contact_positions();
   find_touching();
   double magnitude = 0.0;
@@ -237,7 +244,7 @@ bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian&
       const double one = pair.normal_force.norm();
       if (!(one > 0.0)) continue;
       const PieceMotion& motion = motions(piece, k);
-      const Vector3 approach = motion_of_point(i) - motion.at(points[i], pair.outward);
+      const Vector3 approach = motion_of_point(i, k) - motion.at(points[i], pair.outward);
       const Vector3 rate = motion.spin.cross(pair.normal_force) - pair.normal_stiffness * approach;
       sum_rate += rate;
       magnitude_rate += rate.dot(pair.normal_force) / one;
@@ -283,6 +290,10 @@ void Twin::keep() { implementation_->keep(); }
 const Configuration& Twin::configuration() const { return implementation_->q; }
 bool Twin::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
   return implementation_->force_and_derivative(force, by_q);
+}
+
+Vector3 Twin::node_motion(std::size_t node, int k) const {
+  return implementation_->node_motion(node, k);
 }
 
 const FingerModel& Twin::wearer() const { return *implementation_->wearer; }

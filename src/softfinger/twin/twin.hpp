@@ -50,6 +50,10 @@ class Twin {
   /// equilibrium is not stable enough to be solved for.
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
 
+  /// How node `node` moves by component k of q, m by rad or m: after force_and_derivative(), zero
+  /// where that found no contact.
+  [[nodiscard]] Vector3 node_motion(std::size_t node, int k) const;
+
   [[nodiscard]] const FingerModel& wearer() const;
   [[nodiscard]] const Device& device() const;
   /// Contact with the device, in F, of the last attempt.

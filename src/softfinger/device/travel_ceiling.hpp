@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "softfinger/device/device.hpp"
+
+namespace softfinger {
+
+/// How far a device may be advanced towards the finger. What bounds it is how deep the device
+/// reaches into the resting skin: a table over the axes that do not advance it, linear in between
+/// and constant beyond. Pins, which advance one by one, have one ceiling for all instead. Does not
+/// allocate after construction.
+class TravelCeiling {
+ public:
+  /// One axis of the table: component `axis` of q at `count` >= 2 equidistant values, SI.
+  struct GridAxis {
+    int axis;
+    double min, max;
+    int count;
+  };
+  static constexpr int kMostAxes = 6;
+
+  /// `depths`: m, first grid axis fastest; for pins the one height. `rest_skin`: samples in F, m.
+  TravelCeiling(std::shared_ptr<const Device> device, std::span<const Vector3> rest_skin,
+                std::vector<GridAxis> grid, std::vector<double> depths);
+  TravelCeiling(TravelCeiling&&) noexcept = default;
+  TravelCeiling& operator=(TravelCeiling&&) noexcept = default;
+
+  /// How deep the device at q reaches into the resting skin, m; negative: as far away. For pins the
+  /// highest one's height.
+  [[nodiscard]] double depth(const Configuration& q) const;
+  /// How far q is above the ceiling, m; negative below.
+  [[nodiscard]] double excess(const Configuration& q) const;
+  /// q brought down, against the device's advance, to `margin` (m, >= 0) below the ceiling where
+  /// it is higher.
+  void lower(Configuration& q, double margin = 0.0) const;
+  /// The ceiling of what advances, other axes as in q; SI.
+  [[nodiscard]] double travel(const Configuration& q) const;
+
+ private:
+  [[nodiscard]] double limit(const Configuration& q) const;
+
+  std::shared_ptr<const Device> device_;
+  std::vector<double> x_, y_, z_;
+  SurfaceSamples skin_;
+  std::vector<GridAxis> grid_;
+  std::vector<double> depths_;
+};
+
+}  // namespace softfinger

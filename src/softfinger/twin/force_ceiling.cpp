@@ -1,0 +1,330 @@
+#include "softfinger/twin/force_ceiling.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/parallel_for.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/twin/twin.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+/// The device cannot press that hard anywhere.
+constexpr double kNoLimit = 1.0;  // m
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Values per grid axis, by the number of axes: some hundred nodes and centres at most.
+constexpr std::array<int, TravelCeiling::kMostAxes + 1> kGridCounts = {1, 9, 5, 3, 3, 2, 2};
+/// The table is made for this part of the limit, for what happens between its nodes.
+constexpr double kReserve = 0.95;
+constexpr int kProbes = 40;              // of how far an axis goes
+constexpr double kFarthest = 20.0 * mm;  // of surface motion from home that is looked at
+constexpr double kMarch = 0.3 * mm;      // of advance between two presses
+constexpr double kTolerance = 1e-5;      // m
+
+std::shared_ptr<const FingerModel> stiffest(const FingerModel& model) {
+  auto wearer = std::make_shared<FingerModel>(model);
+  for (FingerModel::Material& material : wearer->materials) {
+    material.youngs_modulus *= kStiffestWearer;
+  }
+  wearer->strain_limits.stiffness *= kStiffestWearer;
+  return wearer;
+}
+
+/// The one number that says how far a device is advanced.
+struct Advance {
+  explicit Advance(const Device& device)
+      : axis(device.approach_axis()),
+        metric(device.axes()[static_cast<std::size_t>(std::max(axis, 0))].metric) {}
+
+  void set(double value, Configuration& q) const {
+    if (axis >= 0) {
+      q[axis] = value;
+    } else {
+      q.setConstant(value);
+    }
+  }
+  [[nodiscard]] double of(const Configuration& q) const {
+    return axis >= 0 ? q[axis] : q.maxCoeff();
+  }
+
+  int axis;
+  double metric;  ///< m per SI unit
+};
+
+struct Span {
+  double min, max;
+};
+
+/// Widens `span` by those of `count` values of component k within its axis' limits that `holds`
+/// for, other components as in q. k: -1: the advance.
+template <typename Holds>
+void widen(const Device& device, const Advance& advance, const Configuration& q, int k,
+           const Holds& holds, Span& span) {
+  const ConfigurationAxis& axis = device.axes()[static_cast<std::size_t>(std::max(k, 0))];
+  const double home = k < 0 ? advance.of(device.home()) : device.home()[k];
+  const double far = kFarthest / axis.metric;
+  const double min = std::max(axis.min, home - far);
+  const double max = std::min(axis.max, home + far);
+  for (int i = 0; i <= kProbes; ++i) {
+    const double value = min + (max - min) * i / kProbes;
+    Configuration probe = q;
+    if (k < 0) {
+      advance.set(value, probe);
+    } else {
+      probe[k] = value;
+    }
+    if (!holds(probe)) continue;
+    span.min = std::min(span.min, value);
+    span.max = std::max(span.max, value);
+  }
+}
+
+/// How far the device can be advanced while its linkage closes, other components as in q.
+Span advance_span(const Device& device, const Advance& advance, const Configuration& q) {
+  Span span{kInfinity, -kInfinity};
+  JointAngles joints;
+  widen(
+      device, advance, q, advance.axis,
+      [&](const Configuration& probe) { return device.inverse_kinematics(probe, joints); }, span);
+  return span;
+}
+
+/// How far component k goes within the workspace, at any advance, others at home.
+Span reach_span(const Device& device, const Advance& advance, int k) {
+  const Span travel = advance_span(device, advance, device.home());
+  Span span{device.home()[k], device.home()[k]};
+  for (int i = 0; i <= kProbes; ++i) {
+    Configuration q = device.home();
+    advance.set(travel.min + (travel.max - travel.min) * i / kProbes, q);
+    widen(
+        device, advance, q, k,
+        [&](const Configuration& probe) { return device.reachable(probe); }, span);
+  }
+  return span;
+}
+
+/// The advance at which the twin feels `max_force`, for the other components as in q, looked for
+/// from `guess`; missing where it feels that nowhere.
+double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Span& span,
+                  double guess, double max_force) {
+  const auto excess_at = [&](double value) {
+    advance.set(value, q);
+    twin.begin_frame(0.0, 0.0);
+    twin.attempt(q);
+    return twin.contact().normal_force - max_force;
+  };
+  const double march = kMarch / advance.metric;
+  double low = std::clamp(guess, span.min, span.max);
+  double low_excess = excess_at(low);
+  double high = low;
+  double high_excess = low_excess;
+  while (low_excess > 0.0 && low > span.min) {
+    high = low;
+    high_excess = low_excess;
+    low = std::max(low - march, span.min);
+    low_excess = excess_at(low);
+  }
+  if (low_excess > 0.0) return kMissing;
+  while (high_excess <= 0.0 && high < span.max) {
+    low = high;
+    low_excess = high_excess;
+    // As far as there is room nothing is pressed.
+    const double gap = twin.contact().least_gap / advance.metric;
+    high = std::min(high + std::max(march, std::isfinite(gap) ? gap : 0.0), span.max);
+    high_excess = excess_at(high);
+  }
+  if (high_excess <= 0.0) return kMissing;
+  // Regula falsi with halved weights (Illinois); the lower end is the answer.
+  while ((high - low) * advance.metric > kTolerance) {
+    double middle = (low * high_excess - high * low_excess) / (high_excess - low_excess);
+    const double edge = 0.4 * kTolerance / advance.metric;
+    middle = std::clamp(middle, low + edge, high - edge);
+    const double excess = excess_at(middle);
+    if (excess > 0.0) {
+      high = middle;
+      high_excess = excess;
+      low_excess *= 0.5;
+    } else {
+      low = middle;
+      low_excess = excess;
+      high_excess *= 0.5;
+    }
+  }
+  return low;
+}
+
+std::vector<TravelCeiling::GridAxis> grid_axes(const Device& device, const Advance& advance) {
+  if (advance.axis < 0) return {};
+  const int others = device.degrees_of_freedom() - 1;
+  if (others > TravelCeiling::kMostAxes) {
+    throw InputError(
+        fmt::format("cannot be kept by a device with {} axes beside the one that advances it, at "
+                    "most {}",
+                    others, TravelCeiling::kMostAxes));
+  }
+  std::vector<TravelCeiling::GridAxis> axes;
+  for (int k = 0; k < device.degrees_of_freedom(); ++k) {
+    if (k == advance.axis) continue;
+    const Span span = reach_span(device, advance, k);
+    if (!(span.max > span.min)) continue;
+    axes.push_back({k, span.min, span.max, kGridCounts[static_cast<std::size_t>(others)]});
+  }
+  return axes;
+}
+
+/// Points of a regular grid, first axis fastest.
+class Grid {
+ public:
+  /// The nodes of these axes, or the centres between them.
+  Grid(std::vector<TravelCeiling::GridAxis> axes, bool centres) : axes_(std::move(axes)) {
+    if (!centres) return;
+    for (TravelCeiling::GridAxis& axis : axes_) {
+      const double half = 0.5 * (axis.max - axis.min) / (axis.count - 1);
+      axis = {axis.axis, axis.min + half, axis.max - half, axis.count - 1};
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_of(axes_.size()); }
+  /// Points along the first axis.
+  [[nodiscard]] std::size_t line() const { return size_of(std::min<std::size_t>(axes_.size(), 1)); }
+  [[nodiscard]] std::size_t axes() const { return axes_.size(); }
+  [[nodiscard]] int count(std::size_t k) const { return axes_[k].count; }
+  [[nodiscard]] std::size_t stride(std::size_t k) const { return size_of(k); }
+  [[nodiscard]] int place(std::size_t point, std::size_t k) const {
+    return static_cast<int>(point / stride(k)) % axes_[k].count;
+  }
+  void set(std::size_t point, Configuration& q) const {
+    for (std::size_t k = 0; k < axes_.size(); ++k) {
+      const TravelCeiling::GridAxis& axis = axes_[k];
+      const double part = axis.count > 1 ? static_cast<double>(place(point, k)) / (axis.count - 1)
+                                         : 0.0;
+      q[axis.axis] = axis.min + (axis.max - axis.min) * part;
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t size_of(std::size_t axes) const {
+    std::size_t product = 1;
+    for (std::size_t k = 0; k < axes; ++k) product *= static_cast<std::size_t>(axes_[k].count);
+    return product;
+  }
+
+  std::vector<TravelCeiling::GridAxis> axes_;
+};
+
+/// Depths (see TravelCeiling) at the points of a grid; missing where the linkage does not close, or
+/// the device does not press that hard. Each line by itself, so that the answer does not depend on
+/// how many there are at a time.
+std::vector<double> depths(const Grid& grid, const std::shared_ptr<const FingerModel>& wearer,
+                           const std::shared_ptr<const Device>& device, const Advance& advance,
+                           const TravelCeiling& skin, double max_force) {
+  std::vector<double> values(grid.size(), kMissing);
+  parallel_for(grid.size() / grid.line(), [&](std::size_t line) {
+    Twin twin(wearer, device);
+    double guess = advance.of(device->home());
+    for (std::size_t point = line * grid.line(); point < (line + 1) * grid.line(); ++point) {
+      Configuration q = device->home();
+      grid.set(point, q);
+      const Span span = advance_span(*device, advance, q);
+      if (!(span.max > span.min)) continue;
+      const double ceiling = ceiling_at(twin, q, advance, span, guess, max_force);
+      if (std::isnan(ceiling)) continue;
+      guess = ceiling;
+      advance.set(ceiling, q);
+      values[point] = skin.depth(q);
+    }
+  });
+  return values;
+}
+
+/// Missing nodes get the least of their neighbours.
+void fill_missing(const Grid& grid, std::vector<double>& values) {
+  if (std::all_of(values.begin(), values.end(), [](double value) { return std::isnan(value); })) {
+    values.assign(values.size(), kNoLimit);
+  }
+  bool missing = true;
+  while (missing) {
+    missing = false;
+    const std::vector<double> before = values;
+    for (std::size_t node = 0; node < values.size(); ++node) {
+      if (!std::isnan(values[node])) continue;
+      missing = true;
+      for (std::size_t k = 0; k < grid.axes(); ++k) {
+        const int place = grid.place(node, k);
+        if (place > 0) values[node] = std::fmin(values[node], before[node - grid.stride(k)]);
+        if (place + 1 < grid.count(k)) {
+          values[node] = std::fmin(values[node], before[node + grid.stride(k)]);
+        }
+      }
+    }
+  }
+}
+
+/// Lowers the corners of each cell until interpolation gives no more than `centres` at its centre.
+void lower_to_centres(const Grid& nodes, const Grid& cells, const std::vector<double>& centres,
+                      std::vector<double>& values) {
+  const std::size_t corners = std::size_t{1} << nodes.axes();
+  for (std::size_t cell = 0; cell < centres.size(); ++cell) {
+    if (std::isnan(centres[cell])) continue;
+    const auto corner_of = [&](std::size_t corner) {
+      std::size_t node = 0;
+      for (std::size_t k = 0; k < nodes.axes(); ++k) {
+        const auto place = static_cast<std::size_t>(cells.place(cell, k));
+        node += (place + ((corner >> k) & 1U)) * nodes.stride(k);
+      }
+      return node;
+    };
+    double mean = 0.0;
+    for (std::size_t corner = 0; corner < corners; ++corner) {
+      mean += values[corner_of(corner)] / static_cast<double>(corners);
+    }
+    const double excess = std::max(0.0, mean - centres[cell]);
+    for (std::size_t corner = 0; corner < corners; ++corner) values[corner_of(corner)] -= excess;
+  }
+}
+
+}  // namespace
+
+TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<const Device>& device,
+                            double max_force) {
+  if (!device->advances()) {
+    throw InputError(
+        "cannot be kept, no axis of this device moves its whole surface towards "
+        "the finger; leave it out");
+  }
+  const Advance advance(*device);
+  const std::shared_ptr<const FingerModel> wearer = stiffest(model);
+  const std::vector<TravelCeiling::GridAxis> axes = grid_axes(*device, advance);
+  const Grid nodes(axes, false);
+  const double force = kReserve * max_force;
+  std::vector<Vector3> rest_skin;
+  for (const int node : model.sample_nodes) {
+    rest_skin.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
+  }
+  const TravelCeiling skin(device, rest_skin, {}, {kNoLimit});
+  std::vector<double> values = depths(nodes, wearer, device, advance, skin, force);
+  fill_missing(nodes, values);
+  if (!axes.empty()) {
+    const Grid cells(axes, true);
+    lower_to_centres(nodes, cells, depths(cells, wearer, device, advance, skin, force), values);
+  }
+  TravelCeiling ceiling(device, rest_skin, axes, values);
+  for (const Configuration& q : {device->home(), device->retracted()}) {
+    if (ceiling.excess(q) <= 0.0) continue;
+    throw InputError(
+        fmt::format("{} N is exceeded already where the device rests; move "
+                    "[home] and [retract] away from the finger, or the limit up",
+                    max_force));
+  }
+  return ceiling;
+}
+
+}  // namespace softfinger
