@@ -67,11 +67,13 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--wearer", flags->wearer,
                       "finger file of who wears the device; the simulated finger where not given");
   command
-      ->add_option("--objective", flags->objective,
-                   "what matching aims at, instead of the device file's: surface, "
-                   "surface_and_force, stress; or, to compare with, published (Perez et al. 2015) or "
-                   "contact_plane (a plane at the contact's centroid)")
-      ->check(CLI::IsMember({"surface", "surface_and_force", "stress", "published", "contact_plane"}));
+      ->add_option(
+          "--objective", flags->objective,
+          "what matching aims at, instead of the device file's: surface, "
+          "surface_and_force, stress; or, to compare with, published (Perez et al. 2015) or "
+          "contact_plane (a plane at the contact's centroid)")
+      ->check(
+          CLI::IsMember({"surface", "surface_and_force", "stress", "published", "contact_plane"}));
   command->add_option("--duration-s", flags->duration_s, "end after this time, s");
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] { evaluate_scene(*flags); });

@@ -74,8 +74,8 @@ TEST_P(ForceCeilingOf, KeepsAStifferWearerBelowTheLimit) {
     highest = std::max(highest, twin.contact().normal_force);
     EXPECT_LE(twin.contact().normal_force, limit) << q.transpose();
   }
-  std::cout << GetParam().file << ": " << lowered << " of " << poses << " lowered, highest force " << highest
-            << " N of " << limit << " N\n";
+  std::cout << GetParam().file << ": " << lowered << " of " << poses << " lowered, highest force "
+            << highest << " N of " << limit << " N\n";
   // It limits, and not more than it has to.
   EXPECT_GT(lowered, 0);
   EXPECT_GE(highest, 0.8 * limit);

@@ -36,8 +36,10 @@ RenderingMeasures compare_contacts(const ContactSet& v, const ContactSet& t) {
   const std::vector<double> v_energy{1.0, 2.0};
   const std::vector<double> t_energy{1.0, 4.0};
   const std::vector<double> volumes{3.0, 1.0};
-  const std::vector<Stress> v_stress{{1.0, 0.0, 0.0, 2.0, 0.0, 0.0}, {0.0, 3.0, 0.0, 0.0, 0.0, 0.0}};
-  const std::vector<Stress> t_stress{{1.0, 0.0, 0.0, 1.0, 0.0, 0.0}, {0.0, 3.0, 2.0, 0.0, 0.0, 0.0}};
+  const std::vector<Stress> v_stress{{1.0, 0.0, 0.0, 2.0, 0.0, 0.0},
+                                     {0.0, 3.0, 0.0, 0.0, 0.0, 0.0}};
+  const std::vector<Stress> t_stress{{1.0, 0.0, 0.0, 1.0, 0.0, 0.0},
+                                     {0.0, 3.0, 2.0, 0.0, 0.0, 0.0}};
   return compare({v, v_energy, v_stress, volumes}, {t, t_energy, t_stress, volumes});
 }
 
@@ -65,8 +67,7 @@ TEST(RenderingMeasures, OfASideWithItselfAreZero) {
   const ContactSet v = contact_of({1, 2, 3}, {0.2, 0.4, 0.0});
   const std::vector<double> energy{1.0, 2.0};
   const std::vector<Stress> stress(2, Stress{1.0, 2.0, 3.0, 4.0, 5.0, 6.0});
-  const RenderingMeasures m =
-      compare({v, energy, stress, energy}, {v, energy, stress, energy});
+  const RenderingMeasures m = compare({v, energy, stress, energy}, {v, energy, stress, energy});
   EXPECT_EQ(m.iou, 1.0);
   for (const MeasureName& name : measure_names()) {
     if (name.name != "iou") {

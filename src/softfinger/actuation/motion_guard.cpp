@@ -141,8 +141,7 @@ double MotionGuard::allowed_fraction(const Configuration& goal, double dt) const
   return largest_fraction([&](double t) {
     const Configuration q = between(now_.q, goal, t);
     JointAngles joints;
-    return allowed(q) && device_->inverse_kinematics(q, joints) &&
-           within_travel(joints, dt);
+    return allowed(q) && device_->inverse_kinematics(q, joints) && within_travel(joints, dt);
   });
 }
 

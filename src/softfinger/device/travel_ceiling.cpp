@@ -39,8 +39,8 @@ double TravelCeiling::limit(const Configuration& q) const {
   std::size_t size = 1;
   for (std::size_t k = 0; k < grid_.size(); ++k) {
     const GridAxis& axis = grid_[k];
-    const double place = std::clamp((q[axis.axis] - axis.min) / (axis.max - axis.min), 0.0, 1.0) *
-                         (axis.count - 1);
+    const double place =
+        std::clamp((q[axis.axis] - axis.min) / (axis.max - axis.min), 0.0, 1.0) * (axis.count - 1);
     const int cell = std::min(static_cast<int>(place), axis.count - 2);
     fraction[k] = place - cell;
     stride[k] = size;

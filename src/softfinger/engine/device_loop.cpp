@@ -29,9 +29,8 @@ constexpr std::uint64_t kNoiseSeed = 2015;
 DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
                        const std::shared_ptr<const FingerModel>& model,
                        const DeviceLoopOptions& options)
-    : objective_(options.objective
-                     ? *options.objective
-                     : objective_of(device->settings().matching.objective).value()),
+    : objective_(options.objective ? *options.objective
+                                   : objective_of(device->settings().matching.objective).value()),
       rendering_(device, static_cast<int>(model->sample_nodes.size()),
                  matching_options(objective_)),
       stands_(device->home()),
@@ -85,10 +84,9 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   record_.wanted = surface.configuration;
   record_.deviation = surface.deviation;
   record_.iterations = surface.iterations;
-  record_.command = actuator_.command({.configuration = corrected,
-                                       .tracked = input.tracked,
-                                       .touching = contact.contact_count > 0},
-                                      input.time);
+  record_.command = actuator_.command(
+      {.configuration = corrected, .tracked = input.tracked, .touching = contact.contact_count > 0},
+      input.time);
   record_.latency =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - input.arrival).count();
   record_.hash = hash_of(record_);

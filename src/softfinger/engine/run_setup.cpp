@@ -53,8 +53,7 @@ std::string content_of(const fs::path& file) {
 }
 
 /// Null where the device file says nothing of force.
-std::shared_ptr<const TravelCeiling> ceiling_of(const SceneFinger& finger,
-                                                const FingerModel& model,
+std::shared_ptr<const TravelCeiling> ceiling_of(const SceneFinger& finger, const FingerModel& model,
                                                 const std::shared_ptr<const Device>& device) {
   if (!device || !(device->settings().max_force > 0.0)) return nullptr;
   try {
@@ -95,8 +94,7 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   for (const SceneFinger& finger : scene.fingers) {
     setup->models.push_back(FingerModel::load(finger.model));
     setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);
-    setup->ceilings.push_back(
-        ceiling_of(finger, *setup->models.back(), setup->devices.back()));
+    setup->ceilings.push_back(ceiling_of(finger, *setup->models.back(), setup->devices.back()));
   }
   if (options.wearer) {
     setup->wearer = FingerModel::load(*options.wearer);

@@ -69,8 +69,7 @@ struct SceneRun::Finger {
     actuator.port = options.port;
     actuator.simulated_time = mode == Mode::kHeadless && options.as_fast_as_possible;
     actuator.ceiling = setup.ceilings[i];
-    device =
-        std::make_unique<DeviceLoop>(index, setup.devices[i], setup.models[i], device_options);
+    device = std::make_unique<DeviceLoop>(index, setup.devices[i], setup.models[i], device_options);
     feedback.emplace(initial_feedback(*device));
     input.emplace(initial_handed(*setup.models[i], device->wants_nodes()));
   }

@@ -88,9 +88,8 @@ void ElementLoads::energy_densities(std::span<const Vector3> positions,
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const Deformation& deformation = deformations_[e];
     const Vector3 strains = deformation.stretches.array() - 1.0;
-    densities[e] =
-        elements_[e].mu * strains.squaredNorm() +
-        0.5 * elements_[e].lambda * deformation.dilatation * deformation.dilatation;
+    densities[e] = elements_[e].mu * strains.squaredNorm() +
+                   0.5 * elements_[e].lambda * deformation.dilatation * deformation.dilatation;
     if (!(limit_.stiffness > 0.0)) continue;
     for (const double stretch : deformation.stretches) densities[e] += limit_.at(stretch).energy;
   }
@@ -110,8 +109,7 @@ void ElementLoads::stresses(std::span<const Vector3> positions, std::span<Stress
                              (limit_.stiffness > 0.0 ? limit_.at(stretch).first : 0.0);
       principal[k] = nominal * stretch / volume;
     }
-    const Matrix3 stress =
-        deformation.axes * principal.asDiagonal() * deformation.axes.transpose();
+    const Matrix3 stress = deformation.axes * principal.asDiagonal() * deformation.axes.transpose();
     stresses[e] = {stress(0, 0), stress(1, 1), stress(2, 2),
                    stress(1, 2), stress(2, 0), stress(0, 1)};
   }

@@ -19,8 +19,8 @@ constexpr double kFarOff = 0.5;           // of the virtual force; the last fram
 constexpr double kStepTolerance = 1e-6;   // m of surface motion
 constexpr double kLeastDamping = 1e-4;    // of the largest diagonal
 constexpr int kRejections = 4;
-constexpr double kStressStep = 1e-7;      // m of surface motion, of differences of stress
-constexpr double kStressTolerance = 1e-3; // of the cost; a step that gains less is the last
+constexpr double kStressStep = 1e-7;       // m of surface motion, of differences of stress
+constexpr double kStressTolerance = 1e-3;  // of the cost; a step that gains less is the last
 
 /// Stress of the virtual finger and of the twin, as a residual r with |r|^2 the stress part of the
 /// cost.
@@ -54,8 +54,7 @@ class StressMatch {
   void linearise(const Twin& twin) {
     const std::span<const Vector3> positions = twin.positions();
     for (int k = 0; k < jacobian_.cols(); ++k) {
-      const double step =
-          kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
+      const double step = kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
       for (std::size_t n = 0; n < moved_.size(); ++n) {
         moved_[n] = positions[n] + step * twin.node_motion(n, k);
       }
@@ -64,8 +63,7 @@ class StressMatch {
     }
     evaluate(positions);
     for (int k = 0; k < jacobian_.cols(); ++k) {
-      const double step =
-          kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
+      const double step = kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
       jacobian_.col(k) -= residual_ / step;
     }
   }
@@ -101,8 +99,8 @@ class StressMatch {
 
 struct ForceAwareMatching::Implementation {
   Implementation(const std::shared_ptr<const FingerModel>& model,
-                 std::shared_ptr<const Device> the_device,
-                 int the_capacity, const ForceAwareOptions& the_options)
+                 std::shared_ptr<const Device> the_device, int the_capacity,
+                 const ForceAwareOptions& the_options)
       : device(std::move(the_device)),
         capacity(static_cast<std::size_t>(the_capacity)),
         options(the_options),

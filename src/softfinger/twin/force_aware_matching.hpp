@@ -42,16 +42,17 @@ struct ForceAwareResult {
 /// Objectives "surface_and_force" and "stress": the configuration whose twin feels the virtual
 /// contact's normal force, as far as the contact surface allows, or bears the virtual finger's
 /// stress below the skin (Verschoor et al., "Tactile rendering based on skin stress optimization",
-/// ACM Trans. Graphics 2020, match skin stress; the measure is ours). Gauss-Newton on the cost above with the derivative
-/// of the twin's equilibrium by the implicit function theorem (see Twin), limits as constraints of
-/// a quadratic program. After the bilevel problem in Perez et al., "Optimization-based wearable
-/// tactile rendering", IEEE Trans. Haptics 2017; ours are the force vector beside the surface term
-/// and the derivatives. Allocates only in the constructor.
+/// ACM Trans. Graphics 2020, match skin stress; the measure is ours). Gauss-Newton on the cost
+/// above with the derivative of the twin's equilibrium by the implicit function theorem (see Twin),
+/// limits as constraints of a quadratic program. After the bilevel problem in Perez et al.,
+/// "Optimization-based wearable tactile rendering", IEEE Trans. Haptics 2017; ours are the force
+/// vector beside the surface term and the derivatives. Allocates only in the constructor.
 class ForceAwareMatching {
  public:
   /// `model`: the simulated finger, whose twin is pressed. `capacity`: most samples.
   ForceAwareMatching(const std::shared_ptr<const FingerModel>& model,
-                     std::shared_ptr<const Device> device, int capacity, ForceAwareOptions options = {});
+                     std::shared_ptr<const Device> device, int capacity,
+                     ForceAwareOptions options = {});
   ~ForceAwareMatching();
   ForceAwareMatching(ForceAwareMatching&&) noexcept;
   ForceAwareMatching& operator=(ForceAwareMatching&&) noexcept;

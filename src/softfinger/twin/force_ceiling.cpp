@@ -105,8 +105,8 @@ Span reach_span(const Device& device, const Advance& advance, int k) {
     Configuration q = device.home();
     advance.set(travel.min + (travel.max - travel.min) * i / kProbes, q);
     widen(
-        device, advance, q, k,
-        [&](const Configuration& probe) { return device.reachable(probe); }, span);
+        device, advance, q, k, [&](const Configuration& probe) { return device.reachable(probe); },
+        span);
   }
   return span;
 }
@@ -204,8 +204,8 @@ class Grid {
   void set(std::size_t point, Configuration& q) const {
     for (std::size_t k = 0; k < axes_.size(); ++k) {
       const TravelCeiling::GridAxis& axis = axes_[k];
-      const double part = axis.count > 1 ? static_cast<double>(place(point, k)) / (axis.count - 1)
-                                         : 0.0;
+      const double part =
+          axis.count > 1 ? static_cast<double>(place(point, k)) / (axis.count - 1) : 0.0;
       q[axis.axis] = axis.min + (axis.max - axis.min) * part;
     }
   }

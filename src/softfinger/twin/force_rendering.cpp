@@ -33,9 +33,8 @@ void ForceRendering::reset() {
 const RenderedSurface& ForceRendering::tick(const ContactSet& contact,
                                             std::span<const Vector3> nodes_F,
                                             const RenderedSurface& surface, double elapsed) {
-  const ForceAwareResult& matched =
-      force_.match(contact, surface.configuration, contact.friction_coefficient, elapsed,
-                   matching_, nodes_F);
+  const ForceAwareResult& matched = force_.match(
+      contact, surface.configuration, contact.friction_coefficient, elapsed, matching_, nodes_F);
   rendered_ = surface;
   for (int k = 0; k < correction_.size(); ++k) {
     const double wanted = matched.configuration[k] - surface.configuration[k];

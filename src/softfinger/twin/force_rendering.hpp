@@ -9,9 +9,9 @@
 namespace softfinger {
 
 /// The running loop's behaviour with objectives "surface_and_force" and "stress": what
-/// SurfaceRendering wants, put right by what the twin feels. Off the skin the correction is given back at a bounded rate,
-/// so that neither touch nor release, nor a twin that loses contact, makes the device jump. tick()
-/// does not allocate.
+/// SurfaceRendering wants, put right by what the twin feels. Off the skin the correction is given
+/// back at a bounded rate, so that neither touch nor release, nor a twin that loses contact, makes
+/// the device jump. tick() does not allocate.
 class ForceRendering {
  public:
   ForceRendering(const std::shared_ptr<const FingerModel>& model,

@@ -14,11 +14,11 @@ struct ForceReading {
 };
 
 struct TravelOffsetOptions {
-  double gain = 0.7;              ///< part of the error that is corrected in one frame
-  double max_change = 0.3e-3;     ///< a frame, m
-  double max_offset = 3e-3;       ///< m
-  double least_force = 0.05;      ///< N; less on both sides tells nothing
-  double least_stiffness = 300.0; ///< N/m
+  double gain = 0.7;               ///< part of the error that is corrected in one frame
+  double max_change = 0.3e-3;      ///< a frame, m
+  double max_offset = 3e-3;        ///< m
+  double least_force = 0.05;       ///< N; less on both sides tells nothing
+  double least_stiffness = 300.0;  ///< N/m
 };
 
 /// How much nearer to the device the wearer's skin is than the model's, estimated from measured
