@@ -30,6 +30,7 @@ struct RunFlags {
   std::string simd;
   bool headless = false;
   bool repeat = false;
+  bool no_twin = false;
   bool json = false;
   std::uint16_t port = 8080;
 };
@@ -53,6 +54,9 @@ void check(const RunFlags& flags) {
   if (flags.repeat && flags.headless) {
     throw InputError("--repeat: only for a live run, without --headless");
   }
+  if (flags.no_twin && flags.headless) {
+    throw InputError("--no-twin: a headless run has no twin; leave it out");
+  }
 }
 
 RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
@@ -71,6 +75,7 @@ void run(RunFlags flags) {
   if (!flags.simd.empty()) choose_instruction_set(flags.simd);
   flags.options.duration = flags.duration_s;
   if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
+  flags.options.twin = !flags.no_twin;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
   const std::atomic<bool>& stop = stop_on_signals();
 
@@ -128,6 +133,8 @@ void add_run_command(CLI::App& app) {
   command->add_flag("--wait-for-device", options.wait_for_device,
                     "start although a device's port is absent, and connect when it appears");
   command->add_flag("--repeat", flags->repeat, "live: a script that ends starts over");
+  command->add_flag("--no-twin", flags->no_twin,
+                    "live: do not press a second finger with the device's surface for the page");
   command->add_option("--threads", options.threads,
                       "that step several fingers side by side, or one with a large mesh");
   command->add_option("--simd", flags->simd, "instruction set: baseline, avx2 or avx512");

@@ -118,6 +118,33 @@ TEST(Mechanism, FacesAndDrawsAsTheClosedForm) {
   EXPECT_EQ(thimble_by_bodies().disk_radius(), thimble().disk_radius());
 }
 
+// Every link is drawn, from the base to what touches, and only once.
+TEST(Mechanism, DrawsBothArmsOfAFiveBar) {
+  const auto device = mechanism("five-bar");
+  ASSERT_EQ(device->leg_count(), 2);
+  const Pose& X_FB = device->settings().X_FB;
+  for (const double x : {-3.0 * mm, 0.0, 2.0 * mm}) {
+    Configuration q = device->home();
+    q[0] = x;
+    ASSERT_TRUE(device->reachable(q));
+    std::array<Vector3, 6> points;
+    device->linkage(q, points);
+    SolidPiece tip;
+    device->solid_pieces(q, {&tip, 1});
+    double side = 0.0;
+    for (std::size_t leg = 0; leg < 2; ++leg) {
+      const Vector3 servo = X_FB.inverse() * points[3 * leg];
+      EXPECT_NEAR(std::abs(servo.x()), 6.0 * mm, 1e-12);
+      EXPECT_NEAR(servo.z(), 31.0 * mm, 1e-12);
+      side += servo.x();
+      EXPECT_NEAR((points[3 * leg + 1] - points[3 * leg]).norm(), 12.0 * mm, 1e-9);
+      EXPECT_NEAR((points[3 * leg + 2] - points[3 * leg + 1]).norm(), 24.0 * mm, 1e-9);
+      EXPECT_LT((points[3 * leg + 2] - tip.X_FS.translation).norm(), 1e-9);
+    }
+    EXPECT_NEAR(side, 0.0, 1e-12) << "one on either side";
+  }
+}
+
 // Two threads and another order of questions: the answer depends on q alone.
 TEST(Mechanism, AnswersDependOnTheConfigurationAlone) {
   std::mt19937 random(5);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -70,6 +71,41 @@ TEST(SceneMessage, NamesEachShape) {
   EXPECT_NEAR(objects[2]["shape"]["length_mm"].get<double>(), 20.0, 1e-9);
 }
 
+// A field of pins has hundreds of pieces of one shape.
+TEST(SceneMessage, TellsAlikePiecesOnce) {
+  SceneDescription scene;
+  SceneDescription::Finger& finger = scene.fingers.emplace_back();
+  finger.pieces.assign(36, RoundedCylinder{0.5 * mm, 2 * mm, 0.1 * mm});
+  finger.pieces.emplace_back(Ball{3 * mm});
+  finger.pieces.emplace_back(RoundedCylinder{0.5 * mm, 2 * mm, 0.1 * mm});
+  finger.cap_radius = 7 * mm;
+  const auto json = nlohmann::json::parse(scene_message(scene))["fingers"][0];
+  ASSERT_EQ(json["pieces"].size(), 3U);
+  EXPECT_EQ(json["pieces"][0]["count"], 36);
+  EXPECT_EQ(json["pieces"][0]["shape"]["kind"], "cylinder");
+  EXPECT_NEAR(json["pieces"][0]["shape"]["length_mm"].get<double>(), 4.0, 1e-9);
+  EXPECT_EQ(json["pieces"][1]["count"], 1);
+  EXPECT_NEAR(json["pieces"][1]["shape"]["radius_mm"].get<double>(), 3.0, 1e-9);
+  EXPECT_EQ(json["pieces"][2]["count"], 1);
+  EXPECT_NEAR(json["cap_radius_mm"].get<double>(), 7.0, 1e-9);
+}
+
+TEST(SceneMessage, TellsTheWorkspace) {
+  SceneDescription scene;
+  WorkspaceSummary& workspace = scene.fingers.emplace_back().workspace;
+  workspace.reaches = {{"x_mm", -2 * mm, 3 * mm, mm}, {"yaw_deg", -0.1, 0.1, deg}};
+  workspace.tilt_layers = {{1 * mm, {10 * deg, 20 * deg}}};
+  workspace.pitch_axis = 4;
+  const auto json = nlohmann::json::parse(scene_message(scene))["fingers"][0]["workspace"];
+  EXPECT_EQ(json["reaches"][0]["name"], "x_mm");
+  EXPECT_NEAR(json["reaches"][0]["min"].get<double>(), -2.0, 1e-9);
+  EXPECT_NEAR(json["reaches"][1]["max"].get<double>(), 0.1 / deg, 1e-9);
+  EXPECT_NEAR(json["tilt_layers"][0]["travel_mm"].get<double>(), 1.0, 1e-3);
+  EXPECT_NEAR(json["tilt_layers"][0]["tilts_deg"][1].get<double>(), 20.0, 1e-3);
+  EXPECT_EQ(json["pitch_axis"], 4);
+  EXPECT_EQ(json["roll_axis"], -1);
+}
+
 TEST(SceneMessage, BrokenTextDoesNotEndIt) {
   SceneDescription scene;
   scene.scene_name = "\xff\xfe";
@@ -100,23 +136,35 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   Snapshot::Finger& finger = snapshot.fingers[0];
   finger.normal_force = 0.75;
   finger.contact_area = 42 * mm2;
-  finger.sample_positions_F.assign(5, Eigen::Vector3f(0.001F, 0.002F, 0.003F));
-  finger.sample_pressures.assign(5, 2000.0F);
-  finger.in_contact = {0, 1, 0, 1, 1};
+  finger.skin.positions_F.assign(5, Eigen::Vector3f(0.001F, 0.002F, 0.003F));
+  finger.skin.pressures.assign(5, 2000.0F);
+  finger.skin.in_contact = {0, 1, 0, 1, 1};
   finger.configuration = Eigen::Vector2d(10 * deg, 1.5 * mm);
   finger.joints = Eigen::Vector3d(1, 2, 3) * deg;
   finger.linkage_F.assign(9, Eigen::Vector3f(0.01F, 0.0F, 0.0F));
+  finger.pieces.resize(2);
+  finger.pieces[1].X_FS.translation = Vector3(0, 0, -9 * mm);
+  finger.pieces[1].ball_radius = 12 * mm;
   finger.device_state = "rendering";
+  finger.twin.pressed = true;
+  finger.twin.skin = finger.skin;
+  finger.twin.skin.in_contact = {1, 0, 0, 0, 0};
+  finger.twin.measures.iou = 0.5;
+  finger.twin.measures.centroid_shift = 1.5 * mm;
+  finger.twin.normal_force = 0.625;
+  finger.twin.cpu_time = 2 * ms;
   finger.slip_ratio = 0.25;
   finger.stuck_fraction = 0.875;
 
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   const std::size_t pose = 28;
-  const std::size_t samples = 48 + pose + 3 * pose + 24 + 16 + 16;
-  ASSERT_EQ(message.size(), samples + 5 * 16 + 8 + 4 * (2 + 3 + 27));
+  const std::size_t samples = 48 + pose + 3 * pose + 24 + 24 + 16;
+  const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 3 + 27);
+  const std::size_t twin = pieces + 2 * 32;
+  ASSERT_EQ(message.size(), twin + 32 + 5 * 16 + 8);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS2", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS3", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U);
@@ -134,7 +182,9 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 20), 0.875F);
   EXPECT_EQ(read_at<std::uint32_t>(message, forces + 24), 5U);
   EXPECT_EQ(read_at<std::uint32_t>(message, forces + 36), 9U);
-  EXPECT_EQ(std::memcmp(message.data() + forces + 40, "rendering\0\0\0\0\0\0\0", 16), 0);
+  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 40), 2U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 44), 5U);
+  EXPECT_EQ(std::memcmp(message.data() + forces + 48, "rendering\0\0\0\0\0\0\0", 16), 0);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 8), 3.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 60), 2.0F);  // kPa
   EXPECT_EQ(read_at<std::uint8_t>(message, samples + 81), 1U);
@@ -142,15 +192,39 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 92), 1.5F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 104), 3.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 108), 10.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, pieces + 28), 0.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, pieces + 32 + 8), -9.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, pieces + 32 + 24), 1.0F);  // quaternion w
+  EXPECT_FLOAT_EQ(read_at<float>(message, pieces + 32 + 28), 12.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin), 0.5F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 4), 1.5F);
+  EXPECT_TRUE(std::isnan(read_at<float>(message, twin + 8))) << "an undefined measure";
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 20), 0.625F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 28), 2.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 32 + 8), 3.0F);
+  EXPECT_EQ(read_at<std::uint8_t>(message, twin + 32 + 80), 1U);
+}
+
+TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {
+  SceneDescription scene;
+  Snapshot snapshot;
+  snapshot.fingers.resize(1);
+  snapshot.fingers[0].twin.skin.positions_F.resize(3, Eigen::Vector3f::Zero());
+  snapshot.fingers[0].twin.skin.pressures.resize(3);
+  snapshot.fingers[0].twin.skin.in_contact.resize(3);
+  std::vector<std::byte> message;
+  write_snapshot_message(snapshot, scene, message);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24 + 20), 0U);
+  EXPECT_EQ(message.size(), 48U + 3 * 28 + 24 + 24 + 16);
 }
 
 TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
   SceneDescription scene;
   Snapshot snapshot;
   snapshot.fingers.resize(1);
-  snapshot.fingers[0].sample_positions_F.resize(4, Eigen::Vector3f::Zero());
-  snapshot.fingers[0].sample_pressures.resize(3);
-  snapshot.fingers[0].in_contact.resize(2);
+  snapshot.fingers[0].skin.positions_F.resize(4, Eigen::Vector3f::Zero());
+  snapshot.fingers[0].skin.pressures.resize(3);
+  snapshot.fingers[0].skin.in_contact.resize(2);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24), 2U);

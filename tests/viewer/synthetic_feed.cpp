@@ -62,6 +62,15 @@ SceneDescription::Finger make_finger() {
   finger.configuration_names = {"pitch_deg", "roll_deg", "travel_mm"};
   finger.disk_radius = 8 * mm;
   finger.legs = 3;
+  finger.pieces = {RoundedCylinder{8 * mm, 1 * mm, 0.5 * mm}};
+  finger.workspace.pitch_axis = 0;
+  finger.workspace.roll_axis = 1;
+  finger.workspace.travel_axis = 2;
+  for (const double travel : {-4 * mm, 2 * mm, 8 * mm}) {
+    const double tilt = 28 * deg - std::abs(travel - 2 * mm) * (20 * deg) / (6 * mm);
+    finger.workspace.tilt_layers.push_back({travel, std::vector<double>(24, tilt)});
+  }
+  finger.twin = true;
   const Surface sphere = unit_sphere(3);
   std::map<int, int> skin_index;
   std::map<int, int> nail_index;
@@ -178,9 +187,9 @@ void SyntheticFeed::start_scene(const std::string& name) {
   snapshot_.X_WO = {X_WO_};
   snapshot_.fingers.resize(1);
   const std::size_t samples = scene->fingers[0].skin_rest_positions_F.size();
-  snapshot_.fingers[0].sample_positions_F.resize(samples);
-  snapshot_.fingers[0].sample_pressures.resize(samples);
-  snapshot_.fingers[0].in_contact.resize(samples);
+  snapshot_.fingers[0].skin.positions_F.resize(samples);
+  snapshot_.fingers[0].skin.pressures.resize(samples);
+  snapshot_.fingers[0].skin.in_contact.resize(samples);
   description_ = std::move(scene);
   fill_snapshot();
 }
@@ -216,8 +225,8 @@ void SyntheticFeed::fill_snapshot() {
     Vector3 p = model.skin_rest_positions_F[i];
     Vector3 normal;
     const double gap = distance_to(description_->objects[0].shape, X_OF * p, normal);
-    finger.in_contact[i] = gap < 0 ? 1 : 0;
-    finger.sample_pressures[i] = static_cast<float>(std::max(0.0, -gap) * 2e7);
+    finger.skin.in_contact[i] = gap < 0 ? 1 : 0;
+    finger.skin.pressures[i] = static_cast<float>(std::max(0.0, -gap) * 2e7);
     if (gap < 0) {
       p -= gap * (X_OF.rotation.transpose() * normal);
       finger.normal_force += -gap * 60;
@@ -225,7 +234,7 @@ void SyntheticFeed::fill_snapshot() {
       normal_sum -= gap * normal;
       deepest = std::min(deepest, gap);
     }
-    finger.sample_positions_F[i] = p.cast<float>();
+    finger.skin.positions_F[i] = p.cast<float>();
   }
   finger.tangential_force = 0.1 * finger.normal_force;
   const Vector3 normal =
@@ -239,6 +248,19 @@ void SyntheticFeed::fill_snapshot() {
   finger.joints = Eigen::Vector3d(platform.joints[0], platform.joints[1], platform.joints[2]);
   finger.X_FP = platform.X_FP;
   finger.linkage_F = platform.linkage;
+  finger.pieces = {{platform.X_FP * Pose{Matrix3::Identity(), Vector3(0, 0, -1 * mm)}, 0.0}};
+  finger.twin.pressed = true;
+  finger.twin.skin = finger.skin;
+  finger.twin.normal_force = 0.9 * finger.normal_force;
+  finger.twin.contact_area = finger.contact_area;
+  finger.twin.measures = {};
+  if (finger.normal_force > 0) {
+    finger.twin.measures.iou = 1.0;
+    finger.twin.measures.centroid_shift = 0.0;
+    finger.twin.measures.normal_angle = 2 * deg;
+    finger.twin.measures.normal_force_error = 0.1;
+    finger.twin.measures.normal_force_bias = -0.1;
+  }
   finger.deviation = 0.4 * mm2;
   finger.device_state = finger.normal_force > 0 ? "rendering" : "ready";
   snapshot_.step_cpu_time =

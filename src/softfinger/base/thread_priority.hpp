@@ -9,4 +9,8 @@ enum class LoopThread { kTransport, kSimulation, kDevice };
 /// priority where the system grants one; without that it goes on as any other.
 void prefer_this_thread(LoopThread kind);
 
+/// Lets all other threads go before the calling one; they cannot be made to wait for it but by a
+/// lock it holds.
+void defer_this_thread();
+
 }  // namespace softfinger

@@ -242,13 +242,17 @@ void CablePlatform::linkage(const Configuration& q, std::span<Vector3> points_F)
 }
 
 WorkspaceSummary CablePlatform::workspace_summary() const {
-  return summarise_platform_workspace(
+  WorkspaceSummary summary = summarise_platform_workspace(
       [this](double pitch, double roll, double travel) {
         Configuration q(3);
         q << pitch, roll, travel;
         return reachable(q);
       },
       axes()[2].min, axes()[2].max, home()[2], geometry_.max_tilt);
+  summary.pitch_axis = 0;
+  summary.roll_axis = 1;
+  summary.travel_axis = 2;
+  return summary;
 }
 
 }  // namespace softfinger

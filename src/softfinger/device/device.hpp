@@ -91,6 +91,14 @@ struct WorkspaceSummary {
     double unit = 1.0;            ///< SI per unit of the name
   };
   std::vector<Reach> reaches;
+  /// Tilts reached from zero at one travel.
+  struct TiltLayer {
+    double travel = 0.0;        ///< m
+    std::vector<double> tilts;  ///< rad; entry k of n in direction (pitch, roll) = 2 pi k / n
+  };
+  std::vector<TiltLayer> tilt_layers;  ///< from min_travel to max_travel
+  /// Which axes pitch, roll and travel are; -1 where there is none.
+  int pitch_axis = -1, roll_axis = -1, travel_axis = -1;
   double min_travel = 0.0, max_travel = 0.0;  ///< at zero tilt, m
   double mid_travel = 0.0;                    ///< m
   double min_tilt_at_mid_travel = 0.0;        ///< least over directions, rad
@@ -190,8 +198,12 @@ class Device {
   [[nodiscard]] virtual double disk_radius() const { return 0.0; }
   /// Rounding of the disk's rim, for the solid that presses a finger, m.
   [[nodiscard]] virtual double disk_edge_radius() const { return 0.0; }
+  /// Radius of the ring that a cap bulges from, m: of the ball that is its first solid piece only
+  /// what is above the ring is the cap. 0 for other surfaces.
+  [[nodiscard]] virtual double cap_radius() const { return 0.0; }
   [[nodiscard]] virtual int leg_count() const { return 0; }
-  /// Fills base joint, knee, platform joint of each leg (3 * leg_count() points), m, in F.
+  /// Fills base joint, knee, platform joint of each leg (3 * leg_count() points), m, in F. A leg
+  /// that begins where the one before ends continues it.
   virtual void linkage(const Configuration& q, std::span<Vector3> points_F) const;
 
   /// Takes up to a second; for people, not for loops.

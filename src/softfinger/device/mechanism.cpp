@@ -239,30 +239,59 @@ double Mechanism::disk_edge_radius() const {
 
 void Mechanism::find_legs() {
   const Linkage& linkage = description_.linkage.linkage();
+  std::vector<bool> drawn(static_cast<std::size_t>(linkage.body_count()), false);
   int last_loop = -1;
   for (int e = 0; e < linkage.equation_count(); ++e) {
     const LoopEquation& equation = linkage.equation(e);
     if (equation.loop == last_loop) continue;
     last_loop = equation.loop;
-    for (const auto& [body, point] :
-         {std::pair(equation.a, equation.point_a), std::pair(equation.b, equation.point_b)}) {
-      if (body != 0 && linkage.body(body).type != JointType::kFree) legs_.push_back({body, point});
+    add_chain({equation.a, equation.point_a}, drawn);
+    add_chain({equation.b, equation.point_b}, drawn);
+  }
+  for (const SurfacePiece& piece : description_.surface) {
+    if (!drawn[static_cast<std::size_t>(piece.body)]) {
+      add_chain({piece.body, piece.X_LS.translation}, drawn);
     }
+  }
+}
+
+void Mechanism::add_chain(const BodyPoint& end, std::vector<bool>& drawn) {
+  const Linkage& linkage = description_.linkage.linkage();
+  constexpr double kLeastLink = 1e-6;  // m; shorter ones are joints in one place
+  std::vector<BodyPoint> chain;        // from the end to the base
+  const auto place = [this](const BodyPoint& at) {
+    return home_solution_.placement.body[static_cast<std::size_t>(at.body)] * at.point;
+  };
+  const auto add = [&](const BodyPoint& at) {
+    if (chain.empty() || (place(at) - place(chain.back())).norm() > kLeastLink) chain.push_back(at);
+  };
+  add(end);
+  for (int body = end.body; body != 0; body = linkage.body(body).parent) {
+    // What floats has no link to what it floats over.
+    if (linkage.body(body).type == JointType::kFree) break;
+    add({body, Vector3::Zero()});
+    if (linkage.body(body).type == JointType::kPrismatic) {
+      add({linkage.body(body).parent, linkage.body(body).X_PJ.translation});
+    }
+    if (drawn[static_cast<std::size_t>(body)]) break;
+    drawn[static_cast<std::size_t>(body)] = true;
+  }
+  std::reverse(chain.begin(), chain.end());
+  for (std::size_t at = 0; at + 1 < chain.size(); at += 2) {
+    const std::size_t last = std::min(at + 2, chain.size() - 1);
+    legs_.push_back(Leg{{chain[at], chain[at + 1], chain[last]}});
   }
 }
 
 void Mechanism::linkage(const Configuration& q, std::span<Vector3> points_F) const {
   LinkageSolution solution;
   static_cast<void>(solve(q, solution));
-  const auto& pose = solution.placement.body;
   for (std::size_t leg = 0; leg < legs_.size(); ++leg) {
-    const auto body = static_cast<std::size_t>(legs_[leg].body);
-    const auto parent =
-        static_cast<std::size_t>(description_.linkage.linkage().body(legs_[leg].body).parent);
-    const Pose& X_FB = settings().X_FB;
-    points_F[3 * leg] = X_FB * pose[parent == 0 ? body : parent].translation;
-    points_F[3 * leg + 1] = X_FB * pose[body].translation;
-    points_F[3 * leg + 2] = X_FB * (pose[body] * legs_[leg].attachment);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const BodyPoint& at = legs_[leg][k];
+      const Pose& X_BL = solution.placement.body[static_cast<std::size_t>(at.body)];
+      points_F[3 * leg + k] = settings().X_FB * (X_BL * at.point);
+    }
   }
 }
 

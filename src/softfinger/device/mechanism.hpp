@@ -100,11 +100,12 @@ class Mechanism final : public Device {
   [[nodiscard]] WorkspaceSummary workspace_summary() const override;
 
  private:
-  /// A chain of two bodies to a loop's attachment, for drawings.
-  struct Leg {
+  /// A point of a body, for drawings.
+  struct BodyPoint {
     int body;
-    Vector3 attachment;  ///< in the body
+    Vector3 point;  ///< in the body
   };
+  using Leg = std::array<BodyPoint, 3>;
   // Constraints: joints above max, joints below min, stretched, singular, and tilt where limited.
   enum class Constraint { kAbove, kBelow, kStretched, kSingular, kTilt };
 
@@ -120,6 +121,8 @@ class Mechanism final : public Device {
   [[nodiscard]] WorkspaceSummary reaches() const;
   void name_constraints();
   void find_legs();
+  /// Legs of two links each from the base, or the first link drawn already, to a point of a body.
+  void add_chain(const BodyPoint& end, std::vector<bool>& drawn);
 
   // Motion of everything at rate 1 of axis l, and how the derivatives of equations change with it.
   void motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,

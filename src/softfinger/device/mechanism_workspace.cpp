@@ -51,7 +51,7 @@ WorkspaceSummary Mechanism::workspace_summary() const {
   const int travel = approach_axis();
   if (roll < 0 || pitch < 0 || travel < 0) return reaches();
   const double reach = kFarthestTravel * description_.linkage.linkage().length();
-  return summarise_platform_workspace(
+  WorkspaceSummary summary = summarise_platform_workspace(
       [&](double wanted_pitch, double wanted_roll, double wanted_travel) {
         Configuration q = home();
         q[pitch] = wanted_pitch;
@@ -61,6 +61,10 @@ WorkspaceSummary Mechanism::workspace_summary() const {
       },
       home()[travel] - reach, home()[travel] + reach, home()[travel],
       description_.tilt ? description_.tilt->max_tilt : 0.5 * std::numbers::pi);
+  summary.pitch_axis = pitch;
+  summary.roll_axis = roll;
+  summary.travel_axis = travel;
+  return summary;
 }
 
 WorkspaceSummary Mechanism::reaches() const {

@@ -40,6 +40,7 @@ class Membrane final : public LinearDrives {
   /// The cap's ball and the ring's plate, 2 mm thick.
   [[nodiscard]] int solid_piece_count() const override { return 2; }
   void solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const override;
+  [[nodiscard]] double cap_radius() const override { return geometry_.ring_radius; }
 
  private:
   MembraneGeometry geometry_;

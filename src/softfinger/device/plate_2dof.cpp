@@ -115,13 +115,16 @@ RigidDisk::PoseRate Plate2dof::pose_rate(const Configuration& q, int k) const {
 
 WorkspaceSummary Plate2dof::workspace_summary() const {
   // Directions in which the plate does not turn say nothing: the tilt is taken about its one axis.
-  return summarise_platform_workspace(
+  WorkspaceSummary summary = summarise_platform_workspace(
       [this](double pitch, double roll, double travel) {
         Configuration q(2);
         q << std::copysign(std::hypot(pitch, roll), pitch), travel;
         return reachable(q);
       },
       axes()[1].min, axes()[1].max, home()[1], geometry_.max_tilt);
+  (geometry_.rolls ? summary.roll_axis : summary.pitch_axis) = 0;
+  summary.travel_axis = 1;
+  return summary;
 }
 
 }  // namespace softfinger

@@ -144,7 +144,7 @@ void Platform3rrs::explore_workspace() {
 
 WorkspaceSummary Platform3rrs::workspace_summary() const {
   const double reach = geometry_.crank + geometry_.coupler;
-  return summarise_platform_workspace(
+  WorkspaceSummary summary = summarise_platform_workspace(
       [this](double pitch, double roll, double travel) {
         Configuration q(3);
         q << pitch, roll, travel;
@@ -152,6 +152,10 @@ WorkspaceSummary Platform3rrs::workspace_summary() const {
       },
       geometry_.neutral_height - reach, geometry_.neutral_height + reach, home()[2],
       geometry_.max_tilt);
+  summary.pitch_axis = 0;
+  summary.roll_axis = 1;
+  summary.travel_axis = 2;
+  return summary;
 }
 
 }  // namespace softfinger

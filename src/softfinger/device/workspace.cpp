@@ -7,10 +7,13 @@
 namespace softfinger {
 namespace {
 
+constexpr int kLayers = 13;     // of travel, for drawings
+constexpr int kDirections = 48;  // of tilt, in a layer
+
 /// Last point still inside on the way from `inside` to `outside`.
 template <typename Predicate>
 double boundary(double inside, double outside, Predicate&& reached) {
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (inside + outside);
     (reached(middle) ? inside : outside) = middle;
   }
@@ -66,6 +69,15 @@ WorkspaceSummary summarise_platform_workspace(
       summary.max_tilt =
           std::max(summary.max_tilt, tilt_reached(kRound * direction / 72.0, travel));
     }
+  }
+  for (int layer = 0; layer < kLayers; ++layer) {
+    const double part = static_cast<double>(layer) / (kLayers - 1);
+    WorkspaceSummary::TiltLayer tilts{
+        (1.0 - part) * summary.min_travel + part * summary.max_travel, {}};
+    for (int direction = 0; direction < kDirections; ++direction) {
+      tilts.tilts.push_back(tilt_reached(kRound * direction / kDirections, tilts.travel));
+    }
+    summary.tilt_layers.push_back(std::move(tilts));
   }
   return summary;
 }

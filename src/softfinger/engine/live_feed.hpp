@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/device/configuration.hpp"
+#include "softfinger/device/device.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
+#include "softfinger/twin/rendering_measures.hpp"
 
 namespace softfinger {
 
@@ -30,6 +31,10 @@ struct SceneDescription {
     bool linear_joints = false;                      ///< joints are lengths
     double disk_radius = 0.0;                        ///< of devices that have one
     int legs = 0;
+    std::vector<Shape> pieces;  ///< of the device's solid, at home
+    double cap_radius = 0.0;    ///< see Device
+    WorkspaceSummary workspace;
+    bool twin = false;  ///< whether snapshots have one
   };
   std::uint64_t generation = 0;          ///< grows with each scene or restart
   std::string scene_name;                ///< file stem, e.g. "sphere"
@@ -42,15 +47,33 @@ struct SceneDescription {
 /// State of the loop at one instant, as the page draws it. Vectors keep their size while a scene
 /// runs, so that filling one allocates nothing.
 struct Snapshot {
+  /// Skin in contact, one entry per sample.
+  struct Skin {
+    std::vector<Eigen::Vector3f> positions_F;  ///< m
+    std::vector<float> pressures;              ///< Pa
+    std::vector<std::uint8_t> in_contact;      ///< 1 for members of C
+  };
+  /// A rigid part of the device's solid.
+  struct Piece {
+    Pose X_FS;
+    double ball_radius = 0.0;  ///< m, of a ball, which may grow; 0 for other shapes
+  };
+  /// The second finger, pressed by the device.
+  struct Twin {
+    bool pressed = false;  ///< not yet, or there is none: what follows means nothing
+    Skin skin;
+    double normal_force = 0.0;   ///< N
+    double contact_area = 0.0;   ///< m^2
+    RenderingMeasures measures;  ///< against the virtual contact that led to the command
+    double cpu_time = 0.0;       ///< s, of the press
+  };
   struct Finger {
-    Pose X_WFt;                                       ///< tracked
-    Pose X_WF;                                        ///< simulated
-    std::vector<Eigen::Vector3f> sample_positions_F;  ///< m, one per skin sample
-    std::vector<float> sample_pressures;              ///< Pa
-    std::vector<std::uint8_t> in_contact;             ///< 1 for members of C
-    double normal_force = 0.0;                        ///< N
-    double tangential_force = 0.0;                    ///< N
-    double slip_ratio = 0.0;                          ///< see ContactSet
+    Pose X_WFt;                     ///< tracked
+    Pose X_WF;                      ///< simulated
+    Skin skin;                      ///< virtual
+    double normal_force = 0.0;      ///< N
+    double tangential_force = 0.0;  ///< N
+    double slip_ratio = 0.0;        ///< see ContactSet
     double stuck_fraction = 0.0;
     double contact_area = 0.0;    ///< m^2
     double deviation = 0.0;       ///< E of the last match, m^2
@@ -59,7 +82,9 @@ struct Snapshot {
     Pose X_FP;                    ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
     std::vector<Eigen::Vector3f> linkage_F;
-    std::string device_state;  ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    std::vector<Piece> pieces;  ///< of the commanded q
+    std::string device_state;   ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    Twin twin;
   };
   std::uint64_t generation = 0;  ///< of the SceneDescription it belongs to
   std::uint64_t step = 0;

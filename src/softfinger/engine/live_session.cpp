@@ -80,15 +80,17 @@ LiveSession::~LiveSession() = default;
 
 void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
   ++generation_;
+  const bool described = setup == setup_;  // a restart
   setup_ = std::move(setup);
   RunOptions options = options_;
   if (options.recording) options.recording = recording_of(*options.recording, generation_);
   auto run =
       std::make_shared<SceneRun>(setup_, options, SceneRun::Mode::kLive, generation_, hooks_);
-  auto description = std::make_shared<SceneDescription>(describe(*setup_));
+  auto description = std::make_shared<SceneDescription>(described ? *description_ : describe(*setup_));
   description->generation = generation_;
   description->scene_names = scene_names_;
   description->duration = run->duration().value_or(0.0);
+  description->fingers[0].twin = options_.twin && setup_->devices[0];
   const std::lock_guard lock(mutex_);
   run_ = std::move(run);
   description_ = std::move(description);

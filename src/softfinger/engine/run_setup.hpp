@@ -34,6 +34,9 @@ struct RunOptions {
   /// That step several fingers side by side, or one with a large mesh; the bits do not depend on
   /// it.
   int threads = 1;
+  /// Live only: a second finger is pressed by the first one's device, for the page, which shows the
+  /// first.
+  bool twin = true;
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
   LoadObserver load_observer;

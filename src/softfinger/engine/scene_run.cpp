@@ -11,6 +11,7 @@
 #include "softfinger/engine/device_clock.hpp"
 #include "softfinger/engine/device_loop.hpp"
 #include "softfinger/engine/finger_loop.hpp"
+#include "softfinger/engine/live_twin.hpp"
 #include "softfinger/engine/scene_snapshot.hpp"
 #include "softfinger/engine/step_pacer.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
@@ -72,12 +73,17 @@ struct SceneRun::Finger {
     device = std::make_unique<DeviceLoop>(index, setup.devices[i], setup.models[i], device_options);
     feedback.emplace(initial_feedback(*device));
     input.emplace(initial_handed(*setup.models[i], device->wants_nodes()));
+    if (mode == Mode::kLive && options.twin && index == 0) {
+      twin = std::make_unique<LiveTwin>(setup.wearer ? setup.wearer : setup.models[i],
+                                        setup.devices[i]);
+    }
   }
 
   FingerLoop loop;
   DeviceClock clock;
   std::unique_ptr<Tracker> tracker;
   std::unique_ptr<DeviceLoop> device;  // null: none
+  std::unique_ptr<LiveTwin> twin;      // null: none
   std::int64_t known_tick = -1;        // newest tick known to the simulation
   std::uint64_t known_tick_hash = 0;
   double known_match_time = 0.0;
@@ -130,6 +136,7 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
   snapshot.generation = generation_;
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
     if (fingers_[i]->device) fill(snapshot.fingers[i], fingers_[i]->feedback->latest());
+    if (fingers_[i]->twin) snapshot.fingers[i].twin = fingers_[i]->twin->latest();
   }
   snapshots_.emplace(snapshot);
 
@@ -167,6 +174,7 @@ void SceneRun::start() {
   for (const auto& finger : fingers_) {
     if (finger->device && mode_ == Mode::kLive) {
       finger->thread = std::thread([this, &served = *finger] { serve_device(served); });
+      if (finger->twin) finger->twin->start();
     }
   }
   thread_ = std::thread([this] { simulate(); });
@@ -307,6 +315,7 @@ void SceneRun::serve_device(Finger& finger) {
     finger.device_summary.add(tick);
     read_device(*finger.device, finger.feedback->draft());
     finger.feedback->publish();
+    if (finger.twin) finger.twin->offer(tick, finger.input->latest().contact);
     if (first && hooks_.on_loop_thread) hooks_.on_loop_thread();
     first = false;
   }
@@ -329,6 +338,10 @@ void SceneRun::publish_snapshot(std::int64_t step, bool finished) {
     Finger& finger = *fingers_[i];
     fill(draft.fingers[i], finger.loop);
     if (finger.device) fill(draft.fingers[i], finger.feedback->latest());
+    if (finger.twin) {
+      finger.twin->refresh();
+      draft.fingers[i].twin = finger.twin->latest();
+    }
     draft.step_cpu_time += finger.loop.record().cpu_time;
     draft.match_cpu_time += finger.known_match_time;
   }
@@ -343,6 +356,7 @@ void SceneRun::end_threads() {
     finger->doorbell.fetch_add(1, std::memory_order_release);
     finger->doorbell.notify_one();
     if (finger->thread.joinable()) finger->thread.join();
+    if (finger->twin) finger->twin->end();
   }
 }
 

@@ -41,6 +41,7 @@ class SurfaceCollector {
 DeviceFeedback initial_feedback(const DeviceLoop& device) {
   DeviceFeedback feedback;
   feedback.linkage_F.resize(static_cast<std::size_t>(3 * device.device().leg_count()));
+  feedback.pieces.resize(static_cast<std::size_t>(device.device().solid_piece_count()));
   read_device(device, feedback);
   return feedback;
 }
@@ -50,6 +51,7 @@ void read_device(const DeviceLoop& device, DeviceFeedback& feedback) {
   const Configuration& q = feedback.tick.command.configuration;
   feedback.X_FP = device.device().surface_pose(q);
   if (!feedback.linkage_F.empty()) device.device().linkage(q, feedback.linkage_F);
+  device.device().solid_pieces(q, feedback.pieces);
   feedback.state = device.actuator().state();
 }
 
@@ -78,6 +80,11 @@ SceneDescription describe(const RunSetup& setup) {
       finger.linear_joints = device->joint_limits().linear;
       finger.disk_radius = device->disk_radius();
       finger.legs = device->leg_count();
+      std::vector<SolidPiece> pieces(static_cast<std::size_t>(device->solid_piece_count()));
+      device->solid_pieces(device->home(), pieces);
+      for (const SolidPiece& piece : pieces) finger.pieces.push_back(piece.shape);
+      finger.cap_radius = device->cap_radius();
+      finger.workspace = device->workspace_summary();
     }
     description.fingers.push_back(std::move(finger));
   }
@@ -93,31 +100,36 @@ Snapshot initial_snapshot(const RunSetup& setup) {
     const std::size_t samples = model.sample_nodes.size();
     for (const int node : model.sample_nodes) {
       const Vector3& rest = model.mesh.nodes[static_cast<std::size_t>(node)];
-      finger.sample_positions_F.push_back(rest.cast<float>());
+      finger.skin.positions_F.push_back(rest.cast<float>());
     }
-    finger.sample_pressures.resize(samples);
-    finger.in_contact.resize(samples);
+    finger.skin.pressures.resize(samples);
+    finger.skin.in_contact.resize(samples);
     if (const Device* device = setup.devices[i].get()) {
       finger.linkage_F.assign(static_cast<std::size_t>(3 * device->leg_count()),
                               Eigen::Vector3f::Zero());
+      finger.pieces.resize(static_cast<std::size_t>(device->solid_piece_count()));
     }
     snapshot.fingers.push_back(std::move(finger));
   }
   return snapshot;
 }
 
+void fill(Snapshot::Skin& snapshot, const ContactSet& contact) {
+  const std::size_t samples = std::min(contact.samples.size(), snapshot.in_contact.size());
+  for (std::size_t i = 0; i < samples; ++i) {
+    const ContactSample& sample = contact.samples[i];
+    snapshot.positions_F[i] = sample.position_F.cast<float>();
+    snapshot.pressures[i] =
+        sample.area > 0.0 ? static_cast<float>(sample.normal_force / sample.area) : 0.0F;
+    snapshot.in_contact[i] = sample.in_contact ? 1 : 0;
+  }
+}
+
 void fill(Snapshot::Finger& snapshot, const FingerLoop& loop) {
   const ContactSet& contact = loop.contact();
   snapshot.X_WFt = loop.record().tracked.X_WFt.pose();
   snapshot.X_WF = loop.simulation().bone_pose();
-  const std::size_t samples = std::min(contact.samples.size(), snapshot.in_contact.size());
-  for (std::size_t i = 0; i < samples; ++i) {
-    const ContactSample& sample = contact.samples[i];
-    snapshot.sample_positions_F[i] = sample.position_F.cast<float>();
-    snapshot.sample_pressures[i] =
-        sample.area > 0.0 ? static_cast<float>(sample.normal_force / sample.area) : 0.0F;
-    snapshot.in_contact[i] = sample.in_contact ? 1 : 0;
-  }
+  fill(snapshot.skin, contact);
   snapshot.normal_force = contact.normal_force;
   snapshot.tangential_force = contact.tangential_force;
   snapshot.slip_ratio = contact.slip_ratio;
@@ -133,6 +145,11 @@ void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback) {
   const std::size_t points = std::min(snapshot.linkage_F.size(), feedback.linkage_F.size());
   for (std::size_t i = 0; i < points; ++i) {
     snapshot.linkage_F[i] = feedback.linkage_F[i].cast<float>();
+  }
+  const std::size_t pieces = std::min(snapshot.pieces.size(), feedback.pieces.size());
+  for (std::size_t k = 0; k < pieces; ++k) {
+    const auto* ball = std::get_if<Ball>(&feedback.pieces[k].shape);
+    snapshot.pieces[k] = {feedback.pieces[k].X_FS, ball != nullptr ? ball->radius : 0.0};
   }
   snapshot.device_state = state_name(feedback.state);
 }

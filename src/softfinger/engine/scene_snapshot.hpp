@@ -15,6 +15,7 @@ struct DeviceFeedback {
   TickRecord tick;
   Pose X_FP;                                 ///< surface of the commanded q
   std::vector<Vector3> linkage_F;            ///< m; three points a leg, of the commanded q
+  std::vector<SolidPiece> pieces;            ///< of the commanded q
   DeviceState state = DeviceState::kHoming;  ///< on the wire
 };
 
@@ -23,11 +24,13 @@ struct DeviceFeedback {
 /// Fills `feedback` after a tick; allocates nothing.
 void read_device(const DeviceLoop& device, DeviceFeedback& feedback);
 
-/// What the page needs once to draw this scene. scene_names and duration are the caller's.
+/// What the page needs once to draw this scene; takes up to a second a device. scene_names,
+/// duration and whether there are twins are the caller's.
 [[nodiscard]] SceneDescription describe(const RunSetup& setup);
 /// A snapshot with every vector at full size.
 [[nodiscard]] Snapshot initial_snapshot(const RunSetup& setup);
-/// Fills one finger; allocates nothing.
+/// Fill one finger or its skin; allocate nothing.
+void fill(Snapshot::Skin& snapshot, const ContactSet& contact);
 void fill(Snapshot::Finger& snapshot, const FingerLoop& loop);
 void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback);
 

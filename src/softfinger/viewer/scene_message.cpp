@@ -55,6 +55,39 @@ struct ShapeToJson {
   }
 };
 
+/// Alike shapes in a row are told once.
+Json pieces_json(const std::vector<Shape>& pieces) {
+  Json runs = Json::array();
+  for (const Shape& piece : pieces) {
+    Json shape = std::visit(ShapeToJson{}, piece);
+    if (!runs.empty() && runs.back()["shape"] == shape) {
+      runs.back()["count"] = runs.back()["count"].get<int>() + 1;
+    } else {
+      runs.push_back({{"shape", std::move(shape)}, {"count", 1}});
+    }
+  }
+  return runs;
+}
+
+Json to_json(const WorkspaceSummary& workspace) {
+  Json reaches = Json::array();
+  for (const WorkspaceSummary::Reach& reach : workspace.reaches) {
+    reaches.push_back(
+        {{"name", reach.name}, {"min", reach.min / reach.unit}, {"max", reach.max / reach.unit}});
+  }
+  Json layers = Json::array();
+  for (const WorkspaceSummary::TiltLayer& layer : workspace.tilt_layers) {
+    Json tilts = Json::array();
+    for (const double tilt : layer.tilts) tilts.push_back(std::round(tilt / deg * 1e3) / 1e3);
+    layers.push_back({{"travel_mm", rounded_mm(layer.travel)}, {"tilts_deg", std::move(tilts)}});
+  }
+  return {{"reaches", std::move(reaches)},
+          {"tilt_layers", std::move(layers)},
+          {"pitch_axis", workspace.pitch_axis},
+          {"roll_axis", workspace.roll_axis},
+          {"travel_axis", workspace.travel_axis}};
+}
+
 Json to_json(const SceneDescription::Finger& finger) {
   return {{"name", finger.name},
           {"skin_positions_mm", flat(finger.skin_rest_positions_F)},
@@ -66,7 +99,11 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"configuration_names", finger.configuration_names},
           {"joint_unit", finger.linear_joints ? "mm" : "deg"},
           {"disk_radius_mm", finger.disk_radius / mm},
-          {"legs", finger.legs}};
+          {"legs", finger.legs},
+          {"pieces", pieces_json(finger.pieces)},
+          {"cap_radius_mm", finger.cap_radius / mm},
+          {"workspace", to_json(finger.workspace)},
+          {"twin", finger.twin}};
 }
 
 }  // namespace

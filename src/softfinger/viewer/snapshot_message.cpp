@@ -43,6 +43,29 @@ class Writer {
   std::vector<std::byte>& bytes_;
 };
 
+std::size_t sample_count(const Snapshot::Skin& skin) {
+  return std::min({skin.positions_F.size(), skin.pressures.size(), skin.in_contact.size()});
+}
+
+void write_skin(const Snapshot::Skin& skin, std::size_t samples, Writer& out) {
+  for (std::size_t i = 0; i < samples; ++i) out.point(skin.positions_F[i]);
+  for (std::size_t i = 0; i < samples; ++i) out.real(double{skin.pressures[i]} / kPa);
+  for (std::size_t i = 0; i < samples; ++i) out.put(skin.in_contact[i]);
+  out.pad();
+}
+
+void write_twin(const Snapshot::Twin& twin, std::size_t samples, Writer& out) {
+  out.real(twin.measures.iou);
+  out.real(twin.measures.centroid_shift / mm);
+  out.real(twin.measures.normal_angle / deg);
+  out.real(twin.measures.normal_force_error);
+  out.real(twin.measures.normal_force_bias);
+  out.real(twin.normal_force);
+  out.real(twin.contact_area / mm2);
+  out.real(twin.cpu_time / ms);
+  write_skin(twin.skin, samples, out);
+}
+
 void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger& description,
                   Writer& out) {
   const std::vector<std::string>& names = description.configuration_names;
@@ -56,18 +79,17 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
   out.real(finger.slip_ratio);
   out.real(finger.stuck_fraction);
 
-  const std::size_t samples = std::min(
-      {finger.sample_positions_F.size(), finger.sample_pressures.size(), finger.in_contact.size()});
+  const std::size_t samples = sample_count(finger.skin);
+  const std::size_t twin_samples = finger.twin.pressed ? sample_count(finger.twin.skin) : 0;
   out.count(samples);
   out.count(static_cast<std::size_t>(finger.configuration.size()));
   out.count(static_cast<std::size_t>(finger.joints.size()));
   out.count(finger.linkage_F.size());
+  out.count(finger.pieces.size());
+  out.count(twin_samples);
   out.text(std::string_view(finger.device_state).substr(0, 15), 16);
 
-  for (std::size_t i = 0; i < samples; ++i) out.point(finger.sample_positions_F[i]);
-  for (std::size_t i = 0; i < samples; ++i) out.real(double{finger.sample_pressures[i]} / kPa);
-  for (std::size_t i = 0; i < samples; ++i) out.put(finger.in_contact[i]);
-  out.pad();
+  write_skin(finger.skin, samples, out);
   for (Eigen::Index i = 0; i < finger.configuration.size(); ++i) {
     const auto index = static_cast<std::size_t>(i);
     out.real(finger.configuration[i] / (index < names.size() ? unit_scale(names[index]) : 1.0));
@@ -76,6 +98,11 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
     out.real(joint / (description.linear_joints ? mm : deg));
   }
   for (const Eigen::Vector3f& point : finger.linkage_F) out.point(point);
+  for (const Snapshot::Piece& piece : finger.pieces) {
+    out.pose(piece.X_FS);
+    out.real(piece.ball_radius / mm);
+  }
+  if (twin_samples > 0) write_twin(finger.twin, twin_samples, out);
 }
 
 }  // namespace

@@ -84,6 +84,27 @@ test("samples in contact are red, the others blue, on both sides; pause holds", 
   assert.equal(await data("state"), "running");
 });
 
+test("the twin touches as well, and is judged", async () => {
+  await page.waitForFunction(() => Number(document.body.dataset.twinContacts) > 3 &&
+    Number(document.body.dataset.iou) > 0.2);
+  assert.equal(await data("twin"), "on");
+  for (const id of ["iou", "centroid", "angle", "force-error"]) {
+    await page.waitForFunction((name) =>
+      /^\d+(\.\d+)?$/.test(document.querySelector(`#plot-${name} b`)?.textContent ?? ""), id);
+  }
+  await pauseInContact(page, 4);
+  for (const patch of ["#patch-virtual", "#patch-twin"]) {
+    const { colored } = countColors(await picture(patch));
+    assert.ok(colored > 60, `${patch}: ${colored} coloured pixels`);
+  }
+  await page.keyboard.press("Space");
+});
+
+test("the workspace shows where the device is", async () => {
+  const { teal } = countColors(await picture("#workspace"));
+  assert.ok(teal > 100, `${teal} teal pixels`);
+});
+
 test("restart begins again", async () => {
   await page.waitForFunction(() => Number(document.body.dataset.time) > 1);
   const generation = Number(await data("generation"));

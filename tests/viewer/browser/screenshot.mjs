@@ -1,8 +1,8 @@
-// screenshot.mjs PROGRAM SCENE OUT.png: the live page while the pad is pressed, for the documents.
+// screenshot.mjs PROGRAM SCENE OUT.png [FLAGS...]: the live page while the pad is pressed, for the documents.
 import { openPage, startProgram } from "./live_program.mjs";
 
-const [program, scene, out] = process.argv.slice(2);
-const running = await startProgram(program, ["run", scene, "--repeat", "--port", "0"]);
+const [program, scene, out, ...flags] = process.argv.slice(2);
+const running = await startProgram(program, ["run", scene, "--repeat", "--port", "0", ...flags]);
 const browser = await openPage(`${running.url}/?quality=high`, { width: 1600, height: 1000 });
 const { page } = browser;
 try {

@@ -1,173 +1,167 @@
 import {
-  BoxGeometry, CylinderGeometry, Group, Mesh, MeshStandardMaterial, Object3D,
-  Quaternion, SphereGeometry, TorusGeometry, Vector3,
+  BoxGeometry, CylinderGeometry, Group, Mesh, MeshStandardMaterial, TorusGeometry, Vector3,
 } from "three";
 import { place } from "./finger_view";
 import { palette } from "./palette";
+import { bar, gripRadius, joint, metalOf, type PieceView, pieceViews, stretch } from "./piece_view";
 import type { FingerDescription, FingerSnapshot } from "./wire";
 
-const kDiskThickness = 1.2; // mm
+const kJointSize = 7; // mm; motors stick out around their joints
+const kFinger = { length: 13, depth: 8.5 }; // mm from its middle; what a picture has to show anyway
 
-/** A device with legs or a disk about the finger, in F: base, legs, moving disk. Others are not drawn. */
+/**
+ * A device of any kind about the finger, in F: the pieces of its solid, which touch, and, where it has
+ * links or cables, these and the base that carries them.
+ */
 export class DeviceView {
   readonly group = new Group();
-  private readonly platform = new Group();
-  private readonly base = new Group();
-  private readonly legs: Leg[] = [];
+  private readonly pieces: PieceView[];
+  private readonly grip = new Group(); // moves with the first piece
+  private readonly legs: Leg[];
   private built = false;
+  private reach: Vector3[] = []; // where pieces and joints were when they were built
 
   constructor(private readonly description: FingerDescription) {
     this.group.visible = false;
-    this.group.add(this.platform, this.base);
-    for (let i = 0; i < description.legs; ++i) {
-      const leg = new Leg();
-      this.legs.push(leg);
-      this.group.add(leg.group);
-    }
+    this.pieces = pieceViews(description.pieces, description.cap_radius_mm);
+    const cables = description.device_kind === "cable_platform";
+    this.legs = Array.from({ length: description.legs }, () => new Leg(cables));
+    this.group.add(...this.pieces.map((view) => view.group), this.grip,
+      ...this.legs.map((leg) => leg.group));
   }
 
   update(snapshot: FingerSnapshot): void {
-    if (!snapshot.linkage_mm.every(Number.isFinite)) return;
-    const points = linkagePoints(snapshot.linkage_mm);
-    const nothing = this.legs.length === 0 && this.description.disk_radius_mm === 0;
-    if (points.length < 3 * this.legs.length || nothing) {
-      this.group.visible = false;
-      return;
-    }
-    place(this.platform, snapshot.X_FP);
+    if (!snapshot.linkage_mm.every(Number.isFinite) || !snapshot.pieces.every(Number.isFinite)) return;
+    const points = pointsOf(snapshot.linkage_mm);
+    if (points.length < 3 * this.legs.length || snapshot.pieces.length === 0) return;
+    for (const view of this.pieces) view.update(snapshot.pieces);
+    place(this.grip, snapshot.pieces.subarray(0, 7));
     if (!this.built) {
       this.build(points);
+      this.reach = [...points, ...placesOf(snapshot.pieces)];
       this.built = true;
     }
     this.legs.forEach((leg, i) => leg.update(points[3 * i]!, points[3 * i + 1]!, points[3 * i + 2]!));
     this.group.visible = true;
   }
 
-  /** The parts whose shape follows from where the joints are. */
-  private build(points: Vector3[]): void {
-    const bases = this.legs.map((_, i) => points[3 * i]!);
-    this.platform.updateMatrixWorld(true);
-    const inverse = this.platform.matrix.clone().invert();
-    const ends = this.legs.map((_, i) => points[3 * i + 2]!.clone().applyMatrix4(inverse));
-    this.buildPlatform(ends);
-    if (bases.length > 0) this.buildBase(bases);
+  /** Middle and radius (mm) of a ball around finger, device and links, once they are there. */
+  surroundings(): { middle: Vector3; radius: number } | null {
+    if (!this.built) return null;
+    const [low, high] = [-kFinger.depth, kFinger.depth].map((side) =>
+      this.reach.reduce((z, point) => (side < 0 ? Math.min(z, point.z) : Math.max(z, point.z)), side));
+    const middle = new Vector3(0.5, 0, (low! + high!) / 2);
+    const radius = this.reach.reduce(
+      (r, point) => Math.max(r, point.distanceTo(middle) + kJointSize), kFinger.length);
+    return { middle, radius };
   }
 
-  private buildPlatform(ends: Vector3[]): void {
-    const radius = this.description.disk_radius_mm;
-    const disk = new Mesh(
-      new CylinderGeometry(radius, radius, kDiskThickness, 72).rotateX(Math.PI / 2),
-      new MeshStandardMaterial({
-        color: palette.device, roughness: 0.25, transparent: true, opacity: 0.3, depthWrite: false,
-        emissive: palette.device, emissiveIntensity: 0.08,
-      }));
-    disk.position.z = -kDiskThickness / 2;
-    disk.renderOrder = 3;
-    const rim = new Mesh(new TorusGeometry(radius, 0.45, 12, 96), deviceMaterial());
-    rim.position.z = -kDiskThickness / 2;
-    this.platform.add(disk, rim);
+  /** The parts whose shape follows from where the joints are. */
+  private build(points: Vector3[]): void {
+    // A leg that begins where the one before ends is its continuation.
+    const bases = this.legs.map((_, i) => points[3 * i]!)
+      .filter((base, i) => i === 0 || base.distanceTo(points[3 * i - 1]!) > 1e-3);
+    this.grip.updateMatrixWorld(true);
+    const toGrip = this.grip.matrix.clone().invert();
+    this.holdPlatform(this.legs.map((_, i) => points[3 * i + 2]!.clone().applyMatrix4(toGrip)));
+    if (bases.length > 0) this.group.add(this.base(bases));
+  }
+
+  /** What joins a platform's joints to the piece that touches. */
+  private holdPlatform(ends: Vector3[]): void {
+    const shape = this.description.pieces[0]!.shape;
+    const radius = gripRadius(shape);
+    if (radius === 0 || ends.length < 3) return;
     for (const end of ends) {
-      const from = end.clone().setLength(radius).setZ(-kDiskThickness / 2);
-      this.platform.add(rod(from, end, 0.6, deviceMaterial()), joint(end, 1.0));
+      const from = shape.kind === "cylinder" ? new Vector3(end.x, end.y, 0) : end.clone();
+      if (from.length() < radius + 0.2) continue;
+      const rod = bar(0.6, palette.metal, 0.5);
+      rod.material = metalOf(palette.device);
+      stretch(rod, from.setLength(radius), end);
+      this.grip.add(rod, joint(end, 1.0));
     }
   }
 
-  private buildBase(bases: Vector3[]): void {
+  private base(bases: Vector3[]): Group {
     const centre = new Vector3();
     for (const point of bases) centre.addScaledVector(point, 1 / bases.length);
-    const radius = centre.distanceTo(bases[0]!);
     const normal = new Vector3(0, 0, 1);
     if (bases.length >= 3) {
       normal.crossVectors(bases[1]!.clone().sub(bases[0]!), bases[2]!.clone().sub(bases[0]!));
       normal.normalize();
     }
-    const frame = new Group();
-    frame.position.copy(centre);
-    frame.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), normal);
-    const plate = new Mesh(
-      new CylinderGeometry(radius - 3.2, radius - 3.2, 1.6, 72).rotateX(Math.PI / 2),
-      new MeshStandardMaterial({
-        color: palette.servo, roughness: 0.5, transparent: true, opacity: 0.55, depthWrite: false,
-      }));
-    plate.renderOrder = 4;
-    const ring = new Mesh(
-      new TorusGeometry(radius - 3.2, 0.8, 16, 96),
-      new MeshStandardMaterial({ color: palette.metal, roughness: 0.35, metalness: 0.7 }));
-    frame.add(plate, ring);
-    this.base.add(frame);
-    this.addCushion(centre, normal);
-    for (const point of bases) this.base.add(servo(point, centre, normal));
+    const group = new Group();
+    const radius = centre.distanceTo(bases[0]!) - 3.2;
+    const cushion = this.cushion(centre, normal);
+    if (radius > 1) {
+      const ring = new Mesh(
+        new TorusGeometry(radius, 0.8, 16, 96),
+        new MeshStandardMaterial({ color: palette.metal, roughness: 0.35, metalness: 0.7 }));
+      ring.position.copy(centre);
+      ring.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), normal);
+      group.add(ring);
+      if (cushion) {
+        const plate = new Mesh(
+          new CylinderGeometry(radius, radius, 1.6, 72).rotateX(Math.PI / 2),
+          new MeshStandardMaterial({
+            color: palette.servo, roughness: 0.5, transparent: true, opacity: 0.55, depthWrite: false,
+          }));
+        plate.renderOrder = 4;
+        ring.add(plate);
+      }
+    }
+    if (cushion) group.add(cushion);
+    for (const point of bases) group.add(servo(point, centre, normal));
+    return group;
   }
 
-  /** What holds the base on the nail: drawn from the plate down to the nail's highest point. */
-  private addCushion(centre: Vector3, normal: Vector3): void {
+  /** What holds the base on the nail, down to its highest point; null for a base on the pad's side. */
+  private cushion(centre: Vector3, normal: Vector3): Mesh | null {
     const { rigid_positions_mm: p, nail_triangles } = this.description;
     let height = Infinity;
     for (const i of nail_triangles) {
       const vertex = new Vector3(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
       height = Math.min(height, -normal.dot(vertex.sub(centre)));
     }
-    if (!(height > 0.5 && height < 40)) return;
+    if (!(height > 0.5 && height < 40)) return null;
     const cushion = new Mesh(
       new CylinderGeometry(5.6, 4.2, height, 40).rotateX(Math.PI / 2),
       new MeshStandardMaterial({ color: palette.servo, roughness: 0.85 }));
     cushion.position.copy(centre).addScaledVector(normal, -height / 2);
     cushion.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), normal);
-    this.base.add(cushion);
+    return cushion;
   }
 }
 
+/** Two links with a knee, or a cable. */
 class Leg {
   readonly group = new Group();
-  private readonly crank = bar(0.95, palette.metal, 0.75);
-  private readonly coupler = bar(0.6, palette.metal, 0.75);
+  private readonly first: Mesh;
+  private readonly second: Mesh;
   private readonly knee = joint(new Vector3(), 1.15);
 
-  constructor() {
-    this.group.add(this.crank, this.coupler, this.knee);
+  constructor(cable: boolean) {
+    this.first = cable ? bar(0.22, palette.cable, 0.1) : bar(0.95, palette.metal, 0.75);
+    this.second = cable ? bar(0.22, palette.cable, 0.1) : bar(0.6, palette.metal, 0.75);
+    this.group.add(this.first, this.second);
+    if (!cable) this.group.add(this.knee);
   }
   update(base: Vector3, knee: Vector3, end: Vector3): void {
-    stretch(this.crank, base, knee);
-    stretch(this.coupler, knee, end);
+    stretch(this.first, base, knee);
+    stretch(this.second, knee, end);
     this.knee.position.copy(knee);
   }
 }
 
-function deviceMaterial(): MeshStandardMaterial {
-  return new MeshStandardMaterial({ color: palette.device, roughness: 0.35, metalness: 0.25 });
+/** Of pieces smaller than a finger; a flat membrane's ball is not. */
+function placesOf(pieces: Float32Array): Vector3[] {
+  return Array.from({ length: pieces.length / 8 }, (_, k) => new Vector3().fromArray(pieces, 8 * k))
+    .filter((_, k) => pieces[8 * k + 7]! < kFinger.length);
 }
 
-function linkagePoints(flat: Float32Array): Vector3[] {
+function pointsOf(flat: Float32Array): Vector3[] {
   return Array.from({ length: Math.floor(flat.length / 3) },
     (_, i) => new Vector3(flat[3 * i]!, flat[3 * i + 1]!, flat[3 * i + 2]!));
-}
-
-/** A rod of length one along z, to be stretched. */
-function bar(radius: number, color: string, metalness: number): Mesh {
-  return new Mesh(
-    new CylinderGeometry(radius, radius, 1, 20).rotateX(Math.PI / 2),
-    new MeshStandardMaterial({ color, roughness: 0.32, metalness }));
-}
-
-function stretch(node: Object3D, from: Vector3, to: Vector3): void {
-  const along = to.clone().sub(from);
-  node.position.copy(from).addScaledVector(along, 0.5);
-  node.scale.z = Math.max(along.length(), 1e-3);
-  node.quaternion.copy(
-    new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), along.clone().normalize()));
-}
-
-function rod(from: Vector3, to: Vector3, radius: number, material: MeshStandardMaterial): Mesh {
-  const mesh = bar(radius, palette.metal, 0.5);
-  mesh.material = material;
-  stretch(mesh, from, to);
-  return mesh;
-}
-
-function joint(at: Vector3, radius: number): Mesh {
-  const mesh = new Mesh(new SphereGeometry(radius, 24, 16), deviceMaterial());
-  mesh.position.copy(at);
-  return mesh;
 }
 
 /** Motor housing beside a base joint, its axis across the leg's plane. */
@@ -183,8 +177,7 @@ function servo(at: Vector3, centre: Vector3, normal: Vector3): Group {
     new MeshStandardMaterial({ color: palette.metal, roughness: 0.3, metalness: 0.8 }));
   group.add(body, cap);
   // Box axes: x outwards, y the motor's axis, z the base normal.
-  const up = normal.clone();
   group.matrixAutoUpdate = false;
-  group.matrix.makeBasis(out, axis, up).setPosition(at);
+  group.matrix.makeBasis(out, axis, normal.clone()).setPosition(at);
   return group;
 }

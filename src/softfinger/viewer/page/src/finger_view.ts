@@ -1,11 +1,11 @@
 import {
   BackSide, BufferGeometry, DoubleSide, FrontSide, Group,
-  InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry,
+  InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, Object3D, SphereGeometry,
   type Side, Vector3,
 } from "three";
 import { palette } from "./palette";
 import { SmoothSurface } from "./smooth_surface";
-import type { FingerDescription, FingerSnapshot, PoseArray } from "./wire";
+import type { FingerDescription, PoseArray, Skin } from "./wire";
 
 /**
  * Skin, its samples, bone and nail of one finger, in its own frame F. Can be shown in several places
@@ -60,10 +60,10 @@ export class FingerView {
     this.touching.dispose();
   }
 
-  update(snapshot: FingerSnapshot): void {
-    if (snapshot.in_contact.length !== this.count) return;
-    if (!snapshot.positions_mm.every(Number.isFinite)) return; // nothing to draw: keep the last shape
-    this.fill(snapshot.positions_mm, snapshot.in_contact, snapshot.pressures_kPa);
+  update(skin: Skin): void {
+    if (skin.in_contact.length !== this.count) return;
+    if (!skin.positions_mm.every(Number.isFinite)) return; // nothing to draw: keep the last shape
+    this.fill(skin.positions_mm, skin.in_contact, skin.pressures_kPa);
   }
 
   private fill(
@@ -129,7 +129,7 @@ class SampleCloud {
 }
 
 /** Moves a group to a pose of the wire. */
-export function place(group: Group, pose: PoseArray): void {
+export function place(group: Object3D, pose: PoseArray): void {
   group.position.set(pose[0]!, pose[1]!, pose[2]!);
   group.quaternion.set(pose[3]!, pose[4]!, pose[5]!, pose[6]!);
 }

@@ -4,29 +4,36 @@ import { Connection } from "./connection";
 import { DeviceView } from "./device_view";
 import { FingerView, place } from "./finger_view";
 import { ObjectView } from "./object_view";
+import { Pad, PatchView } from "./patch_view";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
 import { Stage, View } from "./stage";
-import type { Scene, Snapshot } from "./wire";
+import { WorkspaceView } from "./workspace_view";
+import type { FingerSnapshot, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
+const canvas = (id: string) => element(id) as HTMLCanvasElement;
 
 const virtual = new View({ pane: element("virtual"), distance: 68, target: new Vector3(0, 0, 0) });
 const rendered = new View({ pane: element("rendered"), distance: 92, target: new Vector3(0.5, 0, 4.5) });
-const stage = new Stage(element("stage") as HTMLCanvasElement, [virtual, rendered]);
-const plots = new Plots(element("plots"));
+const stage = new Stage(canvas("stage"), [virtual, rendered]);
+const plots = new Plots(element("plots"), element("measures"));
+const patches = { virtual: new PatchView(canvas("patch-virtual")), twin: new PatchView(canvas("patch-twin")) };
 
 let objects: ObjectView[] = [];
 let fingers: FingerView[] = [];
 let fingersInWorld: Group[] = []; // in the virtual scene
-let wearer: Group | null = null; // the first finger, on the device
+let twin: FingerView | null = null; // of the first finger
+let wearer: Group | null = null; // on the device: the twin, or without one the first finger
+let pad: Pad | null = null; // of the first finger
+let workspace: WorkspaceView | null = null;
 let device: DeviceView | null = null;
 let newest: Snapshot | null = null;
 let drawn: Snapshot | null = null;
 let arrived = false; // the view has jumped to the finger
 
 function build(scene: Scene): void {
-  for (const view of [...objects, ...fingers]) view.dispose();
+  for (const view of [...objects, ...fingers, ...(twin ? [twin] : [])]) view.dispose();
   virtual.scene.remove(...objects.map((view) => view.group), ...fingersInWorld);
   if (wearer) rendered.scene.remove(wearer);
   if (device) rendered.scene.remove(device.group);
@@ -36,10 +43,15 @@ function build(scene: Scene): void {
   fingersInWorld = fingers.map((view) => view.show());
   virtual.scene.add(...objects.map((view) => view.group), ...fingersInWorld);
   const first = scene.fingers[0];
-  wearer = fingers[0]?.show() ?? null;
+  twin = first?.twin ? new FingerView(first) : null;
+  pad = first?.twin ? new Pad(first) : null;
+  wearer = (twin ?? fingers[0])?.show() ?? null;
   device = first && first.device_kind ? new DeviceView(first) : null;
   if (wearer) rendered.scene.add(wearer);
   if (device) rendered.scene.add(device.group);
+  const hasWorkspace = first !== undefined && WorkspaceView.has(first);
+  element("workspace").hidden = !hasWorkspace;
+  workspace = hasWorkspace ? new WorkspaceView(canvas("workspace-drawing"), first) : null;
   newest = drawn = null;
   arrived = false;
 }
@@ -52,7 +64,24 @@ function show(snapshot: Snapshot): void {
     view.update(finger);
     place(fingersInWorld[i]!, finger.X_WF);
   });
-  if (snapshot.fingers[0]) device?.update(snapshot.fingers[0]);
+  const first = snapshot.fingers[0];
+  if (!first) return;
+  device?.update(first);
+  const surroundings = device?.surroundings();
+  if (surroundings) {
+    rendered.frame(surroundings.middle, Math.min(150, Math.max(66, 3 * surroundings.radius)));
+  }
+  workspace?.draw(first.configuration);
+  if (first.twin) twin?.update(first.twin);
+  if (pad) showPatches(pad, first);
+}
+
+function showPatches(pad: Pad, finger: FingerSnapshot): void {
+  pad.notice(finger);
+  if (finger.twin) pad.notice(finger.twin);
+  patches.virtual.draw(pad, finger);
+  patches.twin.draw(pad, finger.twin);
+  element("pressure-most").textContent = pad.most.toFixed(0);
 }
 
 /** After `elapsed` ms: keeps the virtual finger in sight and the glass sorted against the skin. */
@@ -79,7 +108,7 @@ const panel = new Panel({
 const connection = new Connection({
   onScene: (scene) => {
     build(scene);
-    plots.reset(scene.fingers[0]?.configuration_names ?? []);
+    plots.reset(scene.fingers[0]);
     panel.showScene(scene);
   },
   onSnapshot: (snapshot) => {

@@ -1,4 +1,4 @@
-import type { Request, Scene, Snapshot } from "./wire";
+import type { Request, Scene, Skin, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
 const kDeviceNames: Record<string, string> = {
@@ -9,6 +9,7 @@ const kDeviceNames: Record<string, string> = {
   delta_tactor: "delta tactor",
   membrane: "membrane",
   roller: "roller",
+  mechanism: "mechanism",
 };
 
 /** Everything on the page that is neither a drawing nor a plot. */
@@ -57,6 +58,9 @@ export class Panel {
     }));
     document.body.dataset.scene = scene.scene;
     document.body.dataset.generation = String(scene.generation);
+    element("twin").hidden = !scene.fingers[0]?.twin;
+    document.body.dataset.twin = scene.fingers[0]?.twin ? "on" : "off";
+    document.body.dataset.deviceKind = scene.fingers[0]?.device_kind ?? "";
     document.title = `softfinger · ${scene.scene}`;
     const finger = scene.fingers[0];
     element("virtual-what").textContent =
@@ -94,11 +98,17 @@ export class Panel {
     if (!finger) return;
     element("device-state").textContent = finger.device_state || "no device";
     document.body.dataset.device = finger.device_state;
-    let contacts = 0;
-    for (const touching of finger.in_contact) contacts += touching;
+    const contacts = contactCount(finger);
     document.body.dataset.contacts = String(contacts);
     document.body.dataset.samples = String(finger.in_contact.length);
     document.body.dataset.time = snapshot.time_s.toFixed(3);
+    if (finger.twin) {
+      const twinContacts = contactCount(finger.twin);
+      document.body.dataset.twinContacts = String(twinContacts);
+      document.body.dataset.iou = finger.twin.iou.toFixed(3);
+      element("patch-virtual-count").textContent = `${contacts}`;
+      element("patch-twin-count").textContent = `${twinContacts}`;
+    }
     element("contacts").textContent = `${contacts}`;
     element("samples").textContent = `of ${finger.in_contact.length}`;
     element("stuck").textContent = contacts > 0 ? (100 * finger.stuck_fraction).toFixed(0) : "–";
@@ -120,6 +130,12 @@ export class Panel {
     const rate = (1000 * (last.step - first.step)) / (last.at - first.at);
     return rate >= 0 ? (Math.round(rate / 10) * 10).toLocaleString("en").replace(",", "\u202f") : "–";
   }
+}
+
+function contactCount(skin: Skin): number {
+  let count = 0;
+  for (const touching of skin.in_contact) count += touching;
+  return count;
 }
 
 /** The first joints' values; a field of pins has too many to show. */

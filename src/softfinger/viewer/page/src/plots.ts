@@ -1,7 +1,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { palette } from "./palette";
-import type { Snapshot } from "./wire";
+import type { FingerDescription, Snapshot, Twin } from "./wire";
 
 const kWindow = 10; // s of simulated time shown
 const kCapacity = 1500;
@@ -22,43 +22,72 @@ interface PlotDescription {
   /** The scale always shows at least this range. */
   range: [number, number];
   rightRange?: [number, number];
+  /** Too small for axes. */
+  small?: boolean;
 }
 
+/** Of the first finger. */
 const q = (index: number) => (s: Snapshot) => s.fingers[0]?.configuration[index] ?? 0;
 
 const kCurveColors = [palette.pitch, palette.roll, palette.travel];
+const kMostAxes = 6; // more are told by their extremes
 
-/** Pitch and roll share the left scale, travel has the right one. */
-function configurationCurves(names: string[]): Curve[] {
-  return names.slice(0, 3).map((name, i) => {
-    const [, label, unit] = /^(.*?)_(deg|mm)$/.exec(name) ?? [name, name, ""];
+/** Three axes, or the extremes of many. Angles have the left scale, lengths beside them the right. */
+function configurationPlot({ configuration_names: names, workspace }: FingerDescription): PlotDescription {
+  const plot = { id: "configuration", title: "Configuration q" };
+  if (names.length > kMostAxes) {
+    const among = (choose: (...values: number[]) => number) => (s: Snapshot) =>
+      choose(...(s.fingers[0]?.configuration ?? [0]));
+    const mean = (...values: number[]) => values.reduce((a, b) => a + b, 0) / values.length;
+    const curve = (label: string, color: string, value: (s: Snapshot) => number): Curve =>
+      ({ label, unit: "mm", color, digits: 2, value });
+    return { ...plot, range: [0, 1], curves: [
+      curve("highest", palette.pitch, among(Math.max)), curve("mean", palette.roll, among(mean)),
+      curve("lowest", palette.travel, among(Math.min))] };
+  }
+  const told = [workspace.pitch_axis, workspace.roll_axis, workspace.travel_axis].filter((k) => k >= 0);
+  const axes = told.length > 0 ? told : names.slice(0, 3).map((_, k) => k);
+  const hasAngles = axes.some((k) => names[k]!.endsWith("_deg"));
+  const curves = axes.map((k, i): Curve => {
+    const [, label, unit] = /^(.*?)_(deg|mm)$/.exec(names[k]!) ?? [names[k], names[k], ""];
     return {
       label: label!, unit: unit === "deg" ? "°" : unit!, color: kCurveColors[i]!,
-      digits: unit === "deg" ? 1 : 2, scale: unit === "mm" ? "right" : undefined, value: q(i),
+      digits: unit === "deg" ? 1 : 2, scale: hasAngles && unit === "mm" ? "right" : undefined, value: q(k),
     };
   });
+  return hasAngles
+    ? { ...plot, curves, range: [-6, 6], rightRange: [0, 4] } : { ...plot, curves, range: [0, 1] };
 }
 
-function descriptions(names: string[]): PlotDescription[] {
+const twin = (value: (twin: Twin) => number) => (s: Snapshot) => {
+  const finger = s.fingers[0]?.twin;
+  return finger ? value(finger) : NaN;
+};
+
+/** What is drawn for the loop itself; the twin's force and area beside the virtual ones. */
+function loopPlots(finger: FingerDescription): PlotDescription[] {
+  const hasTwin = finger.twin;
+  const force: Curve = { label: hasTwin ? "virtual" : "normal", unit: "N", color: palette.force, digits: 2,
+    filled: true, value: (s) => s.fingers[0]?.normal_force_N ?? 0 };
+  const area: Curve = { label: hasTwin ? "virtual" : "", unit: "mm²", color: palette.area, digits: 0,
+    filled: true, value: (s) => s.fingers[0]?.contact_area_mm2 ?? 0 };
+  const twins = (curve: Curve, value: (twin: Twin) => number): Curve[] =>
+    hasTwin ? [{ ...curve, label: "twin", color: palette.twin, filled: false, value: twin(value) }] : [];
   return [
     {
       id: "force", title: "Force", range: [0, 1],
       curves: [
-        { label: "normal", unit: "N", color: palette.force, digits: 2, filled: true,
-          value: (s) => s.fingers[0]?.normal_force_N ?? 0 },
+        force,
+        ...twins(force, (t) => t.normal_force_N),
         { label: "friction", unit: "N", color: palette.friction, digits: 2,
           value: (s) => s.fingers[0]?.tangential_force_N ?? 0 },
       ],
     },
     {
       id: "area", title: "Contact area", range: [0, 40],
-      curves: [{ label: "", unit: "mm²", color: palette.area, digits: 0, filled: true,
-                 value: (s) => s.fingers[0]?.contact_area_mm2 ?? 0 }],
+      curves: [area, ...twins(area, (t) => t.contact_area_mm2)],
     },
-    {
-      id: "configuration", title: "Configuration q", range: [-6, 6], rightRange: [0, 4],
-      curves: configurationCurves(names),
-    },
+    configurationPlot(finger),
     {
       id: "step", title: "Computing time", range: [0, 0.25],
       curves: [
@@ -69,15 +98,38 @@ function descriptions(names: string[]): PlotDescription[] {
   ];
 }
 
-/** The strip of live plots below the views. */
+const kMeasureMeanings: Record<string, string> = {
+  iou: "Area that both contacts have in common over the area that either has",
+  centroid: "Shift between the centroids of the normal force",
+  angle: "Angle between the mean normals",
+  "force-error": "Difference of the normal forces over the virtual one",
+};
+
+/** How far what the device renders is from the virtual contact. */
+function measurePlots(): PlotDescription[] {
+  const small = (id: string, title: string, unit: string, color: string, digits: number,
+    range: [number, number], value: (twin: Twin) => number): PlotDescription =>
+    ({ id, title, range, small: true,
+       curves: [{ label: "", unit, color, digits, filled: true, value: twin(value) }] });
+  return [
+    small("iou", "Overlap IoU", "", palette.step, 2, [0, 1], (t) => t.iou),
+    small("centroid", "Centroid", "mm", palette.travel, 2, [0, 1], (t) => t.centroid_shift_mm),
+    small("angle", "Normal", "°", palette.roll, 1, [0, 5], (t) => t.normal_angle_deg),
+    small("force-error", "Force error", "%", palette.force, 0, [0, 20], (t) => 100 * t.normal_force_error),
+  ];
+}
+
+/** The live plots: the loop's in a strip below the views, the twin's measures beside them. */
 export class Plots {
   private plots: LivePlot[] = [];
 
-  constructor(private readonly parent: HTMLElement) {}
+  constructor(private readonly strip: HTMLElement, private readonly measures: HTMLElement) {}
 
-  reset(configurationNames: string[]): void {
+  reset(finger: FingerDescription | undefined): void {
     for (const plot of this.plots) plot.dispose();
-    this.plots = descriptions(configurationNames).map((d) => new LivePlot(this.parent, d));
+    if (!finger) return;
+    this.plots = loopPlots(finger).map((d) => new LivePlot(this.strip, d));
+    if (finger.twin) this.plots.push(...measurePlots().map((d) => new LivePlot(this.measures, d)));
   }
   add(snapshot: Snapshot): void {
     for (const plot of this.plots) plot.add(snapshot);
@@ -91,14 +143,15 @@ class LivePlot {
   private readonly element = document.createElement("article");
   private readonly box = document.createElement("div");
   private readonly values: HTMLElement[] = [];
-  private readonly data: number[][];
+  private readonly data: (number | null)[][];
   private readonly plot: uPlot;
   private readonly observer: ResizeObserver;
   private changed = false;
 
   constructor(parent: HTMLElement, private readonly description: PlotDescription) {
     this.data = [[], ...description.curves.map(() => [])];
-    this.element.className = description.curves.length > 2 ? "plot many" : "plot";
+    this.element.className = description.small ? "plot small"
+      : description.curves.length > 2 ? "plot many" : "plot";
     this.element.id = `plot-${description.id}`;
     this.element.append(this.makeHeader(), this.box);
     this.box.className = "plot-box";
@@ -119,7 +172,10 @@ class LivePlot {
     const times = this.data[0]!;
     if (times.length > 0 && snapshot.time_s <= times[times.length - 1]!) return;
     times.push(snapshot.time_s);
-    this.description.curves.forEach((curve, i) => this.data[i + 1]!.push(curve.value(snapshot)));
+    this.description.curves.forEach((curve, i) => {
+      const value = curve.value(snapshot);
+      this.data[i + 1]!.push(Number.isFinite(value) ? value : null); // null: a gap
+    });
     if (times.length > kCapacity) for (const column of this.data) column.splice(0, kCapacity / 3);
     this.changed = true;
   }
@@ -130,8 +186,7 @@ class LivePlot {
     this.plot.setData(this.data as uPlot.AlignedData);
     this.description.curves.forEach((curve, i) => {
       const column = this.data[i + 1]!;
-      const value = column[column.length - 1]!;
-      const text = value.toFixed(curve.digits);
+      const text = column[column.length - 1]?.toFixed(curve.digits) ?? "–";
       this.values[i]!.textContent = /^-0\.?0*$/.test(text) ? text.slice(1) : text;
     });
     this.element.dataset.points = String(this.data[0]!.length);
@@ -143,6 +198,7 @@ class LivePlot {
     const title = document.createElement("h2");
     title.textContent = this.description.title;
     header.append(title);
+    header.title = kMeasureMeanings[this.description.id] ?? "";
     for (const curve of this.description.curves) {
       const item = document.createElement("span");
       item.className = "value";
@@ -151,9 +207,9 @@ class LivePlot {
       const value = document.createElement("b");
       value.textContent = "–";
       this.values.push(value);
-      item.title = `${curve.label || this.description.title} (${curve.unit})`;
+      if (!this.description.small) item.title = `${curve.label || this.description.title} (${curve.unit})`;
       item.append(key, span("label", curve.label && `${curve.label} `), value,
-        span("unit", curve.unit === "°" ? curve.unit : ` ${curve.unit}`));
+        span("unit", curve.unit === "°" || curve.unit === "" ? curve.unit : ` ${curve.unit}`));
       header.append(item);
     }
     return header;
@@ -174,13 +230,13 @@ class LivePlot {
       };
     return {
       width: 200, height: 100, legend: { show: false }, cursor: { show: false }, pxAlign: false,
-      padding: [6, hasRight ? 0 : 18, 0, 0],
+      padding: this.description.small ? [2, 0, 2, 0] : [6, hasRight ? 0 : 18, 0, 0],
       scales: {
         x: { time: false, range: (_, __, max) => [Math.max(0, (max ?? 0) - kWindow), Math.max(kWindow, max ?? 0)] },
         y: { range: atLeast(this.description.range) },
         ...(hasRight ? { right: { range: atLeast(this.description.rightRange!) } } : {}),
       },
-      axes: [
+      axes: this.description.small ? [{ show: false }, { show: false }] : [
         { font: "11px Inter Variable", stroke: palette.text, size: 24, gap: 2, space: 56,
           grid: { stroke: palette.line, width: 1 }, ticks: { show: false },
           values: (_, splits) => splits.map((s) => `${s} s`) },

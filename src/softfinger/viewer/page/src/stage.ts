@@ -20,7 +20,7 @@ export class View {
   readonly camera = new PerspectiveCamera(30, 1, 1, 2000);
   readonly controls: OrbitControls;
   readonly pane: HTMLElement;
-  private readonly home: ViewOptions;
+  private home: ViewOptions;
 
   constructor(options: ViewOptions) {
     this.home = options;
@@ -46,6 +46,15 @@ export class View {
   reset(): void {
     this.controls.target.copy(this.home.target);
     this.camera.position.copy(this.home.target).addScaledVector(kHome, this.home.distance);
+    this.controls.update();
+  }
+  /** Puts home elsewhere, and the eye there along the direction it looks in now. */
+  frame(target: Vector3, distance: number): void {
+    if (this.home.target.distanceTo(target) < 1 && Math.abs(this.home.distance - distance) < 2) return;
+    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.home = { ...this.home, target: target.clone(), distance };
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(direction, distance);
     this.controls.update();
   }
   /** Keeps a moving thing in the middle without turning the view. */

@@ -8,6 +8,15 @@ export type Shape =
   | { kind: "cylinder"; radius_mm: number; length_mm: number; edge_radius_mm: number }
   | { kind: "mesh"; positions_mm: number[]; triangles: number[] };
 
+/** What a device reaches. Tilts go from zero, entry k of n in direction (pitch, roll) = 2 pi k / n. */
+export interface Workspace {
+  reaches: { name: string; min: number; max: number }[]; // of each axis, or of all alike
+  tilt_layers: { travel_mm: number; tilts_deg: number[] }[];
+  pitch_axis: number; // of q; -1: none
+  roll_axis: number;
+  travel_axis: number;
+}
+
 export interface FingerDescription {
   name: string;
   skin_positions_mm: number[];
@@ -20,6 +29,10 @@ export interface FingerDescription {
   joint_unit: "deg" | "mm";
   disk_radius_mm: number;
   legs: number;
+  pieces: { shape: Shape; count: number }[]; // of the device's solid, alike ones in a row together
+  cap_radius_mm: number; // above 0: the first piece is a ball that shows above this ring
+  workspace: Workspace;
+  twin: boolean;
 }
 
 export interface Scene {
@@ -35,7 +48,26 @@ export interface Scene {
 /** Position (mm) and unit quaternion x, y, z, w. */
 export type PoseArray = Float32Array;
 
-export interface FingerSnapshot {
+/** Skin in contact, in F. */
+export interface Skin {
+  positions_mm: Float32Array;
+  pressures_kPa: Float32Array;
+  in_contact: Uint8Array;
+}
+
+/** The second finger, pressed by the device. NaN where a measure is not defined. */
+export interface Twin extends Skin {
+  iou: number;
+  centroid_shift_mm: number;
+  normal_angle_deg: number;
+  normal_force_error: number;
+  normal_force_bias: number;
+  normal_force_N: number;
+  contact_area_mm2: number;
+  press_ms: number;
+}
+
+export interface FingerSnapshot extends Skin {
   X_WFt: PoseArray;
   X_WF: PoseArray;
   X_FP: PoseArray;
@@ -46,12 +78,11 @@ export interface FingerSnapshot {
   slip_ratio: number;
   stuck_fraction: number; // of the contact area
   device_state: string;
-  positions_mm: Float32Array; // in F
-  pressures_kPa: Float32Array;
-  in_contact: Uint8Array;
   configuration: Float32Array; // in the units of configuration_names
   joint_values: Float32Array; // in joint_unit
   linkage_mm: Float32Array; // in F; base joint, knee, platform joint of each leg
+  pieces: Float32Array; // eight a piece: pose in F, radius_mm of a ball
+  twin: Twin | null; // null: not pressed yet, or none
 }
 
 export interface Snapshot {
@@ -67,7 +98,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x32534653;
+const kMagic = 0x33534653;
 
 /** Reads a binary frame; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
@@ -79,6 +110,13 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
   const floats = (count: number) => new Float32Array(frame, (at += 4 * count) - 4 * count, count);
   const bytes = (count: number) => new Uint8Array(frame, (at += count) - count, count);
   const pose = () => floats(7);
+  const skin = (samples: number): Skin => {
+    const positions_mm = floats(3 * samples);
+    const pressures_kPa = floats(samples);
+    const in_contact = bytes(samples);
+    at = (at + 3) & ~3;
+    return { positions_mm, pressures_kPa, in_contact };
+  };
 
   if (frame.byteLength < 48 || u32() !== kMagic) return null;
   const generation = u32();
@@ -91,6 +129,17 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
   const objects = u32();
   const fingers = u32();
   at += 4;
+  const readTwin = (samples: number): Twin => ({
+    iou: f32(),
+    centroid_shift_mm: f32(),
+    normal_angle_deg: f32(),
+    normal_force_error: f32(),
+    normal_force_bias: f32(),
+    normal_force_N: f32(),
+    contact_area_mm2: f32(),
+    press_ms: f32(),
+    ...skin(samples),
+  });
   const readFinger = (): FingerSnapshot => {
     const X_WFt = pose();
     const X_WF = pose();
@@ -101,19 +150,18 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const deviation_mm2 = f32();
     const slip_ratio = f32();
     const stuck_fraction = f32();
-    const [samples, dofs, joints, points] = [u32(), u32(), u32(), u32()];
+    const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
     const device_state = new TextDecoder().decode(bytes(16)).replace(/\0+$/, "");
-    const positions_mm = floats(3 * samples);
-    const pressures_kPa = floats(samples);
-    const in_contact = bytes(samples);
-    at = (at + 3) & ~3;
+    const touched = skin(samples);
     const configuration = floats(dofs);
     const joint_values = floats(joints);
     const linkage_mm = floats(3 * points);
+    const pieces = floats(8 * count);
+    const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
     return {
       X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
-      slip_ratio, stuck_fraction,
-      device_state, positions_mm, pressures_kPa, in_contact, configuration, joint_values, linkage_mm,
+      slip_ratio, stuck_fraction, device_state, ...touched, configuration, joint_values, linkage_mm,
+      pieces, twin,
     };
   };
   return {
