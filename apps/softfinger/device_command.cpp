@@ -146,7 +146,7 @@ void pose(const DeviceFlags& flags) {
 void workspace(const DeviceFlags& flags) {
   const WorkspaceSummary w = load_device(flags.device)->workspace_summary();
   ordered_json result = ordered_json::object();
-  for (const WorkspaceSummary::Reach& reach : w.reaches) {
+  for (const AxisReach& reach : w.reaches) {
     result[reach.name] = {reach.min / reach.unit, reach.max / reach.unit};
   }
   if (w.reaches.empty()) {

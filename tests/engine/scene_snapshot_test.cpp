@@ -51,22 +51,19 @@ TEST_P(EveryDevice, IsDrawnPieceByPiece) {
     const auto* ball = std::get_if<Ball>(&pieces[k].shape);
     EXPECT_EQ(drawn.ball_radius, ball != nullptr ? ball->radius : 0.0);
   }
-  EXPECT_EQ(snapshot.fingers[0].linkage_F.size(), static_cast<std::size_t>(3 * device().leg_count()));
+  EXPECT_EQ(snapshot.fingers[0].linkage_F.size(),
+            static_cast<std::size_t>(3 * device().leg_count()));
 }
 
 // Where the page says the workspace ends, it ends.
 TEST_P(EveryDevice, WorkspaceIsWhatItReaches) {
-  const WorkspaceSummary workspace = describe(*setup_).fingers[0].workspace;
+  const WorkspaceOutline workspace = describe(*setup_).fingers[0].workspace;
   EXPECT_NE(workspace.reaches.empty(), workspace.tilt_layers.empty());
-  for (const WorkspaceSummary::Reach& reach : workspace.reaches) {
-    EXPECT_LT(reach.min, reach.max) << reach.name;
-  }
+  for (const AxisReach& reach : workspace.reaches) EXPECT_LT(reach.min, reach.max) << reach.name;
   if (workspace.pitch_axis < 0 || workspace.roll_axis < 0) return;
-  const WorkspaceSummary::TiltLayer& layer =
+  const WorkspaceOutline::TiltLayer& layer =
       workspace.tilt_layers[workspace.tilt_layers.size() / 2];
-  EXPECT_NEAR(layer.travel, workspace.mid_travel, 1e-9);
-  const double least = *std::min_element(layer.tilts.begin(), layer.tilts.end());
-  EXPECT_GE(least, workspace.min_tilt_at_mid_travel - 1e-9);
+  const double most = *std::max_element(layer.tilts.begin(), layer.tilts.end());
   for (std::size_t k = 0; k < layer.tilts.size(); ++k) {
     const double direction =
         2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(layer.tilts.size());
@@ -78,9 +75,7 @@ TEST_P(EveryDevice, WorkspaceIsWhatItReaches) {
       return device().reachable(q);
     };
     EXPECT_TRUE(reached(0.999 * layer.tilts[k])) << k;
-    if (layer.tilts[k] < workspace.max_tilt - 1e-6) {
-      EXPECT_FALSE(reached(layer.tilts[k] + 0.01 * deg)) << k;
-    }
+    EXPECT_TRUE(layer.tilts[k] >= most || !reached(layer.tilts[k] + 0.05 * deg)) << k;
   }
 }
 

@@ -92,7 +92,7 @@ TEST(SceneMessage, TellsAlikePiecesOnce) {
 
 TEST(SceneMessage, TellsTheWorkspace) {
   SceneDescription scene;
-  WorkspaceSummary& workspace = scene.fingers.emplace_back().workspace;
+  WorkspaceOutline& workspace = scene.fingers.emplace_back().workspace;
   workspace.reaches = {{"x_mm", -2 * mm, 3 * mm, mm}, {"yaw_deg", -0.1, 0.1, deg}};
   workspace.tilt_layers = {{1 * mm, {10 * deg, 20 * deg}}};
   workspace.pitch_axis = 4;

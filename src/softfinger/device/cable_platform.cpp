@@ -241,18 +241,29 @@ void CablePlatform::linkage(const Configuration& q, std::span<Vector3> points_F)
   }
 }
 
+PlatformSpace CablePlatform::space() const {
+  return {.reachable =
+              [this](double pitch, double roll, double travel) {
+                Configuration q(3);
+                q << pitch, roll, travel;
+                return reachable(q);
+              },
+          .low = axes()[2].min,
+          .high = axes()[2].max,
+          .home_travel = home()[2],
+          .max_tilt = geometry_.max_tilt};
+}
+
 WorkspaceSummary CablePlatform::workspace_summary() const {
-  WorkspaceSummary summary = summarise_platform_workspace(
-      [this](double pitch, double roll, double travel) {
-        Configuration q(3);
-        q << pitch, roll, travel;
-        return reachable(q);
-      },
-      axes()[2].min, axes()[2].max, home()[2], geometry_.max_tilt);
-  summary.pitch_axis = 0;
-  summary.roll_axis = 1;
-  summary.travel_axis = 2;
-  return summary;
+  return summarise_platform_workspace(space());
+}
+
+WorkspaceOutline CablePlatform::workspace_outline() const {
+  WorkspaceOutline outline = outline_platform_workspace(space());
+  outline.pitch_axis = 0;
+  outline.roll_axis = 1;
+  outline.travel_axis = 2;
+  return outline;
 }
 
 }  // namespace softfinger

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/device/rigid_disk.hpp"
+#include "softfinger/device/workspace.hpp"
 
 namespace softfinger {
 
@@ -66,6 +67,7 @@ class CablePlatform final : public RigidDisk {
   /// A cable has no knee: its middle stands for it.
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
   [[nodiscard]] WorkspaceSummary workspace_summary() const override;
+  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
 
  private:
   // Joints above max, joints below min, cables too slack, each for 1 to 3; tilt.
@@ -78,6 +80,7 @@ class CablePlatform final : public RigidDisk {
     Matrix3 bend;
   };
   [[nodiscard]] std::array<Cable, 3> cables(const Configuration& q) const;
+  [[nodiscard]] PlatformSpace space() const;
   [[nodiscard]] bool newton_forward(const JointAngles& joints, Configuration& q) const;
   [[nodiscard]] PoseRate pose_rate(const Configuration& q, int k) const override;
   /// dV/dq of the spring.

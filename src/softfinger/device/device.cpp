@@ -96,6 +96,12 @@ double Device::least_distance(const Configuration& q, const SurfaceSamples& samp
   return least;
 }
 
+WorkspaceOutline Device::workspace_outline() const {
+  WorkspaceOutline outline;
+  outline.reaches = workspace_summary().reaches;
+  return outline;
+}
+
 void Device::linkage(const Configuration& /*q*/, std::span<Vector3> /*points_F*/) const {}
 
 }  // namespace softfinger

@@ -81,28 +81,34 @@ struct SolidPiece {
   Pose X_FS;  ///< its frame in F
 };
 
+/// How far an axis goes with the others at home.
+struct AxisReach {
+  std::string name;
+  double min = 0.0, max = 0.0;  ///< SI
+  double unit = 1.0;            ///< SI per unit of the name
+};
+
 /// Answer of `device workspace`.
 struct WorkspaceSummary {
-  /// How far each axis goes with the others at home; where there is no travel and tilt to tell of.
-  /// Axes that are alike share one entry.
-  struct Reach {
-    std::string name;
-    double min = 0.0, max = 0.0;  ///< SI
-    double unit = 1.0;            ///< SI per unit of the name
-  };
-  std::vector<Reach> reaches;
+  /// Where there is no travel and tilt to tell of. Axes that are alike share one entry.
+  std::vector<AxisReach> reaches;
+  double min_travel = 0.0, max_travel = 0.0;  ///< at zero tilt, m
+  double mid_travel = 0.0;                    ///< m
+  double min_tilt_at_mid_travel = 0.0;        ///< least over directions, rad
+  double max_tilt = 0.0;                      ///< largest anywhere in the workspace, rad
+};
+
+/// A workspace as it is drawn: layers of tilt where it tilts and travels, else reaches.
+struct WorkspaceOutline {
+  std::vector<AxisReach> reaches;
   /// Tilts reached from zero at one travel.
   struct TiltLayer {
     double travel = 0.0;        ///< m
     std::vector<double> tilts;  ///< rad; entry k of n in direction (pitch, roll) = 2 pi k / n
   };
-  std::vector<TiltLayer> tilt_layers;  ///< from min_travel to max_travel
+  std::vector<TiltLayer> tilt_layers;  ///< from the least travel to the greatest
   /// Which axes pitch, roll and travel are; -1 where there is none.
   int pitch_axis = -1, roll_axis = -1, travel_axis = -1;
-  double min_travel = 0.0, max_travel = 0.0;  ///< at zero tilt, m
-  double mid_travel = 0.0;                    ///< m
-  double min_tilt_at_mid_travel = 0.0;        ///< least over directions, rad
-  double max_tilt = 0.0;                      ///< largest anywhere in the workspace, rad
 };
 
 class PinField;
@@ -206,8 +212,10 @@ class Device {
   /// that begins where the one before ends continues it.
   virtual void linkage(const Configuration& q, std::span<Vector3> points_F) const;
 
-  /// Takes up to a second; for people, not for loops.
+  /// Takes up to a second, of a mechanism many; for people, not for loops.
   [[nodiscard]] virtual WorkspaceSummary workspace_summary() const = 0;
+  /// Takes up to a second. The base class has the reaches of the summary.
+  [[nodiscard]] virtual WorkspaceOutline workspace_outline() const;
 
  protected:
   explicit Device(DeviceSettings settings) : settings_(std::move(settings)) {}

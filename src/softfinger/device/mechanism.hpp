@@ -10,6 +10,7 @@
 #include "softfinger/device/device.hpp"
 #include "softfinger/device/solved_grid.hpp"
 #include "softfinger/device/surface_piece.hpp"
+#include "softfinger/device/workspace.hpp"
 
 namespace softfinger {
 
@@ -98,6 +99,7 @@ class Mechanism final : public Device {
   [[nodiscard]] int leg_count() const override { return static_cast<int>(legs_.size()); }
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
   [[nodiscard]] WorkspaceSummary workspace_summary() const override;
+  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
 
  private:
   /// A point of a body, for drawings.
@@ -117,6 +119,15 @@ class Mechanism final : public Device {
   [[nodiscard]] bool within_limits(const LinkageSolution& solution) const;
   [[nodiscard]] double stretch_ratio(const LinkageSolution& solution) const;
   [[nodiscard]] SolvedGrid explored() const;
+  /// Axes that turn the body of the first piece; -1: none.
+  struct TiltAxes {
+    int pitch = -1, roll = -1;
+  };
+  [[nodiscard]] TiltAxes tilt_axes() const;
+  /// Whether it tilts both ways and travels.
+  [[nodiscard]] bool is_platform() const;
+  /// Of such a one.
+  [[nodiscard]] PlatformSpace space() const;
   /// How far each axis goes with the others at home.
   [[nodiscard]] WorkspaceSummary reaches() const;
   void name_constraints();

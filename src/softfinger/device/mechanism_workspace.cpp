@@ -38,33 +38,52 @@ bool Mechanism::reachable(const Configuration& q) const {
   return true;
 }
 
-WorkspaceSummary Mechanism::workspace_summary() const {
-  int roll = -1;
-  int pitch = -1;
+Mechanism::TiltAxes Mechanism::tilt_axes() const {
+  TiltAxes tilts;
   for (int k = 0; k < degrees_of_freedom(); ++k) {
     const LinkageReading& reading = description_.configuration[static_cast<std::size_t>(k)];
     if (reading.kind != LinkageReading::Kind::kRotation) continue;
     if (reading.body != description_.surface.front().body) continue;
-    if (reading.component == 0) roll = k;
-    if (reading.component == 1) pitch = k;
+    if (reading.component == 0) tilts.roll = k;
+    if (reading.component == 1) tilts.pitch = k;
   }
+  return tilts;
+}
+
+PlatformSpace Mechanism::space() const {
+  const TiltAxes tilts = tilt_axes();
   const int travel = approach_axis();
-  if (roll < 0 || pitch < 0 || travel < 0) return reaches();
   const double reach = kFarthestTravel * description_.linkage.linkage().length();
-  WorkspaceSummary summary = summarise_platform_workspace(
-      [&](double wanted_pitch, double wanted_roll, double wanted_travel) {
-        Configuration q = home();
-        q[pitch] = wanted_pitch;
-        q[roll] = wanted_roll;
-        q[travel] = wanted_travel;
-        return reachable(q);
-      },
-      home()[travel] - reach, home()[travel] + reach, home()[travel],
-      description_.tilt ? description_.tilt->max_tilt : 0.5 * std::numbers::pi);
-  summary.pitch_axis = pitch;
-  summary.roll_axis = roll;
-  summary.travel_axis = travel;
-  return summary;
+  return {.reachable =
+              [this, tilts, travel](double wanted_pitch, double wanted_roll, double wanted_travel) {
+                Configuration q = home();
+                q[tilts.pitch] = wanted_pitch;
+                q[tilts.roll] = wanted_roll;
+                q[travel] = wanted_travel;
+                return reachable(q);
+              },
+          .low = home()[travel] - reach,
+          .high = home()[travel] + reach,
+          .home_travel = home()[travel],
+          .max_tilt = description_.tilt ? description_.tilt->max_tilt : 0.5 * std::numbers::pi};
+}
+
+bool Mechanism::is_platform() const {
+  const TiltAxes tilts = tilt_axes();
+  return tilts.roll >= 0 && tilts.pitch >= 0 && approach_axis() >= 0;
+}
+
+WorkspaceSummary Mechanism::workspace_summary() const {
+  return is_platform() ? summarise_platform_workspace(space()) : reaches();
+}
+
+WorkspaceOutline Mechanism::workspace_outline() const {
+  if (!is_platform()) return Device::workspace_outline();
+  WorkspaceOutline outline = outline_platform_workspace(space());
+  outline.pitch_axis = tilt_axes().pitch;
+  outline.roll_axis = tilt_axes().roll;
+  outline.travel_axis = approach_axis();
+  return outline;
 }
 
 WorkspaceSummary Mechanism::reaches() const {

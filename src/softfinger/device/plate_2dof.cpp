@@ -113,18 +113,29 @@ RigidDisk::PoseRate Plate2dof::pose_rate(const Configuration& q, int k) const {
           Vector3::Zero()};
 }
 
-WorkspaceSummary Plate2dof::workspace_summary() const {
+PlatformSpace Plate2dof::space() const {
   // Directions in which the plate does not turn say nothing: the tilt is taken about its one axis.
-  WorkspaceSummary summary = summarise_platform_workspace(
-      [this](double pitch, double roll, double travel) {
-        Configuration q(2);
-        q << std::copysign(std::hypot(pitch, roll), pitch), travel;
-        return reachable(q);
-      },
-      axes()[1].min, axes()[1].max, home()[1], geometry_.max_tilt);
-  (geometry_.rolls ? summary.roll_axis : summary.pitch_axis) = 0;
-  summary.travel_axis = 1;
-  return summary;
+  return {.reachable =
+              [this](double pitch, double roll, double travel) {
+                Configuration q(2);
+                q << std::copysign(std::hypot(pitch, roll), pitch), travel;
+                return reachable(q);
+              },
+          .low = axes()[1].min,
+          .high = axes()[1].max,
+          .home_travel = home()[1],
+          .max_tilt = geometry_.max_tilt};
+}
+
+WorkspaceSummary Plate2dof::workspace_summary() const {
+  return summarise_platform_workspace(space());
+}
+
+WorkspaceOutline Plate2dof::workspace_outline() const {
+  WorkspaceOutline outline = outline_platform_workspace(space());
+  (geometry_.rolls ? outline.roll_axis : outline.pitch_axis) = 0;
+  outline.travel_axis = 1;
+  return outline;
 }
 
 }  // namespace softfinger

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/device/rigid_disk.hpp"
+#include "softfinger/device/workspace.hpp"
 
 namespace softfinger {
 
@@ -50,11 +51,13 @@ class Plate2dof final : public RigidDisk {
   [[nodiscard]] int approach_axis() const override { return 1; }
   [[nodiscard]] Pose surface_pose(const Configuration& q) const override;
   [[nodiscard]] WorkspaceSummary workspace_summary() const override;
+  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
 
  private:
   // Joints 1 and 2 above max, joints 1 and 2 below min, tilt above and below.
   static constexpr int kConstraints = 6;
 
+  [[nodiscard]] PlatformSpace space() const;
   [[nodiscard]] PoseRate pose_rate(const Configuration& q, int k) const override;
   [[nodiscard]] double side(int joint) const { return joint == 0 ? 1.0 : -1.0; }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/device/device.hpp"
+#include "softfinger/device/workspace.hpp"
 
 namespace softfinger {
 
@@ -82,6 +83,7 @@ class Platform3rrs final : public Device {
   [[nodiscard]] int leg_count() const override { return 3; }
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
   [[nodiscard]] WorkspaceSummary workspace_summary() const override;
+  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
 
  private:
   // Constraints: joint_1..3 above max, joint_1..3 below min, tilt, legs too long, legs too short,
@@ -96,6 +98,7 @@ class Platform3rrs final : public Device {
   [[nodiscard]] bool connected_with_home(const Configuration& q) const;
   [[nodiscard]] bool newton_forward(const JointAngles& joints, Configuration& q) const;
   void explore_workspace();
+  [[nodiscard]] PlatformSpace space() const;
 
   Platform3rrsGeometry geometry_;
   double home_determinant_ = 0.0;

@@ -142,20 +142,30 @@ void Platform3rrs::explore_workspace() {
       std::find(grid_.inside.begin(), grid_.inside.end(), 1) == grid_.inside.end();
 }
 
-WorkspaceSummary Platform3rrs::workspace_summary() const {
+PlatformSpace Platform3rrs::space() const {
   const double reach = geometry_.crank + geometry_.coupler;
-  WorkspaceSummary summary = summarise_platform_workspace(
-      [this](double pitch, double roll, double travel) {
-        Configuration q(3);
-        q << pitch, roll, travel;
-        return reachable(q);
-      },
-      geometry_.neutral_height - reach, geometry_.neutral_height + reach, home()[2],
-      geometry_.max_tilt);
-  summary.pitch_axis = 0;
-  summary.roll_axis = 1;
-  summary.travel_axis = 2;
-  return summary;
+  return {.reachable =
+              [this](double pitch, double roll, double travel) {
+                Configuration q(3);
+                q << pitch, roll, travel;
+                return reachable(q);
+              },
+          .low = geometry_.neutral_height - reach,
+          .high = geometry_.neutral_height + reach,
+          .home_travel = home()[2],
+          .max_tilt = geometry_.max_tilt};
+}
+
+WorkspaceSummary Platform3rrs::workspace_summary() const {
+  return summarise_platform_workspace(space());
+}
+
+WorkspaceOutline Platform3rrs::workspace_outline() const {
+  WorkspaceOutline outline = outline_platform_workspace(space());
+  outline.pitch_axis = 0;
+  outline.roll_axis = 1;
+  outline.travel_axis = 2;
+  return outline;
 }
 
 }  // namespace softfinger

@@ -3,17 +3,28 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace softfinger {
 namespace {
 
-constexpr int kLayers = 13;     // of travel, for drawings
-constexpr int kDirections = 48;  // of tilt, in a layer
+constexpr double kRound = 2.0 * std::numbers::pi;
+
+/// How finely a workspace is looked at.
+struct Fineness {
+  int travel_pieces;  ///< between low and high
+  int tilt_pieces;    ///< of the largest tilt
+  int halvings;       ///< of a piece in which the boundary lies
+};
+constexpr Fineness kForNumbers{2000, 60, 60};
+constexpr Fineness kForDrawing{400, 12, 7};
+constexpr int kLayers = 9;       // of travel, in an outline
+constexpr int kDirections = 36;  // of tilt, in a layer
 
 /// Last point still inside on the way from `inside` to `outside`.
 template <typename Predicate>
-double boundary(double inside, double outside, Predicate&& reached) {
-  for (int i = 0; i < 40; ++i) {
+double boundary(double inside, double outside, int halvings, Predicate&& reached) {
+  for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (inside + outside);
     (reached(middle) ? inside : outside) = middle;
   }
@@ -22,64 +33,81 @@ double boundary(double inside, double outside, Predicate&& reached) {
 
 /// Walks from `start`, which is inside, by `step` until it leaves or passes `end`.
 template <typename Predicate>
-double walk(double start, double end, double step, Predicate&& reached) {
+double walk(double start, double end, double step, int halvings, Predicate&& reached) {
   double at = start;
   while (step > 0.0 ? at < end : at > end) {
     const double next = step > 0.0 ? std::min(at + step, end) : std::max(at + step, end);
-    if (!reached(next)) return boundary(at, next, reached);
+    if (!reached(next)) return boundary(at, next, halvings, reached);
     at = next;
   }
   return at;
 }
 
+struct Interval {
+  double min, max;
+};
+/// Travel at zero tilt; empty where there is none.
+std::optional<Interval> travel_interval(const PlatformSpace& space, const Fineness& fineness) {
+  const double step = (space.high - space.low) / fineness.travel_pieces;
+  const auto level = [&](double travel) { return space.reachable(0.0, 0.0, travel); };
+  double start = space.home_travel;
+  for (int k = 0; !level(start) && k <= fineness.travel_pieces; ++k) {
+    // Home is tilted: look around it.
+    start = space.home_travel + (k % 2 == 0 ? 1.0 : -1.0) * 0.5 * (k + 1) * step;
+  }
+  if (!level(start)) return std::nullopt;
+  return Interval{walk(start, space.low, -step, fineness.halvings, level),
+                  walk(start, space.high, step, fineness.halvings, level)};
+}
+
+double tilt_reached(const PlatformSpace& space, const Fineness& fineness, double direction,
+                    double travel) {
+  return walk(0.0, space.max_tilt, space.max_tilt / fineness.tilt_pieces, fineness.halvings,
+              [&](double tilt) {
+                return space.reachable(tilt * std::cos(direction), tilt * std::sin(direction),
+                                       travel);
+              });
+}
+
 }  // namespace
 
-WorkspaceSummary summarise_platform_workspace(
-    const std::function<bool(double pitch, double roll, double travel)>& reachable, double low,
-    double high, double home_travel, double max_tilt) {
+WorkspaceSummary summarise_platform_workspace(const PlatformSpace& space) {
   WorkspaceSummary summary;
-  const double step = (high - low) / 2000.0;
-  const auto level = [&](double travel) { return reachable(0.0, 0.0, travel); };
-  double start = home_travel;
-  for (int k = 0; !level(start) && k <= 2000; ++k) {  // home is tilted: look around it
-    start = home_travel + (k % 2 == 0 ? 1.0 : -1.0) * 0.5 * (k + 1) * step;
-  }
-  if (!level(start)) return summary;
-  summary.min_travel = walk(start, low, -step, level);
-  summary.max_travel = walk(start, high, step, level);
+  const std::optional<Interval> travel = travel_interval(space, kForNumbers);
+  if (!travel) return summary;
+  summary.min_travel = travel->min;
+  summary.max_travel = travel->max;
   summary.mid_travel = 0.5 * (summary.min_travel + summary.max_travel);
-
-  const double tilt_step = max_tilt / 60.0;
-  const auto tilt_reached = [&](double azimuth, double travel) {
-    return walk(0.0, max_tilt, tilt_step, [&](double tilt) {
-      return reachable(tilt * std::cos(azimuth), tilt * std::sin(azimuth), travel);
-    });
-  };
-  constexpr double kRound = 2.0 * std::numbers::pi;
-  summary.min_tilt_at_mid_travel = max_tilt;
+  summary.min_tilt_at_mid_travel = space.max_tilt;
   for (int direction = 0; direction < 720; ++direction) {
     summary.min_tilt_at_mid_travel =
         std::min(summary.min_tilt_at_mid_travel,
-                 tilt_reached(kRound * direction / 720.0, summary.mid_travel));
+                 tilt_reached(space, kForNumbers, kRound * direction / 720.0, summary.mid_travel));
   }
-  for (int layer = 0; layer <= 40 && summary.max_tilt < max_tilt; ++layer) {
-    const double travel =
-        summary.min_travel + (summary.max_travel - summary.min_travel) * layer / 40.0;
+  for (int layer = 0; layer <= 40 && summary.max_tilt < space.max_tilt; ++layer) {
+    const double at = summary.min_travel + (summary.max_travel - summary.min_travel) * layer / 40.0;
     for (int direction = 0; direction < 72; ++direction) {
-      summary.max_tilt =
-          std::max(summary.max_tilt, tilt_reached(kRound * direction / 72.0, travel));
+      summary.max_tilt = std::max(summary.max_tilt,
+                                  tilt_reached(space, kForNumbers, kRound * direction / 72.0, at));
     }
-  }
-  for (int layer = 0; layer < kLayers; ++layer) {
-    const double part = static_cast<double>(layer) / (kLayers - 1);
-    WorkspaceSummary::TiltLayer tilts{
-        (1.0 - part) * summary.min_travel + part * summary.max_travel, {}};
-    for (int direction = 0; direction < kDirections; ++direction) {
-      tilts.tilts.push_back(tilt_reached(kRound * direction / kDirections, tilts.travel));
-    }
-    summary.tilt_layers.push_back(std::move(tilts));
   }
   return summary;
+}
+
+WorkspaceOutline outline_platform_workspace(const PlatformSpace& space) {
+  WorkspaceOutline outline;
+  const std::optional<Interval> travel = travel_interval(space, kForDrawing);
+  if (!travel) return outline;
+  for (int layer = 0; layer < kLayers; ++layer) {
+    const double part = static_cast<double>(layer) / (kLayers - 1);
+    WorkspaceOutline::TiltLayer tilts{(1.0 - part) * travel->min + part * travel->max, {}};
+    for (int direction = 0; direction < kDirections; ++direction) {
+      tilts.tilts.push_back(
+          tilt_reached(space, kForDrawing, kRound * direction / kDirections, tilts.travel));
+    }
+    outline.tilt_layers.push_back(std::move(tilts));
+  }
+  return outline;
 }
 
 }  // namespace softfinger

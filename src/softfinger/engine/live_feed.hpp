@@ -33,7 +33,7 @@ struct SceneDescription {
     int legs = 0;
     std::vector<Shape> pieces;  ///< of the device's solid, at home
     double cap_radius = 0.0;    ///< see Device
-    WorkspaceSummary workspace;
+    WorkspaceOutline workspace;
     bool twin = false;  ///< whether snapshots have one
   };
   std::uint64_t generation = 0;          ///< grows with each scene or restart

@@ -86,7 +86,8 @@ void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
   if (options.recording) options.recording = recording_of(*options.recording, generation_);
   auto run =
       std::make_shared<SceneRun>(setup_, options, SceneRun::Mode::kLive, generation_, hooks_);
-  auto description = std::make_shared<SceneDescription>(described ? *description_ : describe(*setup_));
+  auto description =
+      std::make_shared<SceneDescription>(described ? *description_ : describe(*setup_));
   description->generation = generation_;
   description->scene_names = scene_names_;
   description->duration = run->duration().value_or(0.0);

@@ -10,9 +10,7 @@ namespace softfinger {
 
 LiveTwin::LiveTwin(const std::shared_ptr<const FingerModel>& model,
                    const std::shared_ptr<const Device>& device)
-    : twin_(model, device),
-      offers_(Offer{0.0, device->home(), twin_.contact()}),
-      presses_([this] {
+    : twin_(model, device), offers_(Offer{0.0, device->home(), twin_.contact()}), presses_([this] {
         Snapshot::Twin unpressed;
         const std::size_t samples = twin_.contact().samples.size();
         unpressed.skin.positions_F.resize(samples, Eigen::Vector3f::Zero());

@@ -84,7 +84,7 @@ SceneDescription describe(const RunSetup& setup) {
       device->solid_pieces(device->home(), pieces);
       for (const SolidPiece& piece : pieces) finger.pieces.push_back(piece.shape);
       finger.cap_radius = device->cap_radius();
-      finger.workspace = device->workspace_summary();
+      finger.workspace = device->workspace_outline();
     }
     description.fingers.push_back(std::move(finger));
   }

@@ -69,14 +69,14 @@ Json pieces_json(const std::vector<Shape>& pieces) {
   return runs;
 }
 
-Json to_json(const WorkspaceSummary& workspace) {
+Json to_json(const WorkspaceOutline& workspace) {
   Json reaches = Json::array();
-  for (const WorkspaceSummary::Reach& reach : workspace.reaches) {
+  for (const AxisReach& reach : workspace.reaches) {
     reaches.push_back(
         {{"name", reach.name}, {"min", reach.min / reach.unit}, {"max", reach.max / reach.unit}});
   }
   Json layers = Json::array();
-  for (const WorkspaceSummary::TiltLayer& layer : workspace.tilt_layers) {
+  for (const WorkspaceOutline::TiltLayer& layer : workspace.tilt_layers) {
     Json tilts = Json::array();
     for (const double tilt : layer.tilts) tilts.push_back(std::round(tilt / deg * 1e3) / 1e3);
     layers.push_back({{"travel_mm", rounded_mm(layer.travel)}, {"tilts_deg", std::move(tilts)}});

@@ -16,7 +16,8 @@ try {
   }
   await page.waitForFunction(
     (most) => Number(document.body.dataset.contacts) >= Math.max(3, 0.7 * most) &&
-      Number(document.body.dataset.time) > 5,
+      Number(document.body.dataset.time) > 5 &&
+      Number(document.getElementById("plot-force").dataset.points) > 100,
     firmest, { polling: 20 });
   await page.screenshot({ path: out });
 } finally {

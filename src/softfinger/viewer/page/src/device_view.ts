@@ -6,8 +6,9 @@ import { palette } from "./palette";
 import { bar, gripRadius, joint, metalOf, type PieceView, pieceViews, stretch } from "./piece_view";
 import type { FingerDescription, FingerSnapshot } from "./wire";
 
-const kJointSize = 7; // mm; motors stick out around their joints
+const kJointSize = 4; // mm; motors stick out around their joints
 const kFinger = { length: 13, depth: 8.5 }; // mm from its middle; what a picture has to show anyway
+const kNearest = 66; // mm; from where a finger alone is seen best
 
 /**
  * A device of any kind about the finger, in F: the pieces of its solid, which touch, and, where it has
@@ -45,15 +46,18 @@ export class DeviceView {
     this.group.visible = true;
   }
 
-  /** Middle and radius (mm) of a ball around finger, device and links, once they are there. */
-  surroundings(): { middle: Vector3; radius: number } | null {
+  /** Middle of finger, device and links, and the distance they are seen from; once they are there. */
+  surroundings(): { middle: Vector3; distance: number } | null {
     if (!this.built) return null;
-    const [low, high] = [-kFinger.depth, kFinger.depth].map((side) =>
-      this.reach.reduce((z, point) => (side < 0 ? Math.min(z, point.z) : Math.max(z, point.z)), side));
-    const middle = new Vector3(0.5, 0, (low! + high!) / 2);
-    const radius = this.reach.reduce(
-      (r, point) => Math.max(r, point.distanceTo(middle) + kJointSize), kFinger.length);
-    return { middle, radius };
+    const low = Math.min(-kFinger.depth, ...this.reach.map((point) => point.z));
+    const high = Math.max(kFinger.depth, ...this.reach.map((point) => point.z));
+    const around = Math.max(kFinger.length, ...this.reach.map((p) => Math.hypot(p.x, p.y) + kJointSize));
+    // Seen from about 27 degrees below, through a window of 30 degrees.
+    const height = 0.89 * (high - low) / 2 + 0.45 * around;
+    return {
+      middle: new Vector3(0.5, 0, (low + high) / 2),
+      distance: Math.max(kNearest, 0.92 * height / Math.tan(Math.PI / 12)),
+    };
   }
 
   /** The parts whose shape follows from where the joints are. */

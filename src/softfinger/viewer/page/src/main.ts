@@ -68,17 +68,17 @@ function show(snapshot: Snapshot): void {
   if (!first) return;
   device?.update(first);
   const surroundings = device?.surroundings();
-  if (surroundings) {
-    rendered.frame(surroundings.middle, Math.min(150, Math.max(66, 3 * surroundings.radius)));
-  }
+  if (surroundings) rendered.frame(surroundings.middle, surroundings.distance);
   workspace?.draw(first.configuration);
   if (first.twin) twin?.update(first.twin);
-  if (pad) showPatches(pad, first);
+  if (pad) showPatches(pad, first, snapshot.time_s);
 }
 
-function showPatches(pad: Pad, finger: FingerSnapshot): void {
-  pad.notice(finger);
-  if (finger.twin) pad.notice(finger.twin);
+let patchTime = 0; // s, of the patches shown
+
+function showPatches(pad: Pad, finger: FingerSnapshot, time: number): void {
+  pad.notice(finger.twin ? [finger, finger.twin] : [finger], time - patchTime);
+  patchTime = time;
   patches.virtual.draw(pad, finger);
   patches.twin.draw(pad, finger.twin);
   element("pressure-most").textContent = pad.most.toFixed(0);

@@ -25,7 +25,7 @@ export const palette = {
   faint: "#667386",
   line: "#232b37",
   // Pressure from none to the most.
-  pressure: ["#5b2030", "#c2323c", "#ff7a45", "#ffe08a"],
+  pressure: ["#74243a", "#c2323c", "#ff7a45", "#ffe08a"],
 } as const;
 
 /** Between two colours as #rrggbb. */

@@ -58,6 +58,7 @@ export class Panel {
     }));
     document.body.dataset.scene = scene.scene;
     document.body.dataset.generation = String(scene.generation);
+    document.body.dataset.contacts = document.body.dataset.twinContacts = "0";
     element("twin").hidden = !scene.fingers[0]?.twin;
     document.body.dataset.twin = scene.fingers[0]?.twin ? "on" : "off";
     document.body.dataset.deviceKind = scene.fingers[0]?.device_kind ?? "";
@@ -140,7 +141,7 @@ function contactCount(skin: Skin): number {
 
 /** The first joints' values; a field of pins has too many to show. */
 function jointText(values: Float32Array, unit: "deg" | "mm"): string {
-  const shown = Array.from(values.slice(0, 6),
+  const shown = Array.from(values.slice(0, unit === "deg" ? 6 : 3),
     (value) => (unit === "deg" ? `${value.toFixed(0)}°` : `${value.toFixed(1)} mm`));
   return shown.join("  ") + (values.length > shown.length ? " …" : "");
 }

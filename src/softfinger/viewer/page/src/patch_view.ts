@@ -3,7 +3,9 @@ import { clearedContext } from "./sharp_canvas";
 import type { FingerDescription, Skin } from "./wire";
 
 const kPieces = 4; // a triangle's side is cut into so many
-const kLeastScale = 5; // kPa; the colours always reach this far
+const kScales = [5, 10, 20, 50, 100, 200, 500, 1000]; // kPa; what the colours may reach to
+const kTypical = 0.85; // share of the samples in contact whose pressure the colours tell apart
+const kMemory = 2; // s; how long a scale outlives the pressure that wanted it
 
 /**
  * The finger pad from below, fingertip up, at rest: where the skin touches, in the colour of its
@@ -15,8 +17,9 @@ export class Pad {
   readonly triangles: [number, number, number][];
   readonly low: [number, number] = [Infinity, Infinity];
   readonly high: [number, number] = [-Infinity, -Infinity];
-  /** Pressure of the last colour, kPa: the most there was. */
-  most = kLeastScale;
+  /** Pressure of the last colour, kPa: a round number above all but a few there were lately. */
+  most = kScales[0]!;
+  private peak = 0;
 
   constructor({ skin_positions_mm: p, skin_triangles: t }: FingerDescription) {
     // Seen from below with x up, y goes to the right.
@@ -34,10 +37,15 @@ export class Pad {
     }
   }
 
-  notice(skin: Skin): void {
-    skin.pressures_kPa.forEach((pressure, i) => {
-      if (skin.in_contact[i] && pressure > this.most) this.most = pressure;
-    });
+  /** Adapts the scale to what is shown `elapsed` s after the last. */
+  notice(skins: Skin[], elapsed: number): void {
+    this.peak *= Math.exp(-Math.max(0, elapsed) / kMemory);
+    for (const skin of skins) {
+      const pressures = skin.pressures_kPa.filter((_, i) => skin.in_contact[i]).sort();
+      const typical = pressures[Math.floor(kTypical * pressures.length)] ?? 0;
+      this.peak = Math.max(this.peak, typical);
+    }
+    this.most = kScales.find((scale) => scale >= this.peak) ?? this.peak;
   }
 
   /** Outward triangles are counter-clockwise from outside, so mirrored here they are as well. */

@@ -232,7 +232,10 @@ class LivePlot {
       width: 200, height: 100, legend: { show: false }, cursor: { show: false }, pxAlign: false,
       padding: this.description.small ? [2, 0, 2, 0] : [6, hasRight ? 0 : 18, 0, 0],
       scales: {
-        x: { time: false, range: (_, __, max) => [Math.max(0, (max ?? 0) - kWindow), Math.max(kWindow, max ?? 0)] },
+        x: { time: false, range: () => {
+          const newest = this.data[0]![this.data[0]!.length - 1] ?? 0;
+          return [Math.max(0, newest - kWindow), Math.max(kWindow, newest)];
+        } },
         y: { range: atLeast(this.description.range) },
         ...(hasRight ? { right: { range: atLeast(this.description.rightRange!) } } : {}),
       },

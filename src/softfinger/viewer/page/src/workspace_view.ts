@@ -68,8 +68,8 @@ function tilts(workspace: Workspace): Draw {
       return place(tilt * Math.cos(direction), tilt * Math.sin(direction));
     });
     polygon(context, region);
-    label(context, "pitch", [cx + size / 2 - 1, cy - 4], "right");
-    label(context, "roll", [cx + 4, cy - size / 2 + 9], "left");
+    label(context, "pitch", [cx + scale * most - 4, cy - 4], "right");
+    label(context, "roll", [cx + 4, cy - scale * most + 13], "left");
     label(context, `${step}°`, [cx + scale * step + 1, cy + 11], "center");
     drawTrail(context, trail.map((past) => place(past[pitch_axis]!, past[roll_axis]!)));
     const column = { ...box, left: left + size + 8, width: kColumnWidth - 8 };
