@@ -8,6 +8,7 @@ import type { FingerDescription, FingerSnapshot } from "./wire";
 
 const kJointSize = 4; // mm; motors stick out around their joints
 const kFinger = { length: 13, depth: 8.5 }; // mm from its middle; what a picture has to show anyway
+const kBorder = 3; // mm to leave free above and below
 const kNearest = 66; // mm; from where a finger alone is seen best
 
 /**
@@ -56,7 +57,7 @@ export class DeviceView {
     const height = 0.89 * (high - low) / 2 + 0.45 * around;
     return {
       middle: new Vector3(0.5, 0, (low + high) / 2),
-      distance: Math.max(kNearest, 0.92 * height / Math.tan(Math.PI / 12)),
+      distance: Math.max(kNearest, 0.92 * (height + kBorder) / Math.tan(Math.PI / 12)),
     };
   }
 
@@ -93,6 +94,7 @@ export class DeviceView {
     if (bases.length >= 3) {
       normal.crossVectors(bases[1]!.clone().sub(bases[0]!), bases[2]!.clone().sub(bases[0]!));
       normal.normalize();
+      if (normal.z < 0) normal.negate(); // out of the nail, whichever way round the legs are
     }
     const group = new Group();
     const radius = centre.distanceTo(bases[0]!) - 3.2;

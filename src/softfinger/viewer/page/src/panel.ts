@@ -107,6 +107,7 @@ export class Panel {
       const twinContacts = contactCount(finger.twin);
       document.body.dataset.twinContacts = String(twinContacts);
       document.body.dataset.iou = finger.twin.iou.toFixed(3);
+      element("press").textContent = finger.twin.press_ms.toFixed(1);
       element("patch-virtual-count").textContent = `${contacts}`;
       element("patch-twin-count").textContent = `${twinContacts}`;
     }
