@@ -63,7 +63,7 @@ void LiveTwin::press(const Offer& offer) {
   fill(draft.skin, contact);
   draft.normal_force = contact.normal_force;
   draft.contact_area = contact.contact_area;
-  draft.measures = compare({offer.contact, {}, {}}, {contact, {}, {}});
+  draft.measures = compare({offer.contact, {}, {}, {}}, {contact, {}, {}, {}});
   draft.cpu_time = thread_cpu_time() - began;
   draft.pressed = true;
   presses_.publish();
