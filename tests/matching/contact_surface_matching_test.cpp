@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "pad.hpp"
+#include "random_descent.hpp"
 #include "softfinger/device/platform_3rrs.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
 
@@ -28,43 +29,18 @@ double deviation(const Pad& pad, const Configuration& q, double eps, bool scene)
   return sum;
 }
 
-/// Least E over the workspace by 24 random starts of a random search that knows no derivatives.
+/// Least E over the workspace by 24 random starts.
 double brute_force(const Pad& pad, std::mt19937& random) {
-  std::vector<double> x, y, z, weight(pad.points.size(), 1.0), margin;
-  for (const int touching : {1, 0}) {
-    for (std::size_t i = 0; i < pad.points.size(); ++i) {
-      if (pad.in_contact[i] != touching) continue;
-      x.push_back(pad.points[i].x());
-      y.push_back(pad.points[i].y());
-      z.push_back(pad.points[i].z());
-      margin.push_back(std::max(0.0, std::min(0.2 * mm, pad.gaps[i])));
-    }
-  }
-  const SurfaceSamples samples{x, y, z, weight, margin, pad.contacts()};
+  const PackedPad packed(pad);
   std::uniform_real_distribution<double> tilt(-30.0, 30.0);
   std::uniform_real_distribution<double> travel(-7.0, 12.0);
-  std::normal_distribution<double> normal(0.0, 1.0);
   double least = 1.0;
   for (int start = 0; start < 24; ++start) {
     Configuration q;
     do {
       q = configuration(tilt(random), tilt(random), travel(random));
     } while (!thimble()->reachable(q));
-    double value = thimble()->deviation(q, samples);
-    // Evolution strategy with the one-fifth rule, in the metric of the axes, to 0.1 um.
-    for (double step = 2.0 * mm; step > 1e-7;) {
-      Configuration trial = q;
-      for (int k = 0; k < 3; ++k) {
-        trial[k] += step * normal(random) / thimble()->axes()[static_cast<std::size_t>(k)].metric;
-      }
-      const double trial_value = thimble()->deviation(trial, samples);
-      const bool better = trial_value < value && thimble()->reachable(trial);
-      step *= better ? 1.8 : 0.87;
-      if (!better) continue;
-      q = trial;
-      value = trial_value;
-    }
-    least = std::min(least, value);
+    least = std::min(least, descend_at_random(*thimble(), packed.view(), q, random));
   }
   return least;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pad.hpp"
+#include "random_descent.hpp"
 #include "softfinger/device/pin_array.hpp"
 #include "softfinger/matching/pin_profile.hpp"
 
@@ -21,26 +22,6 @@ std::shared_ptr<const Device> pins(int rows, int columns, double pitch, double r
   PinArray::set_joint_limits(settings, 50.0 * mm);
   return std::make_shared<const PinArray>(settings, geometry);
 }
-
-/// The samples as the device takes them, contacts first.
-struct PackedPad {
-  explicit PackedPad(const Pad& pad) {
-    for (const int touching : {1, 0}) {
-      for (std::size_t i = 0; i < pad.points.size(); ++i) {
-        if (pad.in_contact[i] != touching) continue;
-        x.push_back(pad.points[i].x());
-        y.push_back(pad.points[i].y());
-        z.push_back(pad.points[i].z());
-        margin.push_back(std::max(0.0, std::min(0.2 * mm, pad.gaps[i])));
-      }
-    }
-    weight.assign(x.size(), 1.0);
-    contacts = pad.contacts();
-  }
-  [[nodiscard]] SurfaceSamples view() const { return {x, y, z, weight, margin, contacts}; }
-  std::vector<double> x, y, z, weight, margin;
-  int contacts = 0;
-};
 
 /// Moves pins one by one to the best of many heights until none gains.
 double pin_by_pin(const Device& device, const SurfaceSamples& samples, Configuration q) {

@@ -24,7 +24,8 @@ constexpr double kCloseTilt = 0.024;
 // of them become starts.
 constexpr std::array<int, 4> kGridPoints{0, 24, 12, 6};
 constexpr std::size_t kGridStarts = 3;
-constexpr double kRendered = 1e-16;  // m^2; less deviation than this is none
+constexpr double kSamePoint = 1e-10;  // m of surface motion
+constexpr double kRendered = 1e-16;   // m^2; less deviation than this is none
 
 }  // namespace
 
@@ -72,6 +73,8 @@ struct ContactSurfaceMatching::Implementation {
                       MatchingResult& best);
   void search(const SurfaceSamples& samples, const MatchingOptions& options,
               const Configuration* warm, MatchingResult& result);
+  void consider_clamped(const SurfaceSamples& samples, const MatchingOptions& options,
+                        const Configuration* warm, MatchingResult& result);
   void search_pins(const SurfaceSamples& samples, const MatchingOptions& options,
                    const Configuration* warm, MatchingResult& result);
   [[nodiscard]] ConstraintSet active_limits(const Configuration& q);
@@ -118,7 +121,7 @@ void ContactSurfaceMatching::Implementation::consider(
   best.iterations += outcome.iterations;
   if (!outcome.valid) return;
   const bool first = best.configuration.size() == 0;
-  const double slack = 1e-7 * outcome.deviation + 1e-17;  // m^2
+  const double slack = 1e-13 * outcome.deviation + 1e-19;  // m^2
   const bool better = !first && outcome.deviation < best.deviation - slack;
   const bool as_good = !first && !better && outcome.deviation <= best.deviation + slack;
   const auto from_home = [&](const Configuration& q) {
@@ -256,12 +259,39 @@ void ContactSurfaceMatching::Implementation::search(const SurfaceSamples& sample
   }
   if (!agreed) look_around(samples, options, result.configuration, kNearTilt, false, result);
   look_over_grid(samples, options, warm != nullptr, result);
-  if (inside && active_limits(result.configuration).any()) {
-    const DeviationMinimiser::Outcome unlimited =
-        minimiser->minimise(samples, result.configuration, false, options.iteration_limit);
-    result.iterations += unlimited.iterations;
-    run(clamped_to_limits(*device, unlimited.q));
+  if (inside && (warm == nullptr || active_limits(result.configuration).any())) {
+    consider_clamped(samples, options, warm, result);
   }
+}
+
+/// What cutting joint angles gives, and where it leads: never worse than that.
+void ContactSurfaceMatching::Implementation::consider_clamped(const SurfaceSamples& samples,
+                                                              const MatchingOptions& options,
+                                                              const Configuration* warm,
+                                                              MatchingResult& result) {
+  MatchingOptions unlimited_options = options;
+  unlimited_options.limits = MatchingLimits::kNone;
+  MatchingResult unlimited;
+  search(samples, unlimited_options, warm, unlimited);
+  result.iterations += unlimited.iterations;
+  const Configuration clamped = clamped_to_limits(*device, unlimited.configuration);
+  const Configuration before = result.configuration;
+  const DeviationMinimiser::Outcome descended =
+      minimiser->minimise(samples, clamped, true, options.iteration_limit, &before);
+  DeviationMinimiser::Outcome here{.q = clamped,
+                                   .deviation = device->deviation(clamped, samples),
+                                   .iterations = 0,
+                                   .termination = Termination::kNonsmooth,
+                                   .valid = true};
+  // A minimum itself where one of these is the same point.
+  const auto is_here = [&](const Configuration& q) {
+    return device->squared_distance(q, clamped) < kSamePoint * kSamePoint;
+  };
+  if (is_here(unlimited.configuration)) here.termination = unlimited.termination;
+  if (is_here(descended.q)) here.termination = descended.termination;
+  if (is_here(before)) here.termination = result.termination;
+  consider(result, descended);
+  consider(result, here);
 }
 
 /// From all starts, for a field of pins.

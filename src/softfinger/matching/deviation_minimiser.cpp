@@ -8,14 +8,17 @@ namespace softfinger {
 namespace {
 
 // Stages of attraction to home, relative to one sample's weight. Only the last one is needed where
-// E has curvature in every direction; it shifts the minimum by nanometres.
-constexpr std::array<double, 4> kStages{1e-2, 1e-4, 1e-6, 1e-8};
-constexpr double kFlat = 1e-3;                // curvature of E below which the stages are walked
-constexpr double kLongestStep = 5e-3;         // m
-constexpr double kStepTolerance = 1e-9;       // m; Newton's next step would be far shorter
-constexpr double kStageTolerance = 1e-6;      // m; of the stages before the last
+// E has curvature in every direction; it shifts the minimum by less than a nanometre.
+constexpr std::array<double, 4> kStages{1e-2, 1e-4, 1e-7, 1e-10};
+constexpr double kFlat = 1e-3;            // curvature of E below which the stages are walked
+constexpr double kLongestStep = 5e-3;     // m
+constexpr double kStageTolerance = 1e-6;  // m; a step of the stages before the last
+// The gradient that limits leave, m, where E is at most kLarge (m^2), else in proportion.
+constexpr double kGradientTolerance = 5e-12;
+constexpr double kLarge = 1e-6;
 constexpr double kSame = 2e-5;                // m; nearer minima are not told apart
 constexpr double kFeasibilityMargin = 1e-13;  // m
+constexpr double kRounding = 1e-17;           // m
 
 }  // namespace
 
@@ -111,16 +114,21 @@ bool DeviationMinimiser::form_direction(const Configuration& q, bool inside, dou
     program_.solve(gradient_);
     return true;
   }
-  return program_.solve(gradient_, values_, jacobian_);
+  // Aims at where restore() would end.
+  raw_values_ = values_.array() + kFeasibilityMargin;
+  return program_.solve(gradient_, raw_values_, jacobian_);
 }
+
+// Norm of the gradient at q that the limits leave, by the optimality conditions of the program that
+// gave the step.
+double DeviationMinimiser::free_gradient() const { return (matrix_ * program_.step()).norm(); }
 
 DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool inside,
                                                       int iteration_limit, int& iterations) {
   double damping = 0.0;
-  const double tolerance = attraction_ > kStages.back() ? kStageTolerance : kStepTolerance;
+  const bool last = attraction_ <= kStages.back();
   multipliers_.setZero();
   while (iterations < iteration_limit) {
-    ++iterations;
     double scale = 1e-3;
     for (int k = 0; k < n_; ++k) scale = std::max(scale, here_.gauss_newton(k, k));
     bool formed = form_direction(q, inside, damping, true);
@@ -130,6 +138,10 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
       formed = form_direction(q, inside, std::max(damping, 1e-6 * scale), false);
     }
     if (!formed) return Stage::kStalled;
+    if (last && free_gradient() <= kGradientTolerance * std::max(1.0, here_.value / kLarge)) {
+      return Stage::kConverged;
+    }
+    ++iterations;
     const Eigen::VectorXd& step = program_.step();
     const double length = step.norm();
     const double value = attracted(here_.value, q);
@@ -137,9 +149,10 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
     const double shrink = length > kLongestStep ? kLongestStep / length : 1.0;
     if (inside) multipliers_ = program_.multipliers();
 
-    // Iterates are on their limits to the margin only, which E feels by the multipliers.
-    const double rounding =
-        1e-13 * value + (inside ? 4.0 * kFeasibilityMargin * multipliers_.sum() : 0.0);
+    // Distances are exact to kRounding; and iterates are on their limits to the margin only, which
+    // E feels by the multipliers.
+    const double rounding = 1e-13 * value + kRounding * std::sqrt(scale * value) +
+                            (inside ? 4.0 * kFeasibilityMargin * multipliers_.sum() : 0.0);
     bool accepted = false;
     double fraction = shrink;
     for (int halving = 0; halving < 12; ++halving, fraction *= 0.5) {
@@ -163,17 +176,16 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
         break;
       }
     }
-    const double gain = -slope;
     if (!accepted) {
+      if (!last && length < kStageTolerance) return Stage::kConverged;
       if (inside && !evaluate_constraints(q)) return Stage::kStalled;
-      if (gain <= 100.0 * rounding + 1e-26 || length < tolerance) return Stage::kConverged;
-      if (damping > 1e3 * scale) return Stage::kStalled;
+      if (-slope <= rounding || damping > 1e3 * scale) return Stage::kStalled;
       damping = std::max(10.0 * damping, 1e-3 * scale);
       continue;
     }
     std::swap(here_, there_);
     damping = fraction == shrink ? (damping < 1e-6 * scale ? 0.0 : 0.1 * damping) : damping;
-    if (length < tolerance) return Stage::kConverged;
+    if (!last && length < kStageTolerance) return Stage::kConverged;
     if (known_ != nullptr && device_.squared_distance(q, *known_) < kSame * kSame) {
       return Stage::kKnown;
     }

@@ -49,6 +49,7 @@ class DeviationMinimiser {
   [[nodiscard]] bool degenerate(const Expansion& expansion);
   [[nodiscard]] bool form_direction(const Configuration& q, bool inside, double damping,
                                     bool exact);
+  [[nodiscard]] double free_gradient() const;
   Stage descend(Configuration& q, bool inside, int iteration_limit, int& iterations);
 
   const Device& device_;
