@@ -62,11 +62,12 @@ struct ContactSurfaceMatching::Implementation {
   std::optional<DeviationMinimiser> minimiser;
   std::optional<PinMinimiser> pins;
   std::vector<double> x, y, z, weight, margin;
+  bool limited = false;  ///< a limit was in the way of some start of this solve
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
 
   SurfaceSamples pack(const ContactPoints& points, const MatchingOptions& options);
-  void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome) const;
+  void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome);
   void look_around(const SurfaceSamples& samples, const MatchingOptions& options,
                    const Configuration& centre, double tilt, bool turned, MatchingResult& best);
   void look_over_grid(const SurfaceSamples& samples, const MatchingOptions& options, bool warm,
@@ -116,9 +117,10 @@ SurfaceSamples ContactSurfaceMatching::Implementation::pack(const ContactPoints&
 }
 
 /// Keeps the better of two; of equals the one nearer home.
-void ContactSurfaceMatching::Implementation::consider(
-    MatchingResult& best, const DeviationMinimiser::Outcome& outcome) const {
+void ContactSurfaceMatching::Implementation::consider(MatchingResult& best,
+                                                      const DeviationMinimiser::Outcome& outcome) {
   best.iterations += outcome.iterations;
+  limited = limited || outcome.limited;
   if (!outcome.valid) return;
   const bool first = best.configuration.size() == 0;
   const double slack = 1e-13 * outcome.deviation + 1e-19;  // m^2
@@ -179,7 +181,11 @@ void ContactSurfaceMatching::Implementation::look_over_grid(const SurfaceSamples
       q[k] = axis.min + (axis.max - axis.min) * (rest % points + 0.5) / points;
     }
     double value = device->deviation(q, samples);
-    if (value >= found.back() || (inside && !device->reachable(q))) continue;
+    if (value >= found.back()) continue;
+    if (inside && !device->reachable(q)) {
+      limited = true;
+      continue;
+    }
     Configuration at = q;
     for (std::size_t place = 0; place < found.size(); ++place) {
       if (value >= found[place]) continue;
@@ -259,9 +265,7 @@ void ContactSurfaceMatching::Implementation::search(const SurfaceSamples& sample
   }
   if (!agreed) look_around(samples, options, result.configuration, kNearTilt, false, result);
   look_over_grid(samples, options, warm != nullptr, result);
-  if (inside && (warm == nullptr || active_limits(result.configuration).any())) {
-    consider_clamped(samples, options, warm, result);
-  }
+  if (inside && limited) consider_clamped(samples, options, warm, result);
 }
 
 /// What cutting joint angles gives, and where it leads: never worse than that.
@@ -319,6 +323,7 @@ MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
   Implementation& self = *implementation_;
   const SurfaceSamples samples = self.pack(points, options);
   MatchingResult result;
+  self.limited = false;
   if (self.pins) {
     self.search_pins(samples, options, warm, result);
   } else {

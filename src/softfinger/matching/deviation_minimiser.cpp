@@ -77,8 +77,12 @@ bool DeviationMinimiser::evaluate_constraints(const Configuration& q) {
 // of the q returned in values_ and jacobian_.
 bool DeviationMinimiser::restore(Configuration& q) {
   for (int round = 0; round < 8; ++round) {
-    if (!evaluate_constraints(q)) return false;
+    if (!evaluate_constraints(q)) {
+      limited_ = true;
+      return false;
+    }
     if (values_.maxCoeff() <= 0.0) return true;
+    limited_ = true;
     raw_values_ = values_.array() + kFeasibilityMargin;
     if (!projection_.solve(zero_, raw_values_, jacobian_)) return false;
     const double length = projection_.step().norm();
@@ -116,7 +120,9 @@ bool DeviationMinimiser::form_direction(const Configuration& q, bool inside, dou
   }
   // Aims at where restore() would end.
   raw_values_ = values_.array() + kFeasibilityMargin;
-  return program_.solve(gradient_, raw_values_, jacobian_);
+  const bool feasible = program_.solve(gradient_, raw_values_, jacobian_);
+  limited_ = limited_ || !feasible || program_.multipliers().maxCoeff() > 0.0;
+  return feasible;
 }
 
 // Norm of the gradient at q that the limits leave, by the optimality conditions of the program that
@@ -160,7 +166,10 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
       for (int k = 0; k < n_; ++k) trial[k] += fraction * step[k] / metric_[k];
       if (inside) {
         if (!restore(trial)) continue;
-        if (fraction * length > 5e-4 && !device_.reachable(trial)) continue;
+        if (fraction * length > 5e-4 && !device_.reachable(trial)) {
+          limited_ = true;
+          continue;
+        }
       }
       double trial_value = 0.0;
       if (halving == 0) {
@@ -199,9 +208,13 @@ DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& s
                                                          const Configuration* known) {
   samples_ = &samples;
   known_ = known;
+  limited_ = false;
   Outcome outcome;
   outcome.q = start;
-  if (inside && !(restore(outcome.q) && device_.reachable(outcome.q))) return outcome;
+  if (inside && !(restore(outcome.q) && device_.reachable(outcome.q))) {
+    outcome.limited = true;
+    return outcome;
+  }
   outcome.valid = true;
   expand(outcome.q, here_);
   const bool flat = samples.contact_count == 0 || degenerate(here_);
@@ -217,6 +230,7 @@ DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& s
   if (!flat && stage != Stage::kKnown && degenerate(here_)) walk(0);
   outcome.known = stage == Stage::kKnown;
   outcome.valid = !outcome.known;
+  outcome.limited = limited_;
   outcome.deviation = here_.value;
   outcome.termination = stage == Stage::kConverged        ? Termination::kConverged
                         : stage == Stage::kIterationLimit ? Termination::kIterationLimit

@@ -21,6 +21,8 @@ class DeviationMinimiser {
     Termination termination = Termination::kConverged;
     bool valid = false;  ///< false where no feasible point was found from the start, or known
     bool known = false;  ///< the way led to the minimum known before
+    /// Some limit was in the way; else the way without limits is the same to the bit.
+    bool limited = false;
   };
 
   explicit DeviationMinimiser(const Device& device);
@@ -57,6 +59,7 @@ class DeviationMinimiser {
   const SurfaceSamples* samples_ = nullptr;
   const Configuration* known_ = nullptr;
   double attraction_ = 0.0;
+  bool limited_ = false;  ///< see Outcome
   Expansion here_, there_;
   Eigen::VectorXd metric_, gradient_, values_, raw_values_;
   Eigen::MatrixXd matrix_, jacobian_, curvature_;
