@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "pad.hpp"
 #include "random_descent.hpp"
 #include "softfinger/device/pin_array.hpp"
+#include "softfinger/matching/pin_minimiser.hpp"
 #include "softfinger/matching/pin_profile.hpp"
 
 namespace softfinger {
@@ -136,6 +138,119 @@ TEST(PinMatching, SixteenBySixteenWork) {
     const MatchingResult result = matching.solve(pad.view(), {});
     EXPECT_EQ(result.termination, Termination::kConverged);
     EXPECT_LE(result.deviation, device->deviation(device->home(), PackedPad(pad).view()));
+  }
+}
+
+/// E by its definition, every sample against every pin.
+double deviation_by_definition(const PinField& field, const Configuration& q,
+                               const SurfaceSamples& samples) {
+  double sum = 0.0;
+  for (int i = 0; i < samples.size(); ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    const Vector3 p_B = field.in_mount({samples.x[s], samples.y[s], samples.z[s]});
+    double least = 1.0;
+    for (int pin = 0; pin < field.count(); ++pin) {
+      const double beyond = field.beyond(pin, p_B.x(), p_B.y());
+      const double above = p_B.z() - q[pin];
+      least = std::min(least, i < samples.contact_count ? std::hypot(std::max(0.0, beyond), above)
+                                                        : pin_distance(beyond, above).distance);
+    }
+    const double lack =
+        i < samples.contact_count ? least : std::min(0.0, least - samples.margin[s]);
+    sum += samples.weight[s] * lack * lack;
+  }
+  return sum;
+}
+
+/// Pins moved in turn, each by a profile of every sample against every pin.
+Configuration moved_in_turn(const Device& device, const SurfaceSamples& samples) {
+  const PinField& field = *device.pin_field();
+  Configuration q = device.home();
+  PinProfile profile(samples.size());
+  const auto distance = [&](int i, int pin) {
+    const auto s = static_cast<std::size_t>(i);
+    const Vector3 p_B = field.in_mount({samples.x[s], samples.y[s], samples.z[s]});
+    const double beyond = field.beyond(pin, p_B.x(), p_B.y());
+    const double above = p_B.z() - q[pin];
+    if (i >= samples.contact_count) return pin_distance(beyond, above).distance;
+    return std::max(0.0, beyond) * std::max(0.0, beyond) + above * above;
+  };
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (int pin = 0; pin < field.count(); ++pin) {
+      profile.clear();
+      for (int i = 0; i < samples.size(); ++i) {
+        const auto s = static_cast<std::size_t>(i);
+        double others = std::numeric_limits<double>::infinity();
+        for (int other = 0; other < field.count(); ++other) {
+          if (other != pin) others = std::min(others, distance(i, other));
+        }
+        const Vector3 p_B = field.in_mount({samples.x[s], samples.y[s], samples.z[s]});
+        const double beyond = field.beyond(pin, p_B.x(), p_B.y());
+        if (i < samples.contact_count) {
+          const double aside = std::max(0.0, beyond);
+          profile.add_contact(samples.weight[s], p_B.z(), aside * aside, others);
+        } else {
+          profile.add_clear(samples.weight[s], p_B.z(), beyond, samples.margin[s],
+                            std::max(0.0, samples.margin[s] - others));
+        }
+      }
+      const ConfigurationAxis& axis = device.axes()[static_cast<std::size_t>(pin)];
+      const double height = profile.minimise(axis.min, axis.max, device.home()[pin]);
+      moved = moved || std::abs(height - q[pin]) >= 1e-10;
+      q[pin] = height;
+    }
+  }
+  return q;
+}
+
+// What is out of reach is left out of sums, distances and profiles, and that changes nothing.
+TEST(PinMatching, WhatIsOutOfReachChangesNothing) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (const auto& device :
+       {pins(6, 6, 2.0 * mm, 0.5 * mm, 2.0 * mm), pins(5, 5, 3.0 * mm, 1.2 * mm, 5.0 * mm)}) {
+    PinMinimiser minimiser(*device, 120);
+    for (int i = 0; i < 30; ++i) {
+      const PackedPad packed(random_press(random, 25.0));
+      const SurfaceSamples samples = packed.view();
+      Configuration q(device->degrees_of_freedom());
+      for (double& height : q) height = device->axes()[0].max * unit(random);
+      EXPECT_EQ(device->deviation(q, samples),
+                deviation_by_definition(*device->pin_field(), q, samples));
+      minimiser.take(samples, true);
+      const PinMinimiser::Outcome outcome = minimiser.minimise(device->home(), 60);
+      const Configuration uncut = moved_in_turn(*device, samples);
+      EXPECT_TRUE(outcome.converged);
+      EXPECT_LT((outcome.q - uncut).cwiseAbs().maxCoeff(), 1e-9) << i;
+      const double expected = deviation_by_definition(*device->pin_field(), uncut, samples);
+      EXPECT_NEAR(outcome.deviation, expected, 1e-12 * expected + 1e-22);
+    }
+  }
+}
+
+// The derivatives, which leave the same out, against the base class's, which go sample by sample.
+TEST(PinMatching, DerivativesAreThoseOfEverySample) {
+  const auto device = pins(5, 5, 3.0 * mm, 1.2 * mm, 5.0 * mm);
+  std::mt19937 random(10);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const Eigen::Index n = device->degrees_of_freedom();
+  Eigen::VectorXd gradient(n);
+  Eigen::VectorXd expected_gradient(n);
+  Eigen::MatrixXd gauss_newton(n, n);
+  Eigen::MatrixXd expected_gauss_newton(n, n);
+  Eigen::MatrixXd hessian(n, n);
+  for (int i = 0; i < 30; ++i) {
+    const PackedPad packed(random_press(random, 25.0));
+    const SurfaceSamples samples = packed.view();
+    Configuration q(n);
+    for (double& height : q) height = device->axes()[0].max * unit(random);
+    const double value = device->deviation_derivatives(q, samples, gradient, gauss_newton, hessian);
+    const double expected = device->Device::deviation_derivatives(q, samples, expected_gradient,
+                                                                  expected_gauss_newton, hessian);
+    EXPECT_NEAR(value, expected, 1e-12 * expected);
+    EXPECT_LT((gradient - expected_gradient).norm(), 1e-12 * expected_gradient.norm());
+    EXPECT_LT((gauss_newton - expected_gauss_newton).norm(), 1e-12 * expected_gauss_newton.norm());
   }
 }
 

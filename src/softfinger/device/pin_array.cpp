@@ -41,8 +41,9 @@ PinArray::Nearest PinArray::nearest_end(const Configuration& q, const Vector3& p
   return nearest;
 }
 
-PinArray::Nearest PinArray::nearest_pin(const Configuration& q, const Vector3& p_B) const {
-  Nearest nearest{0, kInfinity};
+PinArray::Nearest PinArray::nearest_pin(const Configuration& q, const Vector3& p_B,
+                                        double within) const {
+  Nearest nearest{-1, within};
   field_.around(
       p_B.x(), p_B.y(), [&] { return nearest.distance; },
       [&](int pin, double beyond) {
@@ -69,7 +70,7 @@ ClosestPointResidual PinArray::closest_point_residual(const Configuration& q,
 
 SurfaceDistance PinArray::signed_distance(const Configuration& q, const Vector3& p_F) const {
   const Vector3 p_B = field_.in_mount(p_F);
-  const int pin = nearest_pin(q, p_B).pin;
+  const int pin = nearest_pin(q, p_B, kInfinity).pin;
   const PinDistance distance = pin_distance(field_.beyond(pin, p_B.x(), p_B.y()), p_B.z() - q[pin]);
   SurfaceDistance answer{distance.distance, {}};
   answer.gradient.setZero(degrees_of_freedom());
@@ -77,16 +78,57 @@ SurfaceDistance PinArray::signed_distance(const Configuration& q, const Vector3&
   return answer;
 }
 
+// A sample that must keep clear lacks nothing where it is higher over all pins than its margin, and
+// no pin further aside than that makes it lack anything.
 double PinArray::deviation(const Configuration& q, const SurfaceSamples& samples) const {
+  const double highest = q.maxCoeff();
   double sum = 0.0;
   for (int i = 0; i < samples.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
     const Vector3 p_B = field_.in_mount({samples.x[s], samples.y[s], samples.z[s]});
-    const double lack = i < samples.contact_count
-                            ? nearest_end(q, p_B).distance
-                            : std::min(0.0, nearest_pin(q, p_B).distance - samples.margin[s]);
+    const double margin = samples.margin[s];
+    double lack = 0.0;
+    if (i < samples.contact_count) {
+      lack = nearest_end(q, p_B).distance;
+    } else if (p_B.z() - highest < margin) {
+      lack = nearest_pin(q, p_B, margin).distance - margin;
+    }
     sum += samples.weight[s] * lack * lack;
   }
+  return sum;
+}
+
+double PinArray::deviation_derivatives(const Configuration& q, const SurfaceSamples& samples,
+                                       Eigen::Ref<Eigen::VectorXd> gradient,
+                                       Eigen::Ref<Eigen::MatrixXd> gauss_newton,
+                                       Eigen::Ref<Eigen::MatrixXd> hessian) const {
+  const double highest = q.maxCoeff();
+  gradient.setZero();
+  gauss_newton.setZero();
+  double sum = 0.0;
+  const auto add = [&](double weight, double square, int pin, double lack, double by_height) {
+    sum += weight * square;
+    gradient[pin] += 2.0 * weight * lack * by_height;
+    gauss_newton(pin, pin) += 2.0 * weight * by_height * by_height;
+  };
+  for (int i = 0; i < samples.size(); ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    const Vector3 p_B = field_.in_mount({samples.x[s], samples.y[s], samples.z[s]});
+    const double weight = samples.weight[s];
+    const double margin = samples.margin[s];
+    if (i < samples.contact_count) {
+      const Nearest nearest = nearest_end(q, p_B);
+      add(weight, nearest.distance * nearest.distance, nearest.pin, p_B.z() - q[nearest.pin], -1.0);
+    } else if (p_B.z() - highest < margin) {
+      const int pin = nearest_pin(q, p_B, margin).pin;
+      if (pin < 0) continue;
+      const PinDistance to_pin =
+          pin_distance(field_.beyond(pin, p_B.x(), p_B.y()), p_B.z() - q[pin]);
+      const double lack = to_pin.distance - margin;
+      add(weight, lack * lack, pin, lack, to_pin.by_height);
+    }
+  }
+  hessian = gauss_newton;
   return sum;
 }
 
@@ -96,7 +138,7 @@ double PinArray::least_distance(const Configuration& q, const SurfaceSamples& sa
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
     const Vector3 p_B = field_.in_mount({samples.x[i], samples.y[i], samples.z[i]});
     if (p_B.z() - highest >= least) continue;
-    least = std::min(least, nearest_pin(q, p_B).distance);
+    least = nearest_pin(q, p_B, least).distance;
   }
   return least;
 }

@@ -38,6 +38,10 @@ class PinArray final : public LinearDrives {
                                                 const Vector3& p_F) const override;
   [[nodiscard]] double deviation(const Configuration& q,
                                  const SurfaceSamples& samples) const override;
+  double deviation_derivatives(const Configuration& q, const SurfaceSamples& samples,
+                               Eigen::Ref<Eigen::VectorXd> gradient,
+                               Eigen::Ref<Eigen::MatrixXd> gauss_newton,
+                               Eigen::Ref<Eigen::MatrixXd> hessian) const override;
   [[nodiscard]] double least_distance(const Configuration& q,
                                       const SurfaceSamples& samples) const override;
 
@@ -59,7 +63,9 @@ class PinArray final : public LinearDrives {
     double distance = 0.0;  ///< m
   };
   [[nodiscard]] Nearest nearest_end(const Configuration& q, const Vector3& p_B) const;
-  [[nodiscard]] Nearest nearest_pin(const Configuration& q, const Vector3& p_B) const;
+  /// No pin (-1) and `within` itself where none is nearer than `within`.
+  [[nodiscard]] Nearest nearest_pin(const Configuration& q, const Vector3& p_B,
+                                    double within) const;
 
   PinArrayGeometry geometry_;
   PinField field_;
