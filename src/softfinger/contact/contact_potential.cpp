@@ -9,12 +9,29 @@ namespace {
 
 /// Greatest slope of an interpolated distance; the true one has 1.
 constexpr double kSteepest = 1.5;
+/// Points further than this from an obstacle's box are passed over, m.
+constexpr double kAround = 5e-4;
 
 /// An interpolated distance has no gradient of unit length near its edges. Where it has none at all
 /// any direction is as good.
 Vector3 unit(const Vector3& gradient) {
   const double length = gradient.norm();
   return length > 0.0 ? Vector3(gradient / length) : Vector3::UnitZ();
+}
+
+/// Bounds of what the distance to a shape is positive outside of, and not less than to them; a
+/// mesh's interpolated distance may be less.
+Eigen::AlignedBox3d bounds_by_distance(const Shape& shape) {
+  return std::holds_alternative<MeshShape>(shape) ? bounds(HalfSpace{}) : bounds(shape);
+}
+
+/// Bounds in O seen from W, and kAround more.
+Eigen::AlignedBox3d box_around(const Eigen::AlignedBox3d& bounds_O, const Pose& X_WO) {
+  const Vector3 half_O = 0.5 * bounds_O.sizes();
+  if (!half_O.allFinite()) return bounds_O;  // endless
+  const Vector3 centre = X_WO * Vector3(bounds_O.min() + half_O);
+  const Vector3 half = X_WO.rotation.cwiseAbs() * half_O + Vector3::Constant(kAround);
+  return {centre - half, centre + half};
 }
 
 }  // namespace
@@ -28,7 +45,12 @@ ContactPotential::ContactPotential(std::vector<double> rest_areas, std::size_t s
   planes_.reserve(rest_areas_.size() - samples_);
   pairs_.resize(rest_areas_.size() * obstacle_count_);
   sightings_.resize(pairs_.size());
+  held_.resize(pairs_.size());
+  near_.resize(pairs_.size());
+  positions_.resize(rest_areas_.size());
   X_OW_.resize(obstacle_count_);
+  boxes_O_.resize(obstacle_count_);
+  boxes_W_.resize(obstacle_count_);
 }
 
 void ContactPotential::forget() { std::fill(sightings_.begin(), sightings_.end(), Sighting{}); }
@@ -42,7 +64,18 @@ void ContactPotential::begin(std::span<const Obstacle> obstacles,
   obstacles_ = obstacles;
   anchors_ = anchors;
   planes_.clear();
-  for (std::size_t o = 0; o < obstacle_count_; ++o) X_OW_[o] = obstacles[o].X_WO.inverse();
+  for (std::size_t o = 0; o < obstacle_count_; ++o) {
+    X_OW_[o] = obstacles[o].X_WO.inverse();
+    boxes_O_[o] = bounds_by_distance(*obstacles[o].shape);
+    boxes_W_[o] = box_around(boxes_O_[o], obstacles[o].X_WO);
+  }
+  for (std::size_t k = 0; k < held_.size(); ++k) held_[k] = anchors[k].limit > 0.0 ? 1 : 0;
+}
+
+bool ContactPotential::may_act(std::size_t i, std::size_t o, const Vector3& position) const {
+  if (held_[i * obstacle_count_ + o] != 0) return true;
+  if (i >= samples_) return planes_[i - samples_].obstacle == static_cast<int>(o);
+  return boxes_W_[o].contains(position);
 }
 
 double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
@@ -77,7 +110,7 @@ bool ContactPotential::meet(std::size_t i, std::size_t o, const Vector3& positio
     pair.curvature.setZero();
     return true;
   }
-  pair.gap = gap_bound(i, o, pair.position_O);
+  pair.gap = bound_by_sighting(i, o, pair.position_O);
   if (pair.gap > 0.0) return false;
   const SignedDistance d = signed_distance(*obstacle.shape, pair.position_O);
   pair.gap = d.distance;
@@ -110,8 +143,12 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
   double energy = 0.0;
   double force_squared = 0.0;
   points_ = positions.size();
+  std::copy(positions.begin(), positions.end(), positions_.begin());
   for (std::size_t i = 0; i < points_; ++i) {
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
+      const bool near = may_act(i, o, positions[i]);
+      near_[i * obstacle_count_ + o] = near ? 1 : 0;
+      if (!near) continue;
       Pair& pair = pairs_[i * obstacle_count_ + o];
       energy += evaluate(i, o, positions[i], pair);
       if (!pair.far) sightings_[i * obstacle_count_ + o] = {pair.position_O, pair.gap};
@@ -151,6 +188,7 @@ bool ContactPotential::hessian(std::size_t i, bool with_curvature, Matrix3& bloc
   block.setZero();
   bool any = false;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
+    if (near_[i * obstacle_count_ + o] == 0) continue;
     any = add_hessian(i, o, pairs_[i * obstacle_count_ + o], with_curvature, block) || any;
   }
   return any;
@@ -160,6 +198,7 @@ ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector
   Response response;
   Pair pair;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
+    if (!may_act(i, o, position)) continue;
     evaluate(i, o, position, pair);
     response.gradient -= pair.pressing * pair.gradient + pair.friction_force;
     add_hessian(i, o, pair, true, response.hessian);
@@ -168,8 +207,9 @@ ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector
 }
 
 bool ContactPotential::pair_response(std::size_t i, std::size_t o, PairResponse& response) const {
-  const Pair& pair = pairs_[i * obstacle_count_ + o];
   response = {};
+  if (near_[i * obstacle_count_ + o] == 0) return false;
+  const Pair& pair = pairs_[i * obstacle_count_ + o];
   if (!add_hessian(i, o, pair, true, response.hessian)) return false;
   response.outward = pair.gradient;
   response.normal_force = pair.pressing * pair.gradient;
@@ -184,14 +224,25 @@ bool ContactPotential::pair_response(std::size_t i, std::size_t o, PairResponse&
 double ContactPotential::gap(std::size_t i) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
-    least = std::min(least, pairs_[i * obstacle_count_ + o].gap);
+    const std::size_t k = i * obstacle_count_ + o;
+    if (near_[k] != 0) {
+      least = std::min(least, pairs_[k].gap);
+    } else if (i < samples_) {
+      least = std::min(least, kAround);
+    }
   }
   return least;
 }
 
-double ContactPotential::gap_bound(std::size_t i, std::size_t o, const Vector3& position_O) const {
+double ContactPotential::bound_by_sighting(std::size_t i, std::size_t o,
+                                           const Vector3& position_O) const {
   const Sighting& sighting = sightings_[i * obstacle_count_ + o];
   return sighting.gap - kSteepest * (position_O - sighting.position_O).norm();
+}
+
+double ContactPotential::gap_bound(std::size_t i, std::size_t o, const Vector3& position_O) const {
+  const double bound = bound_by_sighting(i, o, position_O);
+  return bound > 0.0 ? bound : std::max(bound, boxes_O_[o].exteriorDistance(position_O));
 }
 
 double ContactPotential::update_anchors(std::span<const Vector3> positions,
@@ -199,9 +250,11 @@ double ContactPotential::update_anchors(std::span<const Vector3> positions,
   double change = 0.0;
   for (std::size_t i = 0; i < points_; ++i) {
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
+      const std::size_t k = i * obstacle_count_ + o;
+      if (near_[k] == 0) continue;  // neither had friction nor has it now
       const Obstacle& obstacle = obstacles_[o];
-      const Pair& pair = pairs_[i * obstacle_count_ + o];
-      FrictionAnchor& anchor = anchors[i * obstacle_count_ + o];
+      const Pair& pair = pairs_[k];
+      FrictionAnchor& anchor = anchors[k];
       const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       change = std::max(change, std::abs(limit - anchor.limit));
       if (limit > 0.0) {
@@ -228,9 +281,11 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
   double change = 0.0;
   for (std::size_t i = 0; i < points_; ++i) {
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
+      const std::size_t k = i * obstacle_count_ + o;
+      if (near_[k] == 0) continue;  // neither had friction nor has it now
       const Obstacle& obstacle = obstacles_[o];
-      const Pair& pair = pairs_[i * obstacle_count_ + o];
-      FrictionAnchor& anchor = anchors[i * obstacle_count_ + o];
+      const Pair& pair = pairs_[k];
+      FrictionAnchor& anchor = anchors[k];
       if (anchor.limit <= 0.0) continue;  // it touches for the first time: no history to slide from
       const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       change = std::max(change, std::abs(limit - anchor.limit));
@@ -245,6 +300,7 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
 ContactPotential::Forces ContactPotential::forces(std::size_t i) const {
   Forces sum;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
+    if (near_[i * obstacle_count_ + o] == 0) continue;
     const Pair& pair = pairs_[i * obstacle_count_ + o];
     sum.normal += pair.pressing * pair.gradient;
     sum.tangential += pair.friction_force;
@@ -257,14 +313,22 @@ ContactPotential::Forces ContactPotential::forces(std::size_t i) const {
 ContactPotential::Nearest ContactPotential::nearest(std::size_t i) const {
   Nearest nearest;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
-    const Pair& pair = pairs_[i * obstacle_count_ + o];
-    if (pair.gap >= nearest.gap) continue;
-    SignedDistance d{.distance = pair.gap, .gradient = pair.gradient};
-    if (pair.far && i < samples_) {
-      d = distance_and_gradient(*obstacles_[o].shape, pair.position_O);
+    const std::size_t k = i * obstacle_count_ + o;
+    SignedDistance d;
+    if (near_[k] != 0 && !(pairs_[k].far && i < samples_)) {
+      d.distance = pairs_[k].gap;
+      d.gradient = pairs_[k].gradient;
+    } else if (i < samples_) {
+      // Passed over, or known as a bound only.
+      const double bound =
+          near_[k] != 0 ? pairs_[k].gap : boxes_W_[o].exteriorDistance(positions_[i]);
+      if (bound >= nearest.gap) continue;
+      d = distance_and_gradient(*obstacles_[o].shape, X_OW_[o] * positions_[i]);
       d.gradient = obstacles_[o].X_WO.rotation * d.gradient;
-      if (d.distance >= nearest.gap) continue;
+    } else {
+      continue;
     }
+    if (d.distance >= nearest.gap) continue;
     nearest = {d.distance, unit(d.gradient), static_cast<int>(o)};
   }
   return nearest;

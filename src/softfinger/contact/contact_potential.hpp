@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -30,7 +32,9 @@ struct FrictionAnchor {
 };
 
 /// Potential energy of points of the skin against obstacles, all in W: the samples, and after them
-/// as many points as the caller has at a time that each meet one obstacle, as a plane.
+/// as many points as the caller has at a time that each meet one obstacle, as a plane. Pairs of a
+/// point and an obstacle whose box it is outside of, and no friction ties it to, are passed over:
+/// they add nothing, so results do not depend on it.
 ///
 /// Normal contact is a stiff penalty, 1/2 k gap^2 for gap < 0, with k proportional to the point's
 /// area. Tangential contact is Coulomb friction as a Huber potential of the displacement u from an
@@ -146,6 +150,10 @@ class ContactPotential {
   [[nodiscard]] double tangential_stiffness(std::size_t i) const {
     return options_.tangential_ratio * normal_stiffness(i);
   }
+  [[nodiscard]] double bound_by_sighting(std::size_t i, std::size_t o,
+                                         const Vector3& position_O) const;
+  /// Whether point i at `position` and obstacle o can do anything to each other.
+  [[nodiscard]] bool may_act(std::size_t i, std::size_t o, const Vector3& position) const;
   double evaluate(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
   /// Gap and gradient; false where the two cannot touch.
   bool meet(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
@@ -163,9 +171,14 @@ class ContactPotential {
   std::span<const Obstacle> obstacles_;
   std::span<const FrictionAnchor> anchors_;
   std::vector<Pose> X_OW_;
-  std::vector<Pair> pairs_;
+  std::vector<Eigen::AlignedBox3d> boxes_O_;  ///< that hold each obstacle
+  std::vector<Eigen::AlignedBox3d> boxes_W_;  ///< the same and a little more
+  std::vector<std::uint8_t> held_;            ///< per pair: friction counts in this step
+  std::vector<std::uint8_t> near_;            ///< per pair: evaluated, else passed over
+  std::vector<Pair> pairs_;                   ///< valid where near
   std::vector<Sighting> sightings_;
-  std::size_t points_ = 0;  ///< last evaluated
+  std::vector<Vector3> positions_;  ///< last evaluated
+  std::size_t points_ = 0;          ///< last evaluated
   double force_norm_ = 0.0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "softfinger/geometry/signed_distance_grid.hpp"
 
@@ -95,6 +96,20 @@ SignedDistance distance_to(const MeshShape& mesh, const Vector3& p) {
   return mesh->signed_distance(p);
 }
 
+Eigen::AlignedBox3d centred_box(const Vector3& half_size) { return {-half_size, half_size}; }
+
+Eigen::AlignedBox3d bounds_of(const HalfSpace&) {
+  return centred_box(Vector3::Constant(std::numeric_limits<double>::infinity()));
+}
+Eigen::AlignedBox3d bounds_of(const Ball& ball) {
+  return centred_box(Vector3::Constant(ball.radius));
+}
+Eigen::AlignedBox3d bounds_of(const RoundedBox& box) { return centred_box(box.half_size); }
+Eigen::AlignedBox3d bounds_of(const RoundedCylinder& cylinder) {
+  return centred_box({cylinder.radius, cylinder.radius, cylinder.half_length});
+}
+Eigen::AlignedBox3d bounds_of(const MeshShape& mesh) { return mesh->content().bounds; }
+
 }  // namespace
 
 SignedDistance signed_distance(const Shape& shape, const Vector3& p_O) {
@@ -104,6 +119,10 @@ SignedDistance signed_distance(const Shape& shape, const Vector3& p_O) {
 SignedDistance distance_and_gradient(const Shape& shape, const Vector3& p_O) {
   if (const auto* mesh = std::get_if<MeshShape>(&shape)) return (*mesh)->distance_and_gradient(p_O);
   return signed_distance(shape, p_O);
+}
+
+Eigen::AlignedBox3d bounds(const Shape& shape) {
+  return std::visit([](const auto& solid) { return bounds_of(solid); }, shape);
 }
 
 }  // namespace softfinger

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <variant>
 
@@ -48,5 +49,8 @@ using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder, MeshSha
 [[nodiscard]] SignedDistance signed_distance(const Shape& shape, const Vector3& p_O);
 /// The same; the Hessian may be left zero, where that is quicker.
 [[nodiscard]] SignedDistance distance_and_gradient(const Shape& shape, const Vector3& p_O);
+
+/// Least box along the axes of O that holds the solid, m; endless for a half space.
+[[nodiscard]] Eigen::AlignedBox3d bounds(const Shape& shape);
 
 }  // namespace softfinger
