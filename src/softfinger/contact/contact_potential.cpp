@@ -46,7 +46,9 @@ ContactPotential::ContactPotential(std::vector<double> rest_areas, std::size_t s
   pairs_.resize(rest_areas_.size() * obstacle_count_);
   sightings_.resize(pairs_.size());
   held_.resize(pairs_.size());
+  tied_.resize(rest_areas_.size());
   near_.resize(pairs_.size());
+  is_near_.resize(rest_areas_.size());
   positions_.resize(rest_areas_.size());
   X_OW_.resize(obstacle_count_);
   boxes_O_.resize(obstacle_count_);
@@ -68,8 +70,21 @@ void ContactPotential::begin(std::span<const Obstacle> obstacles,
     X_OW_[o] = obstacles[o].X_WO.inverse();
     boxes_O_[o] = bounds_by_distance(*obstacles[o].shape);
     boxes_W_[o] = box_around(boxes_O_[o], obstacles[o].X_WO);
+    box_W_ = o == 0 ? boxes_W_[o] : box_W_.merged(boxes_W_[o]);
   }
-  for (std::size_t k = 0; k < held_.size(); ++k) held_[k] = anchors[k].limit > 0.0 ? 1 : 0;
+  for (std::size_t i = 0; i < tied_.size(); ++i) {
+    bool tied = false;
+    for (std::size_t o = 0; o < obstacle_count_; ++o) {
+      const std::size_t k = i * obstacle_count_ + o;
+      held_[k] = anchors[k].limit > 0.0 ? 1 : 0;
+      tied = tied || held_[k] != 0;
+    }
+    tied_[i] = tied ? 1 : 0;
+  }
+}
+
+bool ContactPotential::may_act(std::size_t i, const Vector3& position) const {
+  return i >= samples_ || tied_[i] != 0 || box_W_.contains(position);
 }
 
 bool ContactPotential::may_act(std::size_t i, std::size_t o, const Vector3& position) const {
@@ -145,6 +160,12 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
   points_ = positions.size();
   std::copy(positions.begin(), positions.end(), positions_.begin());
   for (std::size_t i = 0; i < points_; ++i) {
+    is_near_[i] = may_act(i, positions[i]) ? 1 : 0;
+    if (is_near_[i] == 0) {
+      std::fill_n(near_.begin() + static_cast<std::ptrdiff_t>(i * obstacle_count_), obstacle_count_,
+                  std::uint8_t{0});
+      continue;
+    }
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       const bool near = may_act(i, o, positions[i]);
       near_[i * obstacle_count_ + o] = near ? 1 : 0;
@@ -186,6 +207,7 @@ bool ContactPotential::add_hessian(std::size_t i, std::size_t o, const Pair& pai
 
 bool ContactPotential::hessian(std::size_t i, bool with_curvature, Matrix3& block) const {
   block.setZero();
+  if (is_near_[i] == 0) return false;
   bool any = false;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     if (near_[i * obstacle_count_ + o] == 0) continue;
@@ -196,6 +218,7 @@ bool ContactPotential::hessian(std::size_t i, bool with_curvature, Matrix3& bloc
 
 ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector3& position) const {
   Response response;
+  if (!may_act(i, position)) return response;
   Pair pair;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     if (!may_act(i, o, position)) continue;
@@ -222,6 +245,7 @@ bool ContactPotential::pair_response(std::size_t i, std::size_t o, PairResponse&
 }
 
 double ContactPotential::gap(std::size_t i) const {
+  if (is_near_[i] == 0) return kAround;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     const std::size_t k = i * obstacle_count_ + o;
@@ -249,6 +273,7 @@ double ContactPotential::update_anchors(std::span<const Vector3> positions,
                                         std::span<FrictionAnchor> anchors) const {
   double change = 0.0;
   for (std::size_t i = 0; i < points_; ++i) {
+    if (is_near_[i] == 0) continue;
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       const std::size_t k = i * obstacle_count_ + o;
       if (near_[k] == 0) continue;  // neither had friction nor has it now
@@ -280,6 +305,7 @@ double ContactPotential::update_anchors(std::span<const Vector3> positions,
 double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const {
   double change = 0.0;
   for (std::size_t i = 0; i < points_; ++i) {
+    if (is_near_[i] == 0) continue;
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       const std::size_t k = i * obstacle_count_ + o;
       if (near_[k] == 0) continue;  // neither had friction nor has it now
@@ -299,6 +325,7 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
 
 ContactPotential::Forces ContactPotential::forces(std::size_t i) const {
   Forces sum;
+  if (is_near_[i] == 0) return sum;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     if (near_[i * obstacle_count_ + o] == 0) continue;
     const Pair& pair = pairs_[i * obstacle_count_ + o];

@@ -152,6 +152,8 @@ class ContactPotential {
   }
   [[nodiscard]] double bound_by_sighting(std::size_t i, std::size_t o,
                                          const Vector3& position_O) const;
+  /// Whether point i at `position` and any obstacle can do anything to each other.
+  [[nodiscard]] bool may_act(std::size_t i, const Vector3& position) const;
   /// Whether point i at `position` and obstacle o can do anything to each other.
   [[nodiscard]] bool may_act(std::size_t i, std::size_t o, const Vector3& position) const;
   double evaluate(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
@@ -173,8 +175,11 @@ class ContactPotential {
   std::vector<Pose> X_OW_;
   std::vector<Eigen::AlignedBox3d> boxes_O_;  ///< that hold each obstacle
   std::vector<Eigen::AlignedBox3d> boxes_W_;  ///< the same and a little more
+  Eigen::AlignedBox3d box_W_;                 ///< about all of these
   std::vector<std::uint8_t> held_;            ///< per pair: friction counts in this step
+  std::vector<std::uint8_t> tied_;            ///< per point: held by some obstacle
   std::vector<std::uint8_t> near_;            ///< per pair: evaluated, else passed over
+  std::vector<std::uint8_t> is_near_;         ///< per point: not all of its pairs are passed over
   std::vector<Pair> pairs_;                   ///< valid where near
   std::vector<Sighting> sightings_;
   std::vector<Vector3> positions_;  ///< last evaluated
