@@ -11,7 +11,7 @@ set(SOFTFINGER_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 function(softfinger_quick_build target kind)
   if(SOFTFINGER_QUICK_BUILD)
     target_precompile_headers(${target} REUSE_FROM softfinger_${kind}_headers)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   endif()
 endfunction()
 

@@ -317,7 +317,7 @@ TEST_F(SceneOfItsOwn, ForceAwareMatchingReplaysToTheBit) {
   const fs::path device = directory_ / "device.toml";
   for (const std::string objective : {"surface_and_force", "stress"}) {
     std::ofstream(device) << thimble_file(objective, "");
-    const fs::path recording = directory_ / (objective + ".db");
+    const fs::path recording = directory_ / (objective + ".db").c_str();
     const RunSummary summary = record(write_scene({"index"}, device), recording, 0.6);
     EXPECT_GT(summary.all.max_normal_force, 0.1);
     const ReplayResult result = replay({.recording = recording, .scene = {}});

@@ -23,10 +23,10 @@ class EveryDevice : public testing::TestWithParam<std::string> {
     options.devices = {(kSource / "devices" / (GetParam() + ".toml")).string()};
     options.port = "emulator";
     setup_ = load_setup(options);
-    ActuatorOptions actuator;
-    actuator.port = "emulator";
-    actuator.simulated_time = true;
-    loop_ = std::make_unique<DeviceLoop>(0, setup_->devices[0], setup_->models[0], actuator);
+    DeviceLoopOptions device_options;
+    device_options.actuator.port = "emulator";
+    device_options.actuator.simulated_time = true;
+    loop_ = std::make_unique<DeviceLoop>(0, setup_->devices[0], setup_->models[0], device_options);
   }
   [[nodiscard]] const Device& device() const { return *setup_->devices[0]; }
 
