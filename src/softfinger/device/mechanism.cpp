@@ -1,6 +1,7 @@
 #include "softfinger/device/mechanism.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -32,6 +33,12 @@ double determinant(const JointsByConfiguration& matrix) {
   return lu.factor(matrix) ? lu.determinant() : 0.0;
 }
 
+/// A new one for each mechanism, from 1.
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 LinkageSolution at_home(const MechanismDescription& description) {
   LinkageSolution solution;
   solution.x = description.home;
@@ -43,6 +50,7 @@ LinkageSolution at_home(const MechanismDescription& description) {
 
 Mechanism::Mechanism(DeviceSettings settings, MechanismDescription description)
     : Device(std::move(settings)),
+      number_(next_number()),
       description_(std::move(description)),
       home_solution_(at_home(description_)),
       home_determinant_(determinant(joints_by_configuration(description_.joints, home_solution_))),
@@ -76,7 +84,24 @@ SolvedGrid Mechanism::explored() const {
 }
 
 bool Mechanism::solve(const Configuration& q, LinkageSolution& solution) const {
-  const LinkageInputs wanted = q;
+  // Matching asks for limits, surface and their derivatives at one q, one after the other.
+  struct Solved {
+    std::uint64_t mechanism = 0;
+    LinkageInputs q;
+    bool closed = false;
+    LinkageSolution solution;
+  };
+  thread_local Solved last;
+  if (last.mechanism != number_ || last.q != q) {
+    last.mechanism = number_;
+    last.q = q;
+    last.closed = solve_afresh(q, last.solution);
+  }
+  solution = last.solution;
+  return last.closed;
+}
+
+bool Mechanism::solve_afresh(const LinkageInputs& wanted, LinkageSolution& solution) const {
   if (!wanted.allFinite()) {
     solution = home_solution_;
     return false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -50,7 +51,8 @@ class Mechanism final : public Device {
 
   [[nodiscard]] const MechanismDescription& description() const { return description_; }
 
-  /// All of the linkage at q; false where its loops do not close, it is then gone on straight.
+  /// All of the linkage at q; false where its loops do not close, it is then gone on straight. Each
+  /// thread remembers the last answer.
   [[nodiscard]] bool solve(const Configuration& q, LinkageSolution& solution) const;
   /// det d(joints)/dq over its value at home; 0 at a type-2 singularity.
   [[nodiscard]] double singularity_ratio(const LinkageSolution& solution) const;
@@ -153,6 +155,9 @@ class Mechanism final : public Device {
   [[nodiscard]] std::size_t nearest_face(const PiecePoses& poses, const Vector3& p_B) const;
   [[nodiscard]] std::size_t nearest_solid(const PiecePoses& poses, const Vector3& p_B) const;
 
+  [[nodiscard]] bool solve_afresh(const LinkageInputs& wanted, LinkageSolution& solution) const;
+
+  std::uint64_t number_;  ///< no other mechanism has it
   MechanismDescription description_;
   LinkageSolution home_solution_;
   double home_determinant_ = 0.0;  ///< of d(joints)/dq

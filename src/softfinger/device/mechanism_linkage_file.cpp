@@ -158,12 +158,18 @@ std::vector<int> parents_first(const std::vector<std::optional<ReadJoint>>& carr
   std::vector<int> order{0};
   std::vector<bool> placed(carriers.size(), false);
   placed[0] = true;
+  const auto coordinates = [&](std::size_t b) { return coordinate_count(carriers[b]->body.type); };
   for (std::size_t round = 1; round < carriers.size(); ++round) {
+    // Of those that may follow the one with the fewest coordinates: the legs before the platform
+    // that they carry, as its coordinates are in all their loops, which then stay sparse.
+    std::size_t next = 0;
     for (std::size_t b = 1; b < carriers.size(); ++b) {
       if (placed[b] || !placed[static_cast<std::size_t>(carriers[b]->body.parent)]) continue;
-      placed[b] = true;
-      order.push_back(static_cast<int>(b));
+      if (next == 0 || coordinates(b) < coordinates(next)) next = b;
     }
+    if (next == 0) break;
+    placed[next] = true;
+    order.push_back(static_cast<int>(next));
   }
   for (std::size_t b = 1; b < carriers.size(); ++b) {
     if (!placed[b]) {
