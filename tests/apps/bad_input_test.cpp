@@ -415,5 +415,25 @@ TEST(BadInput, PoseOutsideTheWorkspaceIsAnAnswer) {
   EXPECT_THAT(run.output, HasSubstr("false"));
 }
 
+// --- Device and finger
+// ----------------------------------------------------------------------------
+
+TEST(BadInput, ADeviceInsideTheBoneIsRefused) {
+  const Workplace place;
+  const std::string device = "devices/thimble-3rrs.toml";
+  const std::string scene = place.path("scenes/plane.toml");
+  const std::vector<std::string> run{"run", scene, "--headless", "--as-fast-as-possible"};
+  int line = place.replace_line(device, "translation_mm", "translation_mm = [2.0, 0.5, -1.0]");
+  const std::vector<std::string> words{"thimble-3rrs.toml:" + std::to_string(line),
+                                       "mount.translation_mm", "bone", "index.toml"};
+  expect_refused(run, words);
+  expect_refused({"evaluate", scene}, words);
+  // The mount is well, but home is not.
+  place.replace_line(device, "translation_mm", "translation_mm = [1.0, 0.0, -10.3]");
+  place.replace_line(device, "travel_mm = 0.0", "travel_mm = 9.5");
+  line = place.replace_line(device, "[home]", "[home]");
+  expect_refused(run, {"thimble-3rrs.toml:" + std::to_string(line), "home", "bone", "index.toml"});
+}
+
 }  // namespace
 }  // namespace softfinger

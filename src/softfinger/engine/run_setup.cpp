@@ -9,6 +9,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/finger/bone.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/twin/force_ceiling.hpp"
 
@@ -75,6 +76,28 @@ void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
                   wearer.file.string(), model.file.string()));
 }
 
+/// Refuses a device that could not be worn: mounted, or its surface at home, inside the bone.
+void check_mount(const fs::path& device_file, const Device& device, const FingerModel& finger) {
+  const BoneEllipsoid bone = bone_ellipsoid(finger);
+  const auto refuse = [&](const ConfigTable& table, const char* key, const char* what) {
+    table.fail(key, fmt::format("puts {} inside the bone of {}; the pad lies below it, towards -z",
+                                what, finger.file.string()));
+  };
+  const ConfigTable root = ConfigFile(device_file).root();
+  if (bone.contains(device.settings().X_FB.translation)) {
+    refuse(root.table_or_empty("mount"), "translation_mm", "the device");
+  }
+  bool inside = bone.contains(device.surface_pose(device.home()).translation);
+  std::vector<SolidPiece> pieces(static_cast<std::size_t>(device.solid_piece_count()));
+  device.solid_pieces(device.home(), pieces);
+  for (const SolidPiece& piece : pieces) {
+    inside = inside || bone.contains(piece.X_FS.translation);
+  }
+  if (!inside) return;
+  if (root.has("home")) refuse(root.table("home"), "", "the contacting surface");
+  refuse(root.table_or_empty("mount"), "translation_mm", "the contacting surface at home");
+}
+
 fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
 
 }  // namespace
@@ -94,6 +117,7 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   for (const SceneFinger& finger : scene.fingers) {
     setup->models.push_back(FingerModel::load(finger.model));
     setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);
+    if (finger.device) check_mount(*finger.device, *setup->devices.back(), *setup->models.back());
     setup->ceilings.push_back(ceiling_of(finger, *setup->models.back(), setup->devices.back()));
   }
   if (options.wearer) {

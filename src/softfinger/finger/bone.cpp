@@ -24,7 +24,7 @@ Vector3 vee(const Matrix3& m) { return {m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(
 
 }  // namespace
 
-BoneInertia bone_inertia(const FingerModel& model, std::span<const double> node_masses) {
+BoneEllipsoid bone_ellipsoid(const FingerModel& model) {
   Eigen::AlignedBox3d box;
   for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
     const auto surface = static_cast<std::size_t>(model.mesh.triangle_surface[t]);
@@ -33,13 +33,16 @@ BoneInertia bone_inertia(const FingerModel& model, std::span<const double> node_
       box.extend(model.mesh.nodes[static_cast<std::size_t>(node)]);
     }
   }
+  return {box.center(), 0.5 * box.sizes()};
+}
+
+BoneInertia bone_inertia(const FingerModel& model, std::span<const double> node_masses) {
+  const BoneEllipsoid bone = bone_ellipsoid(model);
   BoneInertia inertia;
   inertia.mass = model.bone_mass;
-  const Vector3 center = box.center();
-  const Vector3 semi_axes = 0.5 * box.sizes();
-  inertia.first = model.bone_mass * center;
-  inertia.second = model.bone_mass * (center * center.transpose());
-  inertia.second.diagonal() += model.bone_mass / 5.0 * semi_axes.cwiseAbs2();
+  inertia.first = model.bone_mass * bone.centre;
+  inertia.second = model.bone_mass * (bone.centre * bone.centre.transpose());
+  inertia.second.diagonal() += model.bone_mass / 5.0 * bone.semi_axes.cwiseAbs2();
   for (std::size_t n = 0; n < model.mesh.nodes.size(); ++n) {
     if (!model.node_is_rigid[n]) continue;
     const Vector3& x = model.mesh.nodes[n];

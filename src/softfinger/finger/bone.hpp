@@ -8,6 +8,18 @@
 
 namespace softfinger {
 
+/// The bone's body where its shape as a solid is needed: an ellipsoid along the axes of F that
+/// fills the bounding box of the mesh group `bone`, m.
+struct BoneEllipsoid {
+  Vector3 centre = Vector3::Zero();
+  Vector3 semi_axes = Vector3::Zero();
+
+  [[nodiscard]] bool contains(const Vector3& p_F) const {
+    return (p_F - centre).cwiseQuotient(semi_axes).squaredNorm() < 1.0;
+  }
+};
+[[nodiscard]] BoneEllipsoid bone_ellipsoid(const FingerModel& model);
+
 /// Mass moments of the bone and of the tissue tied to it, about F's origin in F.
 struct BoneInertia {
   double mass = 0.0;                 ///< kg
@@ -15,8 +27,7 @@ struct BoneInertia {
   Matrix3 second = Matrix3::Zero();  ///< sum m X X^T, kg m^2
 };
 
-/// Bone as a homogeneous ellipsoid that fills the bounding box of the bone's surface, plus the
-/// lumped masses of the tied nodes.
+/// The bone's ellipsoid, homogeneous, plus the lumped masses of the tied nodes.
 [[nodiscard]] BoneInertia bone_inertia(const FingerModel& model,
                                        std::span<const double> node_masses);
 
