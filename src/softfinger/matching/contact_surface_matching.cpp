@@ -265,7 +265,9 @@ void ContactSurfaceMatching::Implementation::search(const SurfaceSamples& sample
   }
   if (!agreed) look_around(samples, options, result.configuration, kNearTilt, false, result);
   look_over_grid(samples, options, warm != nullptr, result);
-  if (inside && limited) consider_clamped(samples, options, warm, result);
+  if (inside && limited && (warm == nullptr || active_limits(result.configuration).any())) {
+    consider_clamped(samples, options, warm, result);
+  }
 }
 
 /// What cutting joint angles gives, and where it leads: never worse than that.
