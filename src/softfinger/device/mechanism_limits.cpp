@@ -147,38 +147,35 @@ bool Mechanism::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorXd> 
   jacobian.row(singular).setZero();
   if (stretch > kNearRatio && ratio > kNearRatio) return true;
 
-  // Jacobi's formula, d det A = det A tr(A^-1 dA), for both determinants.
+  // Jacobi's formula, d det A = det A tr(A^-1 dA), for both determinants: that of the joints' rates
+  // J = S V, which change by -S A^-1 dA V, has the trace of -J^-1 S A^-1 dA V.
+  const Eigen::Index n = solution.by_value.rows();
+  LinkageMatrix inverse = LinkageMatrix::Identity(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) solution.lu.solve(inverse.col(j));
   SmallLu<kMaxLinkageInputs> joints_lu;
   SmallLu<kMaxLinkageInputs>::Matrix joint_rows(joints(), degrees_of_freedom());
+  SmallLu<kMaxLinkageInputs>::Vector column(joints());
   for (int joint = 0; joint < joints(); ++joint) {
     joint_rows.row(joint) =
         solution.by_value.row(description_.joints[static_cast<std::size_t>(joint)].component);
   }
-  const bool regular = joints_lu.factor(joint_rows);
+  LinkageMatrix through_joints = LinkageMatrix::Zero(n, n);  // V J^-1 S A^-1
+  if (joints_lu.factor(joint_rows)) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      for (int joint = 0; joint < joints(); ++joint) {
+        column[joint] = inverse(description_.joints[static_cast<std::size_t>(joint)].component, j);
+      }
+      joints_lu.solve(column);
+      through_joints.col(j).noalias() = solution.by_value * column;
+    }
+  }
   LinkageVelocity velocity;
   LinkageMatrix rates;
-  LinkageInputs joint_rate(joints());
   for (int l = 0; l < degrees_of_freedom(); ++l) {
     motion(solution, l, velocity, rates);
-    if (regular) {
-      double trace = 0.0;
-      for (int k = 0; k < degrees_of_freedom(); ++k) {
-        LinkageCoordinates bend = rates * solution.by_value.col(k);
-        solution.lu.solve(bend);
-        for (int joint = 0; joint < joints(); ++joint) {
-          joint_rate[joint] = -bend[description_.joints[static_cast<std::size_t>(joint)].component];
-        }
-        joints_lu.solve(joint_rate);
-        trace += joint_rate[k];
-      }
-      jacobian(singular, l) = -length * ratio * trace;
-    }
-    double trace = 0.0;
-    for (Eigen::Index j = 0; j < rates.cols(); ++j) {
-      solution.lu.solve(rates.col(j));
-      trace += rates(j, j);
-    }
-    jacobian(stretched, l) = -2.0 * length * stretch * stretch * trace;
+    jacobian(singular, l) = length * ratio * rates.cwiseProduct(through_joints.transpose()).sum();
+    jacobian(stretched, l) =
+        -2.0 * length * stretch * stretch * rates.cwiseProduct(inverse.transpose()).sum();
   }
   return true;
 }
