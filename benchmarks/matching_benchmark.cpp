@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <string>
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 #include <vector>
@@ -267,10 +268,8 @@ void matching_samples(benchmark::State& state) {
   race_minpack(state, motion_with_one_minimum(samples, 100), samples);
 }
 
-/// Square arrays of pins, 2 mm apart to 10 x 10, closer beyond, under the same rolling ball.
-void matching_pins(benchmark::State& state) {
-  const auto rows = static_cast<int>(state.range(0));
-  const bool warm = state.range(1) != 0;
+/// Square arrays of pins, 2 mm apart to 10 x 10, closer beyond.
+std::shared_ptr<const Device> square_of_pins(int rows) {
   const double pitch = std::min(2.0 * mm, 20.0 * mm / rows);
   const PinArrayGeometry geometry{rows, rows, pitch, 0.25 * pitch, 3.0 * mm, 0.0};
   DeviceSettings settings;
@@ -280,10 +279,15 @@ void matching_pins(benchmark::State& state) {
   settings.home = Configuration::Zero(geometry.rows * geometry.columns);
   settings.retracted = settings.home;
   PinArray::set_joint_limits(settings, 50.0 * mm);
-  const auto device = std::make_shared<const PinArray>(settings, geometry);
+  return std::make_shared<const PinArray>(settings, geometry);
+}
+
+/// Any device under the rolling ball, each frame from the last's answer or from none.
+void match_rolling_ball(benchmark::State& state, const std::shared_ptr<const Device>& device,
+                        int samples, bool warm) {
   Motion motion;
-  motion.frames = rolling_ball(15.0 * deg, 400);
-  ContactSurfaceMatching solver(device, kSamples);
+  motion.frames = rolling_ball(15.0 * deg, 400, samples);
+  ContactSurfaceMatching solver(device, samples);
   Configuration last = device->home();
   double iterations = 0.0;
   over_motion(state, motion, [&](std::size_t f) {
@@ -292,6 +296,23 @@ void matching_pins(benchmark::State& state) {
     iterations += result.iterations;
   });
   state.counters["iterations"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
+  state.counters["samples"] = samples;
+  state.counters["degrees_of_freedom"] = device->degrees_of_freedom();
+}
+
+void matching_pins(benchmark::State& state) {
+  match_rolling_ball(state, square_of_pins(static_cast<int>(state.range(0))), kSamples,
+                     state.range(1) != 0);
+}
+
+void matching_pins_samples(benchmark::State& state) {
+  match_rolling_ball(state, square_of_pins(10), static_cast<int>(state.range(0)), true);
+}
+
+void matching_device(benchmark::State& state, const char* name) {
+  match_rolling_ball(state,
+                     load_device(std::string(SOFTFINGER_SOURCE_DIR "/devices/") + name + ".toml"),
+                     kSamples, true);
 }
 
 std::vector<Configuration> poses() {
@@ -338,8 +359,14 @@ BENCHMARK_CAPTURE(matching, warm_inside_at_limits, MatchingLimits::kInside, true
 BENCHMARK_CAPTURE(matching, cold_inside_at_limits, MatchingLimits::kInside, false, 40.0);
 BENCHMARK(minpack);
 BENCHMARK(ratio_to_minpack)->Iterations(3);
-BENCHMARK(matching_samples)->ArgsProduct({{120, 250, 500, 1000, 2500, 5000, 10000}})->Iterations(5);
-BENCHMARK(matching_pins)->ArgNames({"rows", "warm"})->ArgsProduct({{6, 10, 16}, {0, 1}});
+BENCHMARK(matching_samples)->ArgsProduct({{120, 300, 1000, 3000, 10000}})->Iterations(5);
+BENCHMARK(matching_pins)
+    ->ArgNames({"rows", "warm"})
+    ->ArgsProduct({{2, 3, 4, 6, 8, 10, 12, 16}, {0, 1}})
+    ->Iterations(1200);
+BENCHMARK(matching_pins_samples)->ArgsProduct({{120, 300, 1000, 3000, 10000}})->Iterations(400);
+BENCHMARK_CAPTURE(matching_device, thimble, "thimble-3rrs")->Iterations(1200);
+BENCHMARK_CAPTURE(matching_device, plate, "plate-6dof")->Iterations(400);
 BENCHMARK(inverse_kinematics);
 BENCHMARK(forward_kinematics);
 

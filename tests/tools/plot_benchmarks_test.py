@@ -50,6 +50,24 @@ class PlotBenchmarks(unittest.TestCase):
         self.assertIn("| S (`index`) | 411 | 16 ms | 1,230 | 99.9 | 1 | 2.0 | 0 |", text)
         self.assertIn("| L (`index-fine`) | 5,283 | 1 ms |", text)
 
+    def test_growth_over_freedom_goes_by_the_number_of_pins(self):
+        def row(name, freedom, median):
+            return {"name": f"{name}/iterations:9", "degrees_of_freedom": freedom, "median_us": median, "p99_us": 100.0,
+                    "iterations": 2.0}
+        text = tool.freedom(run_of(row("matching_pins/rows:10/warm:1", 100, 50.0), row("matching_pins/rows:2/warm:1", 4, 8.0),
+                                   row("matching_pins/rows:2/warm:0", 4, 9.0), row("matching_device/thimble", 3, 12.0),
+                                   row("matching_device/plate", 6, 600.0)))
+        self.assertEqual([line.split("|")[1].strip() for line in text.splitlines()[2:]],
+                         ["3-RRS", "plate on six cranks (mechanism)", "2 x 2 pins", "10 x 10 pins"])
+        self.assertIn("| 10 x 10 pins | 100 | 50 | 100 | 2.0 | 0.5 |", text)
+
+    def test_force_aware_frames_are_judged_by_their_mesh(self):
+        rows = [{"name": f"{name}/iterations:3", "median_us": 400.0, "p99_us": 900.0, "max_us": 950.0, "iterations": 9.0,
+                 "frames": 500} for name in tool.FORCE_AWARE]
+        text = tool.force_aware(run_of(*rows))
+        self.assertIn("| S, plane, 3-RRS | 400 | 900 | 950 | 9 | 500 | 300 / 1,000 | no |", text)
+        self.assertIn("| M, sphere, 3-RRS | 400 | 900 | 950 | 9 | 500 | 1,500 / 5,000 | yes |", text)
+
     def test_two_threads_are_judged_by_wall_time(self):
         times = {"alone_median_us": 600.0, "alone_p99_us": 2000.0, "alone_mean_us": 800.0, "alone_cpu_us": 790.0,
                  "wall_median_us": 300.0, "wall_p99_us": 1000.0, "wall_mean_us": 500.0, "both_cpu_us": 900.0}
