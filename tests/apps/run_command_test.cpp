@@ -134,6 +134,7 @@ TEST(RunCommand, RefusesWhatDoesNotFitTogether) {
        std::vector<std::vector<std::string>>{{"--as-fast-as-possible"},
                                              {"--headless", "--record-state"},
                                              {"--headless", "--repeat"},
+                                             {"--headless", "--no-twin"},
                                              {"--headless", "--duration-s", "-1"},
                                              {"--headless", "--duration-s", "nan"},
                                              {"--headless", "--simd", "mmx"},
