@@ -83,7 +83,7 @@ function oneTilt(workspace: Workspace): Draw {
   const axis = pitch_axis >= 0 ? pitch_axis : roll_axis;
   const most = Math.max(1, ...layers.flatMap((layer) => layer.tilts_deg));
   const [low, high] = [layers[0]!.travel_mm, layers[layers.length - 1]!.travel_mm];
-  return (context, box, q, trail) => {
+  return (context, box, _q, trail) => {
     const place = (tilt: number, travel: number): Point => [
       box.left + box.width / 2 + (tilt / most) * (box.width / 2 - 6),
       box.top + box.height - 16 - ((travel - low) / (high - low || 1)) * (box.height - 24)];
@@ -98,7 +98,6 @@ function oneTilt(workspace: Workspace): Draw {
     label(context, `travel ${low.toFixed(1)} to ${high.toFixed(1)} mm`,
       [box.left, box.top + box.height - 3], "left");
     drawTrail(context, trail.map((past) => place(past[axis]!, past[travel_axis]!)));
-    void q;
   };
 }
 
