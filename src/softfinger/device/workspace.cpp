@@ -43,11 +43,11 @@ double walk(double start, double end, double step, int halvings, Predicate&& rea
   return at;
 }
 
-struct Interval {
+struct TravelRange {
   double min, max;
 };
 /// Travel at zero tilt; empty where there is none.
-std::optional<Interval> travel_interval(const PlatformSpace& space, const Fineness& fineness) {
+std::optional<TravelRange> travel_interval(const PlatformSpace& space, const Fineness& fineness) {
   const double step = (space.high - space.low) / fineness.travel_pieces;
   const auto level = [&](double travel) { return space.reachable(0.0, 0.0, travel); };
   double start = space.home_travel;
@@ -56,8 +56,8 @@ std::optional<Interval> travel_interval(const PlatformSpace& space, const Finene
     start = space.home_travel + (k % 2 == 0 ? 1.0 : -1.0) * 0.5 * (k + 1) * step;
   }
   if (!level(start)) return std::nullopt;
-  return Interval{walk(start, space.low, -step, fineness.halvings, level),
-                  walk(start, space.high, step, fineness.halvings, level)};
+  return TravelRange{walk(start, space.low, -step, fineness.halvings, level),
+                     walk(start, space.high, step, fineness.halvings, level)};
 }
 
 double tilt_reached(const PlatformSpace& space, const Fineness& fineness, double direction,
@@ -73,7 +73,7 @@ double tilt_reached(const PlatformSpace& space, const Fineness& fineness, double
 
 WorkspaceSummary summarise_platform_workspace(const PlatformSpace& space) {
   WorkspaceSummary summary;
-  const std::optional<Interval> travel = travel_interval(space, kForNumbers);
+  const std::optional<TravelRange> travel = travel_interval(space, kForNumbers);
   if (!travel) return summary;
   summary.min_travel = travel->min;
   summary.max_travel = travel->max;
@@ -96,7 +96,7 @@ WorkspaceSummary summarise_platform_workspace(const PlatformSpace& space) {
 
 WorkspaceOutline outline_platform_workspace(const PlatformSpace& space) {
   WorkspaceOutline outline;
-  const std::optional<Interval> travel = travel_interval(space, kForDrawing);
+  const std::optional<TravelRange> travel = travel_interval(space, kForDrawing);
   if (!travel) return outline;
   for (int layer = 0; layer < kLayers; ++layer) {
     const double part = static_cast<double>(layer) / (kLayers - 1);
