@@ -6,94 +6,20 @@
 #include <vector>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/finger/element_loads.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
 #include "softfinger/numerics/quadratic_program.hpp"
+#include "softfinger/twin/stress_match.hpp"
 
 namespace softfinger {
 namespace {
 
-constexpr double kLeastForce = 1e-3;      // N; a smaller force is not worth an iteration
-constexpr double kForceTolerance = 1e-3;  // of the virtual force; nobody feels less
-constexpr double kFarOff = 0.5;           // of the virtual force; the last frame is no start then
-constexpr double kStepTolerance = 1e-6;   // m of surface motion
-constexpr double kLeastDamping = 1e-4;    // of the largest diagonal
+constexpr double kWorthwhileForce = 1e-3;  // N; a smaller force is not worth an iteration
+constexpr double kForceTolerance = 1e-3;   // of the virtual force; nobody feels less
+constexpr double kFarOff = 0.5;            // of the virtual force; the last frame is no start then
+constexpr double kStepTolerance = 1e-6;    // m of surface motion
+constexpr double kLeastDamping = 1e-4;     // of the largest diagonal
 constexpr int kRejections = 4;
-constexpr double kStressStep = 1e-7;       // m of surface motion, of differences of stress
 constexpr double kStressTolerance = 1e-3;  // of the cost; a step that gains less is the last
-
-/// Stress of the virtual finger and of the twin, as a residual r with |r|^2 the stress part of the
-/// cost.
-class StressMatch {
- public:
-  StressMatch(const std::shared_ptr<const FingerModel>& model, double weight, int dof)
-      : loads_(model),
-        wanted_(loads_.size()),
-        stresses_(loads_.size()),
-        scales_(static_cast<Eigen::Index>(6 * loads_.size())),
-        residual_(scales_.size()),
-        jacobian_(scales_.size(), dof),
-        moved_(model->mesh.nodes.size()) {
-    double sum = 0.0;
-    for (const double volume : loads_.volumes()) sum += volume;
-    for (std::size_t e = 0; e < loads_.size(); ++e) {
-      const double one = weight * std::sqrt(loads_.volumes()[e] / sum);
-      // Shear stands twice in the tensor.
-      for (Eigen::Index c = 0; c < 6; ++c) {
-        scales_[6 * static_cast<Eigen::Index>(e) + c] = c < 3 ? one : std::sqrt(2.0) * one;
-      }
-    }
-  }
-
-  void want(std::span<const Vector3> nodes_F) { loads_.stresses(nodes_F, wanted_); }
-  double cost(const Twin& twin) {
-    evaluate(twin.positions());
-    return residual_.squaredNorm();
-  }
-  /// Residual and Jacobian at the twin's last attempt, after its force_and_derivative().
-  void linearise(const Twin& twin) {
-    const std::span<const Vector3> positions = twin.positions();
-    for (int k = 0; k < jacobian_.cols(); ++k) {
-      const double step = kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
-      for (std::size_t n = 0; n < moved_.size(); ++n) {
-        moved_[n] = positions[n] + step * twin.node_motion(n, k);
-      }
-      evaluate(moved_);
-      jacobian_.col(k) = residual_ / step;
-    }
-    evaluate(positions);
-    for (int k = 0; k < jacobian_.cols(); ++k) {
-      const double step = kStressStep / twin.device().axes()[static_cast<std::size_t>(k)].metric;
-      jacobian_.col(k) -= residual_ / step;
-    }
-  }
-  /// gradient += 2 J^T r, gauss_newton += 2 J^T J. By columns: a matrix product wants memory.
-  void add_to(Eigen::VectorXd& gradient, Eigen::MatrixXd& gauss_newton) const {
-    for (int j = 0; j < jacobian_.cols(); ++j) {
-      gradient[j] += 2.0 * jacobian_.col(j).dot(residual_);
-      for (int i = 0; i < jacobian_.cols(); ++i) {
-        gauss_newton(i, j) += 2.0 * jacobian_.col(i).dot(jacobian_.col(j));
-      }
-    }
-  }
-
- private:
-  void evaluate(std::span<const Vector3> positions) {
-    loads_.stresses(positions, stresses_);
-    for (std::size_t e = 0; e < stresses_.size(); ++e) {
-      for (std::size_t c = 0; c < 6; ++c) {
-        const auto i = static_cast<Eigen::Index>(6 * e + c);
-        residual_[i] = scales_[i] * (stresses_[e][c] - wanted_[e][c]);
-      }
-    }
-  }
-
-  ElementLoads loads_;
-  std::vector<Stress> wanted_, stresses_;
-  Eigen::VectorXd scales_, residual_;
-  Eigen::MatrixXd jacobian_;
-  std::vector<Vector3> moved_;
-};
 
 }  // namespace
 
@@ -314,7 +240,7 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   result = {};
   self.take(virtual_side, matching);
   self.target = normal_force_vector(virtual_side);
-  if (virtual_side.contact_count > 0 && self.target.norm() > kLeastForce) {
+  if (virtual_side.contact_count > 0 && self.target.norm() > kWorthwhileForce) {
     if (self.stress) self.stress->want(nodes_F);
     self.twin.begin_frame(friction_coefficient, elapsed);
     self.choose_start(surface);

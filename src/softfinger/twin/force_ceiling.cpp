@@ -24,10 +24,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::array<int, TravelCeiling::kMostAxes + 1> kGridCounts = {1, 9, 5, 3, 3, 2, 2};
 /// The table is made for this part of the limit, for what happens between its nodes.
 constexpr double kReserve = 0.95;
-constexpr int kProbes = 40;              // of how far an axis goes
-constexpr double kFarthest = 20.0 * mm;  // of surface motion from home that is looked at
-constexpr double kMarch = 0.3 * mm;      // of advance between two presses
-constexpr double kTolerance = 1e-5;      // m
+constexpr int kProbes = 40;                 // of how far an axis goes
+constexpr double kFarthest = 20.0 * mm;     // of surface motion from home that is looked at
+constexpr double kMarch = 0.3 * mm;         // of advance between two presses
+constexpr double kAdvanceTolerance = 1e-5;  // m
 
 std::shared_ptr<const FingerModel> stiffest(const FingerModel& model) {
   auto wearer = std::make_shared<FingerModel>(model);
@@ -143,9 +143,9 @@ double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Spa
   }
   if (high_excess <= 0.0) return kMissing;
   // Regula falsi with halved weights (Illinois); the lower end is the answer.
-  while ((high - low) * advance.metric > kTolerance) {
+  while ((high - low) * advance.metric > kAdvanceTolerance) {
     double middle = (low * high_excess - high * low_excess) / (high_excess - low_excess);
-    const double edge = 0.4 * kTolerance / advance.metric;
+    const double edge = 0.4 * kAdvanceTolerance / advance.metric;
     middle = std::clamp(middle, low + edge, high - edge);
     const double excess = excess_at(middle);
     if (excess > 0.0) {
