@@ -13,7 +13,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kSource = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kProject = SOFTFINGER_SOURCE_DIR;
 
 /// Waits for the next press, for as long as a test may take.
 bool next_press(LiveTwin& twin) {
@@ -33,8 +33,8 @@ TickRecord command(const Device& device, double travel) {
 
 // Where the virtual contact is what the twin feels itself, it finds no difference.
 TEST(LiveTwin, JudgesItsPressAgainstTheContactOffered) {
-  const auto model = FingerModel::load(kSource / "fingers/index.toml");
-  const auto device = load_device(kSource / "devices/thimble-3rrs.toml");
+  const auto model = FingerModel::load(kProject / "fingers/index.toml");
+  const auto device = load_device(kProject / "devices/thimble-3rrs.toml");
   const TickRecord tick = command(*device, 4 * mm);
   Twin reference(model, device);
   ContactSet contact = reference.contact();
@@ -72,8 +72,8 @@ TEST(LiveTwin, JudgesItsPressAgainstTheContactOffered) {
 }
 
 TEST(LiveTwin, EndsWithoutEverBeingAsked) {
-  LiveTwin twin(FingerModel::load(kSource / "fingers/index.toml"),
-                load_device(kSource / "devices/thimble-3rrs.toml"));
+  LiveTwin twin(FingerModel::load(kProject / "fingers/index.toml"),
+                load_device(kProject / "devices/thimble-3rrs.toml"));
   twin.start();
 }
 
@@ -84,7 +84,7 @@ class LiveTwinSeen : public testing::Test {
   template <typename Wanted>
   Snapshot::Finger first(bool twin, const Wanted& wanted) {
     RunOptions options;
-    options.scene = kSource / "scenes/sphere.toml";
+    options.scene = kProject / "scenes/sphere.toml";
     options.port = "emulator";
     options.twin = twin;
     LiveSession session(options, true);

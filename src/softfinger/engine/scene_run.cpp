@@ -17,13 +17,6 @@
 #include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-constexpr double kSnapshotRate = 60.0;  // Hz
-constexpr auto kPausedInterval = std::chrono::milliseconds(5);
-
 /// What a step hands to the device thread.
 struct HandedTick {
   TickInput input;
@@ -33,6 +26,13 @@ struct HandedTick {
 
   [[nodiscard]] VirtualFinger finger() const { return {contact, nodes_W, X_WF}; }
 };
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kSnapshotRate = 60.0;  // Hz
+constexpr auto kPausedInterval = std::chrono::milliseconds(5);
 
 /// A mailbox draft has to have its full size before the loop starts.
 HandedTick initial_handed(const FingerModel& model, bool with_nodes) {
