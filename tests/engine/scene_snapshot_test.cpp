@@ -13,14 +13,14 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kRoot = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kShipped = SOFTFINGER_SOURCE_DIR;
 
 class EveryDevice : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     RunOptions options;
-    options.scene = kRoot / "scenes/edge.toml";
-    options.devices = {(kRoot / "devices" / (GetParam() + ".toml")).string()};
+    options.scene = kShipped / "scenes/edge.toml";
+    options.devices = {(kShipped / "devices" / (GetParam() + ".toml")).string()};
     options.port = "emulator";
     setup_ = load_setup(options);
     DeviceLoopOptions device_options;
@@ -81,7 +81,7 @@ TEST_P(EveryDevice, WorkspaceIsWhatItReaches) {
 
 std::vector<std::string> shipped_devices() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(kRoot / "devices")) {
+  for (const auto& entry : std::filesystem::directory_iterator(kShipped / "devices")) {
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EveryDevice, testing::ValuesIn(shipped_devices
 
 // A membrane's ball grows as it is blown up, and is cut by the ring it bulges from.
 TEST(SceneSnapshot, AMembraneChangesItsShape) {
-  const auto device = load_device(kRoot / "devices/membrane.toml");
+  const auto device = load_device(kShipped / "devices/membrane.toml");
   DeviceFeedback feedback;
   feedback.pieces.resize(2);
   Snapshot::Finger flat;
