@@ -330,7 +330,7 @@ TEST_F(SceneOfItsOwn, MeasuredForceReplaysToTheBit) {
   std::ofstream(device) << thimble_file("surface",
                                         "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = 0.02\n");
   const fs::path recording = directory_ / "run.db";
-  record(write_scene({"index"}, device), recording, 0.6);
+  record(write_scene({"index"}, device), recording, 1.2);
   double most = 0.0;
   for (const TickRecord& tick : ticks_of(recording)) {
     EXPECT_EQ(tick.reading.configuration.size(), tick.tick == 0 ? 0 : 3);

@@ -61,7 +61,7 @@ TEST_P(ElementLoadsOf, EnergiesSumUpToWhatTheSkinIsSteppedWith) {
 
 // The work of the stresses on a small motion of the nodes is what the energy gains.
 TEST_P(ElementLoadsOf, StressIsTheDerivativeOfEnergy) {
-  const std::vector<Vector3> shifts = random_shift(3, 0.15e-3);
+  const std::vector<Vector3> shifts = random_shift(3, 0.02e-3);  // nothing inside out
   const std::vector<Vector3> direction = random_shift(4, 1e-3);
   const std::vector<Vector3> positions = moved(shifts, 1.0);
   std::vector<Stress> stresses(loads.size());

@@ -127,7 +127,15 @@ bool DeviationMinimiser::form_direction(const Configuration& q, bool inside, dou
 
 // Norm of the gradient at q that the limits leave, by the optimality conditions of the program that
 // gave the step.
-double DeviationMinimiser::free_gradient() const { return (matrix_ * program_.step()).norm(); }
+double DeviationMinimiser::free_gradient() const {
+  double squared = 0.0;
+  // By rows: a product would want memory.
+  for (int k = 0; k < n_; ++k) {
+    const double one = matrix_.row(k).dot(program_.step());
+    squared += one * one;
+  }
+  return std::sqrt(squared);
+}
 
 DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool inside,
                                                       int iteration_limit, int& iterations) {

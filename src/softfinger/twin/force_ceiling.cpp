@@ -268,7 +268,20 @@ void fill_missing(const Grid& grid, std::vector<double>& values) {
   }
 }
 
-/// Lowers the corners of each cell until interpolation gives no more than `centres` at its centre.
+/// The level that values must be cut to for their mean to be `mean`, which is below theirs.
+double level_for(std::vector<double> values, double mean) {
+  std::sort(values.begin(), values.end());
+  double rest = mean * static_cast<double>(values.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double level = rest / static_cast<double>(values.size() - k);
+    if (level <= values[k]) return level;
+    rest -= values[k];
+  }
+  return values.back();
+}
+
+/// Lowers the highest corners of each cell until interpolation gives no more than `centres` at its
+/// centre.
 void lower_to_centres(const Grid& nodes, const Grid& cells, const std::vector<double>& centres,
                       std::vector<double>& values) {
   const std::size_t corners = std::size_t{1} << nodes.axes();
@@ -282,12 +295,18 @@ void lower_to_centres(const Grid& nodes, const Grid& cells, const std::vector<do
       }
       return node;
     };
+    std::vector<double> at_corners;
     double mean = 0.0;
     for (std::size_t corner = 0; corner < corners; ++corner) {
-      mean += values[corner_of(corner)] / static_cast<double>(corners);
+      at_corners.push_back(values[corner_of(corner)]);
+      mean += at_corners.back() / static_cast<double>(corners);
     }
-    const double excess = std::max(0.0, mean - centres[cell]);
-    for (std::size_t corner = 0; corner < corners; ++corner) values[corner_of(corner)] -= excess;
+    if (mean <= centres[cell]) continue;
+    const double level = level_for(at_corners, centres[cell]);
+    for (std::size_t corner = 0; corner < corners; ++corner) {
+      double& value = values[corner_of(corner)];
+      value = std::min(value, level);
+    }
   }
 }
 
