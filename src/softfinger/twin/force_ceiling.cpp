@@ -111,34 +111,30 @@ Span reach_span(const Device& device, const Advance& advance, int k) {
   return span;
 }
 
-/// The advance at which the twin feels `max_force`, for the other components as in q, looked for
-/// from `guess`; missing where it feels that nowhere.
+/// The advance at which the twin feels `max_force`, for the other components as in q; missing where
+/// it feels that nowhere. The device comes from afar, in steps that its solid cannot jump the skin
+/// by.
 double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Span& span,
-                  double guess, double max_force) {
+                  double max_force) {
+  twin.reset();
   const auto excess_at = [&](double value) {
     advance.set(value, q);
     twin.begin_frame(0.0, 0.0);
     twin.attempt(q);
     return twin.contact().normal_force - max_force;
   };
-  const double march = kMarch / advance.metric;
-  double low = std::clamp(guess, span.min, span.max);
-  double low_excess = excess_at(low);
-  double high = low;
-  double high_excess = low_excess;
-  while (low_excess > 0.0 && low > span.min) {
-    high = low;
-    high_excess = low_excess;
-    low = std::max(low - march, span.min);
-    low_excess = excess_at(low);
-  }
-  if (low_excess > 0.0) return kMissing;
+  double low = span.min;
+  double low_excess = 0.0;
+  double high = span.min;
+  double high_excess = excess_at(high);
+  if (high_excess > 0.0) return span.min;
   while (high_excess <= 0.0 && high < span.max) {
     low = high;
     low_excess = high_excess;
     // As far as there is room nothing is pressed.
-    const double gap = twin.contact().least_gap / advance.metric;
-    high = std::min(high + std::max(march, std::isfinite(gap) ? gap : 0.0), span.max);
+    const double gap = twin.contact().least_gap;
+    const double step = std::max(kMarch, std::isfinite(gap) ? gap : 0.0) / advance.metric;
+    high = std::min(high + step, span.max);
     high_excess = excess_at(high);
   }
   if (high_excess <= 0.0) return kMissing;
@@ -229,15 +225,13 @@ std::vector<double> depths(const Grid& grid, const std::shared_ptr<const FingerM
   std::vector<double> values(grid.size(), kMissing);
   parallel_for(grid.size() / grid.line(), [&](std::size_t line) {
     Twin twin(wearer, device);
-    double guess = advance.of(device->home());
     for (std::size_t point = line * grid.line(); point < (line + 1) * grid.line(); ++point) {
       Configuration q = device->home();
       grid.set(point, q);
       const Span span = advance_span(*device, advance, q);
       if (!(span.max > span.min)) continue;
-      const double ceiling = ceiling_at(twin, q, advance, span, guess, max_force);
+      const double ceiling = ceiling_at(twin, q, advance, span, max_force);
       if (std::isnan(ceiling)) continue;
-      guess = ceiling;
       advance.set(ceiling, q);
       values[point] = skin.depth(q);
     }
