@@ -83,13 +83,14 @@ TEST_P(ForceCeilingOf, KeepsAStifferWearerBelowTheLimit) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, ForceCeilingOf,
                          ::testing::Values(LimitedDevice{"thimble-3rrs", 1.5},
+                                           LimitedDevice{"thimble-3rrs", 4.7},
                                            LimitedDevice{"cable-prattichizzo", 1.5},
                                            LimitedDevice{"delta-schorr", 0.5},
                                            LimitedDevice{"pins-wagner-6x6", 0.5}),
                          [](const auto& each) {
                            std::string name = each.param.file;
                            std::erase(name, '-');
-                           return name;
+                           return name + (each.param.force > 2.0 ? "_far" : "");
                          });
 
 TEST(ForceCeiling, IsTheSameWhateverTheThreadsDo) {
