@@ -21,7 +21,7 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNoLimit = 1.0;  // m
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Values per grid axis, by the number of axes: some hundred nodes and centres at most.
-constexpr std::array<int, TravelCeiling::kMostAxes + 1> kGridCounts = {1, 9, 5, 3, 3, 2, 2};
+constexpr std::array<int, TravelCeiling::kMostAxes + 1> kGridCounts = {1, 9, 7, 4, 3, 2, 2};
 /// The table is made for this part of the limit, for what happens between its nodes.
 constexpr double kReserve = 0.95;
 constexpr int kProbes = 40;                 // of how far an axis goes
@@ -262,25 +262,14 @@ void fill_missing(const Grid& grid, std::vector<double>& values) {
   }
 }
 
-/// The level that values must be cut to for their mean to be `mean`, which is below theirs.
-double level_for(std::vector<double> values, double mean) {
-  std::sort(values.begin(), values.end());
-  double rest = mean * static_cast<double>(values.size());
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const double level = rest / static_cast<double>(values.size() - k);
-    if (level <= values[k]) return level;
-    rest -= values[k];
-  }
-  return values.back();
-}
-
-/// Lowers the highest corners of each cell until interpolation gives no more than `centres` at its
-/// centre.
-void lower_to_centres(const Grid& nodes, const Grid& cells, const std::vector<double>& centres,
-                      std::vector<double>& values) {
+/// Each node's least value of the nodes and centres next to it, so that interpolation in a cell
+/// gives no more than the least that is known there.
+std::vector<double> least_around(const Grid& nodes, const Grid& cells,
+                                 const std::vector<double>& centres,
+                                 const std::vector<double>& values) {
+  std::vector<double> least = values;
   const std::size_t corners = std::size_t{1} << nodes.axes();
   for (std::size_t cell = 0; cell < centres.size(); ++cell) {
-    if (std::isnan(centres[cell])) continue;
     const auto corner_of = [&](std::size_t corner) {
       std::size_t node = 0;
       for (std::size_t k = 0; k < nodes.axes(); ++k) {
@@ -289,19 +278,16 @@ void lower_to_centres(const Grid& nodes, const Grid& cells, const std::vector<do
       }
       return node;
     };
-    std::vector<double> at_corners;
-    double mean = 0.0;
+    double lowest = centres[cell];
     for (std::size_t corner = 0; corner < corners; ++corner) {
-      at_corners.push_back(values[corner_of(corner)]);
-      mean += at_corners.back() / static_cast<double>(corners);
+      lowest = std::fmin(lowest, values[corner_of(corner)]);
     }
-    if (mean <= centres[cell]) continue;
-    const double level = level_for(at_corners, centres[cell]);
     for (std::size_t corner = 0; corner < corners; ++corner) {
-      double& value = values[corner_of(corner)];
-      value = std::min(value, level);
+      double& value = least[corner_of(corner)];
+      value = std::min(value, lowest);
     }
   }
+  return least;
 }
 
 }  // namespace
@@ -327,7 +313,8 @@ TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<cons
   fill_missing(nodes, values);
   if (!axes.empty()) {
     const Grid cells(axes, true);
-    lower_to_centres(nodes, cells, depths(cells, wearer, device, advance, skin, force), values);
+    values =
+        least_around(nodes, cells, depths(cells, wearer, device, advance, skin, force), values);
   }
   TravelCeiling ceiling(device, rest_skin, axes, values);
   for (const Configuration& q : {device->home(), device->retracted()}) {

@@ -12,8 +12,8 @@ inline constexpr double kStiffestWearer = 1.5;
 
 /// Up to where a device may be advanced so that a wearer kStiffestWearer times as stiff as the
 /// model is pressed with at most `max_force` (normal force, N, > 0): what a twin without friction
-/// and relaxation feels, over a grid of the axes that do not advance the device. Nodes are lowered
-/// where linear interpolation would give more than what is found half-way between them.
+/// and relaxation feels, over a grid of the axes that do not advance the device. Nodes have
+/// the least of what is found there, next to them and half-way, so that interpolation errs low.
 /// Moves the device to poses that its limits exclude, where its linkage closes there. Uses all
 /// cores. Throws InputError where nothing advances the device, or where it presses harder at home
 /// or retracted.
