@@ -65,6 +65,7 @@ TEST_P(RealTimePath, ForceAwareMatchingNeitherAllocatesNorLocks) {
     options_.duration = 3.0;
     options_.as_fast_as_possible = true;
     options_.objective = objective;
+    options_.recording = directory_ / (objective == Objective::kStress ? "stress.db" : "force.db");
     const RunSummary summary = run_headless(options_, stop_, {}, hooks_);
     EXPECT_GT(summary.all.max_contact_area, 0.0) << "something is touched";
     EXPECT_EQ(guard_counts().allocations, 0u);
