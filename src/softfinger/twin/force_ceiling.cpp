@@ -21,7 +21,7 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNoLimit = 1.0;  // m
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Values per grid axis, by the number of axes: some hundred nodes and centres at most.
-constexpr std::array<int, TravelCeiling::kMostAxes + 1> kGridCounts = {1, 5, 3, 3, 2, 2, 2};
+constexpr std::array<int, TravelCeiling::kMostAxes + 1> kGridCounts = {1, 9, 5, 3, 3, 2, 2};
 /// The table is made for this part of the limit, for what happens between its nodes.
 constexpr double kReserve = 0.95;
 constexpr int kProbes = 40;                 // of how far an axis goes
