@@ -185,7 +185,7 @@ TEST(LiveRun, PausesRestartsAndChangesScene) {
   std::atomic<bool> stop{false};
   std::thread viewer([&] {
     const auto wait = [&](const auto& condition) {
-      for (int i = 0; i < 1000; ++i) {
+      for (int i = 0; i < 6000; ++i) {  // a minute: sanitizers are slow
         session.refresh();
         if (condition(session.latest())) return true;
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
