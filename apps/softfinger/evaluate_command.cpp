@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "evaluation_report.hpp"
@@ -22,6 +23,12 @@ struct EvaluateFlags {
   std::string wearer, objective;
   bool json = false;
 };
+
+std::vector<std::string> objective_names() {
+  std::vector<std::string> names;
+  for (const ObjectiveName& each : kObjectiveNames) names.emplace_back(each.name);
+  return names;
+}
 
 void evaluate_scene(EvaluateFlags flags) {
   if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
@@ -72,8 +79,7 @@ void add_evaluate_command(CLI::App& app) {
           "what matching aims at, instead of the device file's: surface, "
           "surface_and_force, stress; or, to compare with, published (Perez et al. 2015) or "
           "contact_plane (a plane at the contact's centroid)")
-      ->check(
-          CLI::IsMember({"surface", "surface_and_force", "stress", "published", "contact_plane"}));
+      ->check(CLI::IsMember(objective_names()));
   command->add_option("--duration-s", flags->duration_s, "end after this time, s");
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] { evaluate_scene(*flags); });

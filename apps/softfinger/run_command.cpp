@@ -120,9 +120,10 @@ void add_run_command(CLI::App& app) {
                    "tracker instead of the scene's: script or csv:FILE; NAME=SPEC for one of "
                    "several fingers")
       ->allow_extra_args(false);
-  command->add_option("--wearer", flags->wearer,
-                      "finger file of whom an emulated force sensor feels; the simulated finger "
-                      "where not given");
+  command->add_option(
+      "--wearer", flags->wearer,
+      "finger file of whom an emulated force sensor, and the page's twin, are on; the "
+      "simulated finger where not given");
   command->add_option("--record", flags->recording, "record into this new file");
   command->add_flag("--record-state", options.record_state,
                     "record all nodes and samples of every step as well");

@@ -435,5 +435,31 @@ TEST(BadInput, ADeviceInsideTheBoneIsRefused) {
   expect_refused(run, {"thimble-3rrs.toml:" + std::to_string(line), "home", "bone", "index.toml"});
 }
 
+TEST(BadInput, AForceLimitBelowWhatHomePressesIsRefused) {
+  const Workplace place;
+  const std::string device = "devices/thimble-3rrs.toml";
+  place.replace_line(device, "travel_mm = 0.0", "travel_mm = 5.0");
+  const int line = place.replace_line(device, "max_force_N", "max_force_N = 0.05");
+  expect_refused(
+      {"run", place.path("scenes/plane.toml"), "--headless", "--as-fast-as-possible"},
+      {"thimble-3rrs.toml:" + std::to_string(line), "limits.max_force_N", "0.05", "[home]"});
+}
+
+TEST(BadInput, ForceOfADeviceThatNothingAdvances) {
+  const Workplace place;
+  const std::string device = "devices/five-bar.toml";
+  // By its servos, of which neither leads it to the finger.
+  place.replace_line(device, "x_mm =", "first_deg = { joint = \"distal_servo\" }");
+  place.replace_line(device, "z_mm = {", "second_deg = { joint = \"proximal_servo\" }");
+  place.replace_line(device, "z_mm = -3.0", "");
+  const std::vector<std::string> run{"run",        place.path("scenes/plane.toml"),
+                                     "--device",   place.path(device),
+                                     "--headless", "--as-fast-as-possible"};
+  expect_refused(run, {"five-bar.toml:", "limits.max_force_N", "leave it out"});
+  place.replace_line(device, "max_force_N", "");
+  place.write(device, place.read(device) + "\n[force_sensor]\nkind = \"emulator\"\n");
+  expect_refused(run, {"five-bar.toml:", "force_sensor.kind", "leave the table out"});
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -87,6 +87,20 @@ ContactSet virtual_contact(const std::shared_ptr<const FingerModel>& model,
   return simulation.contact();
 }
 
+Configuration surface_match(const std::shared_ptr<const Device>& device,
+                            const ContactSet& contact) {
+  std::vector<Vector3> points;
+  std::vector<std::uint8_t> in_contact;
+  std::vector<double> gaps;
+  for (const ContactSample& sample : contact.samples) {
+    points.push_back(sample.position_F);
+    in_contact.push_back(sample.in_contact ? 1 : 0);
+    gaps.push_back(sample.gap);
+  }
+  ContactSurfaceMatching matching(device, static_cast<int>(points.size()));
+  return matching.solve({points, in_contact, {}, gaps}, {}).configuration;
+}
+
 struct Outcome {
   std::vector<double> errors;
   int unreachable = 0, unconverged = 0;
@@ -105,21 +119,11 @@ Outcome render_poses(const std::string& finger, int count) {
   int number = 0;
   for (const PressedPose& pose : pressed_poses(count)) {
     const ContactSet contact = virtual_contact(model, pose);
-    std::vector<Vector3> points;
-    std::vector<std::uint8_t> in_contact;
-    std::vector<double> gaps;
-    for (const ContactSample& sample : contact.samples) {
-      points.push_back(sample.position_F);
-      in_contact.push_back(sample.in_contact ? 1 : 0);
-      gaps.push_back(sample.gap);
-    }
-    ContactSurfaceMatching surface(device, samples);
-    const MatchingResult start = surface.solve({points, in_contact, {}, gaps}, {});
+    const Configuration start = surface_match(device, contact);
     ForceAwareMatching force(model, device, samples);
     Configuration q;
     for (int frame = 0; frame < 5; ++frame) {
-      q = force.match(contact, start.configuration, contact.friction_coefficient, 1.0 / 30.0, {})
-              .configuration;
+      q = force.match(contact, start, contact.friction_coefficient, 1.0 / 30.0, {}).configuration;
     }
     Twin judge(model, device);
     if (!judge.press(q, contact.friction_coefficient, 0.0).converged) ++outcome.unconverged;
@@ -183,21 +187,10 @@ std::pair<double, double> errors_on_a_sphere(const ForceAwareOptions& options) {
   std::vector<Vector3> nodes_F(model->mesh.nodes.size());
   transform(simulation.bone_pose().inverse(), simulation.positions(), nodes_F);
 
-  std::vector<Vector3> points;
-  std::vector<std::uint8_t> in_contact;
-  std::vector<double> gaps;
-  for (const ContactSample& sample : contact.samples) {
-    points.push_back(sample.position_F);
-    in_contact.push_back(sample.in_contact ? 1 : 0);
-    gaps.push_back(sample.gap);
-  }
-  const auto samples = static_cast<int>(points.size());
-  ContactSurfaceMatching surface(device, samples);
-  const MatchingResult start = surface.solve({points, in_contact, {}, gaps}, {});
-  ForceAwareMatching matching(model, device, samples, options);
+  const Configuration start = surface_match(device, contact);
+  ForceAwareMatching matching(model, device, static_cast<int>(contact.samples.size()), options);
   for (int frame = 0; frame < 8; ++frame) {
-    matching.match(contact, start.configuration, contact.friction_coefficient, 1.0 / 30.0, {},
-                   nodes_F);
+    matching.match(contact, start, contact.friction_coefficient, 1.0 / 30.0, {}, nodes_F);
   }
   ElementLoads loads(model);
   std::vector<Stress> wanted(loads.size());

@@ -65,6 +65,17 @@ std::shared_ptr<const TravelCeiling> ceiling_of(const SceneFinger& finger, const
   }
 }
 
+/// A measured force corrects how far the device is advanced.
+void check_force_sensor(const fs::path& device_file, const Device& device) {
+  if (!device.settings().force_sensor || device.advances()) return;
+  ConfigFile(device_file)
+      .root()
+      .table("force_sensor")
+      .fail("kind",
+            "corrects nothing, no axis of this device moves its whole surface towards the finger; "
+            "leave the table out");
+}
+
 void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
   if (wearer.mesh.tetrahedra == model.mesh.tetrahedra &&
       wearer.sample_nodes == model.sample_nodes && wearer.node_is_rigid == model.node_is_rigid) {
@@ -117,7 +128,10 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   for (const SceneFinger& finger : scene.fingers) {
     setup->models.push_back(FingerModel::load(finger.model));
     setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);
-    if (finger.device) check_mount(*finger.device, *setup->devices.back(), *setup->models.back());
+    if (finger.device) {
+      check_mount(*finger.device, *setup->devices.back(), *setup->models.back());
+      check_force_sensor(*finger.device, *setup->devices.back());
+    }
     setup->ceilings.push_back(ceiling_of(finger, *setup->models.back(), setup->devices.back()));
   }
   if (options.wearer) {
