@@ -451,7 +451,8 @@ TEST(BadInput, ForceOfADeviceThatNothingAdvances) {
   // By its servos, of which neither leads it to the finger.
   place.replace_line(device, "x_mm =", "first_deg = { joint = \"distal_servo\" }");
   place.replace_line(device, "z_mm = {", "second_deg = { joint = \"proximal_servo\" }");
-  place.replace_line(device, "z_mm = -3.0", "");
+  const std::string rest = "first_deg = 59.2\nsecond_deg = 59.2\n";
+  place.replace_line(device, "z_mm = -3.0", rest + "[home]\n" + rest);
   const std::vector<std::string> run{"run",        place.path("scenes/plane.toml"),
                                      "--device",   place.path(device),
                                      "--headless", "--as-fast-as-possible"};
