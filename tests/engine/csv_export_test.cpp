@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes_without_force_limit.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/live_session.hpp"
 #include "temporary_directory.hpp"
@@ -45,9 +46,10 @@ Table read(const fs::path& file) {
 }
 
 TEST(CsvExport, WritesEveryTableSortedWithUnits) {
+  const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
   RunOptions options;
-  options.scene = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes" / "sphere.toml";
+  options.scene = scenes.scene("sphere");
   options.duration = 1.2;
   options.as_fast_as_possible = true;
   options.recording = directory / "run.db";

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "scenes_without_force_limit.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/engine/live_session.hpp"
@@ -84,7 +85,7 @@ class LiveTwinSeen : public testing::Test {
   template <typename Wanted>
   Snapshot::Finger first(bool twin, const Wanted& wanted) {
     RunOptions options;
-    options.scene = kProject / "scenes/sphere.toml";
+    options.scene = scenes_.scene("sphere");
     options.port = "emulator";
     options.twin = twin;
     LiveSession session(options, true);
@@ -105,6 +106,7 @@ class LiveTwinSeen : public testing::Test {
     viewer.join();
     return found;
   }
+  ScenesWithoutForceLimit scenes_;
   bool described_ = false;  ///< to the page
 };
 

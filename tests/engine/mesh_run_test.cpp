@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include "scenes_without_force_limit.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/live_session.hpp"
 #include "softfinger/engine/recording_reader.hpp"
@@ -31,7 +32,7 @@ class MeshRun : public testing::Test {
     // A coarse grid, which is built in a moment.
     replace("shape = \"mesh\"", "shape = \"mesh\"\nedge_rounding_mm = 2.0");
     replace("../fingers", (kSource / "fingers").string());
-    replace("../devices", (kSource / "devices").string());
+    replace("../devices/thimble-3rrs.toml", scenes_.device("thimble-3rrs").string());
     std::ofstream(directory_ / "scene.toml") << text;
     RunOptions options;
     options.scene = directory_ / "scene.toml";
@@ -42,6 +43,7 @@ class MeshRun : public testing::Test {
     summary_ = run_headless(options, stop);
   }
 
+  ScenesWithoutForceLimit scenes_;
   TemporaryDirectory directory_;
   RunSummary summary_;
 };

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "scenes_without_force_limit.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/csv_export.hpp"
 #include "softfinger/engine/live_session.hpp"
@@ -17,7 +18,6 @@ namespace softfinger {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kScenes = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes";
 
 RunSummary record(const fs::path& scene, const fs::path& file, double duration,
                   std::vector<std::string> trackers = {}, int threads = 1) {
@@ -41,8 +41,9 @@ std::vector<TickRecord> ticks_of(const fs::path& file) {
 }
 
 TEST(Run, HeadlessTicksOnSimulatedTime) {
+  const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
-  const RunSummary summary = record(kScenes / "sphere.toml", directory / "run.db", 1.0);
+  const RunSummary summary = record(scenes.scene("sphere"), directory / "run.db", 1.0);
   EXPECT_EQ(summary.steps, 1000);
   EXPECT_FALSE(summary.deadline_misses.has_value());
   EXPECT_EQ(summary.all.step_cpu_time.count(), 1000u);
@@ -74,15 +75,17 @@ int steps_alike(const fs::path& one, const fs::path& other) {
 }
 
 TEST(Run, TwoRunsHaveTheSameBits) {
+  const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
-  record(kScenes / "edge.toml", directory / "a.db", 2.0);
-  record(kScenes / "edge.toml", directory / "b.db", 2.0);
+  record(scenes.scene("edge"), directory / "a.db", 2.0);
+  record(scenes.scene("edge"), directory / "b.db", 2.0);
   EXPECT_EQ(steps_alike(directory / "a.db", directory / "b.db"), 2001);
 }
 
 TEST(Run, EveryStepConvergesAndForcesStayInBounds) {
+  const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
-  const RunSummary summary = record(kScenes / "sphere.toml", directory / "run.db", 3.0);
+  const RunSummary summary = record(scenes.scene("sphere"), directory / "run.db", 3.0);
   EXPECT_EQ(summary.all.unconverged_steps, 0u);
   EXPECT_GT(summary.all.max_normal_force, 0.1);
   EXPECT_LT(summary.all.max_normal_force, 30.0);
@@ -91,10 +94,14 @@ TEST(Run, EveryStepConvergesAndForcesStayInBounds) {
 class Replay : public testing::Test {
  protected:
   static void SetUpTestSuite() {
+    scenes_ = std::make_unique<ScenesWithoutForceLimit>();
     directory_ = std::make_unique<TemporaryDirectory>();
-    record(kScenes / "sphere.toml", *directory_ / "original.db", 2.0);
+    record(scenes_->scene("sphere"), *directory_ / "original.db", 2.0);
   }
-  static void TearDownTestSuite() { directory_.reset(); }
+  static void TearDownTestSuite() {
+    directory_.reset();
+    scenes_.reset();
+  }
 
   void SetUp() override {
     fs::remove(file_);
@@ -105,9 +112,11 @@ class Replay : public testing::Test {
     database.execute(sql);
   }
 
+  static std::unique_ptr<ScenesWithoutForceLimit> scenes_;
   static std::unique_ptr<TemporaryDirectory> directory_;
   fs::path file_ = *directory_ / "copy.db";
 };
+std::unique_ptr<ScenesWithoutForceLimit> Replay::scenes_;
 std::unique_ptr<TemporaryDirectory> Replay::directory_;
 
 TEST_F(Replay, Agrees) {
@@ -118,11 +127,11 @@ TEST_F(Replay, Agrees) {
 }
 
 TEST_F(Replay, AgreesWithTheSceneItself) {
-  EXPECT_TRUE(replay({.recording = file_, .scene = kScenes / "sphere.toml"}).agree);
+  EXPECT_TRUE(replay({.recording = file_, .scene = scenes_->scene("sphere")}).agree);
 }
 
 TEST_F(Replay, FindsAnotherScene) {
-  const ReplayResult result = replay({.recording = file_, .scene = kScenes / "plane.toml"});
+  const ReplayResult result = replay({.recording = file_, .scene = scenes_->scene("plane")});
   EXPECT_FALSE(result.agree);
 }
 
@@ -159,9 +168,10 @@ TEST_F(Replay, NeedsNoFileButTheRecording) {
 }
 
 TEST(LiveRun, ReplaysToTheBit) {
+  const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
   RunOptions options;
-  options.scene = kScenes / "sphere.toml";
+  options.scene = scenes.scene("sphere");
   options.duration = 2.5;
   options.recording = directory / "live.db";
   LiveSession session(options, false);
@@ -175,9 +185,10 @@ TEST(LiveRun, ReplaysToTheBit) {
 }
 
 TEST(LiveRun, PausesRestartsAndChangesScene) {
+  const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
   RunOptions options;
-  options.scene = kScenes / "sphere.toml";
+  options.scene = scenes.scene("sphere");
   options.recording = directory / "live.db";
   LiveSession session(options, false);
   EXPECT_THAT(session.description()->scene_names,
@@ -219,6 +230,7 @@ TEST(LiveRun, PausesRestartsAndChangesScene) {
 }
 
 TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
+  const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
   {
     std::ofstream csv(directory / "poses.csv");
@@ -228,7 +240,7 @@ TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
       csv << i / 100.0 << ",-3,0,45,1,0,0,0\n";
     }
   }
-  record(kScenes / "sphere.toml", directory / "run.db", 3.0,
+  record(scenes.scene("sphere"), directory / "run.db", 3.0,
          {"csv:" + (directory / "poses.csv").string()});
   bool held = false, retracted = false, resumed = false;
   for (const TickRecord& tick : ticks_of(directory / "run.db")) {
@@ -249,14 +261,14 @@ TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
 class SceneOfItsOwn : public testing::Test {
  protected:
   /// One finger a name, side by side above a plane; no device where the path is empty.
-  fs::path write_scene(const std::vector<std::string>& names, const std::string& device) {
+  fs::path write_scene(const std::vector<std::string>& names, const fs::path& device) {
     const fs::path root(SOFTFINGER_SOURCE_DIR);
     std::ofstream scene(directory_ / "scene.toml");
     double y = 0.0;
     for (const std::string& name : names) {
       scene << "[[finger]]\nname = \"" << name << "\"\nmodel = \""
             << (root / "fingers/index.toml").string() << "\"\n";
-      if (!device.empty()) scene << "device = \"" << (root / device).string() << "\"\n";
+      if (!device.empty()) scene << "device = \"" << device.string() << "\"\n";
       scene << "tracker = \"script\"\n";
       for (const auto& [time, z] : {std::pair{0.0, 12.0}, std::pair{0.5, 6.0}}) {
         scene << "[[finger.waypoint]]\ntime_s = " << time << "\nposition_mm = [0.0, " << y << ", "
@@ -267,11 +279,21 @@ class SceneOfItsOwn : public testing::Test {
     scene << "[[object]]\nname = \"ground\"\nshape = \"plane\"\n";
     return directory_ / "scene.toml";
   }
+  /// The thimble's file with another objective and more text at its end.
+  [[nodiscard]] static std::string thimble_file(const fs::path& file, const std::string& objective,
+                                                const std::string& more) {
+    std::ifstream in(file);
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::string plain = "objective = \"surface\"";
+    text.replace(text.find(plain), plain.size(), "objective = \"" + objective + "\"");
+    return text + more;
+  }
+  ScenesWithoutForceLimit scenes_;
   TemporaryDirectory directory_;
 };
 
 TEST_F(SceneOfItsOwn, SeveralFingersHaveEachTheirDevice) {
-  const fs::path scene = write_scene({"thumb", "index"}, "devices/thimble-3rrs.toml");
+  const fs::path scene = write_scene({"thumb", "index"}, scenes_.device("thimble-3rrs"));
   const RunSummary summary = record(scene, directory_ / "run.db", 0.6);
   ASSERT_EQ(summary.fingers.size(), 2u);
   EXPECT_EQ(summary.fingers[1].first, "index");
@@ -289,7 +311,7 @@ TEST_F(SceneOfItsOwn, SeveralFingersHaveEachTheirDevice) {
 }
 
 TEST_F(SceneOfItsOwn, FingersSideBySideHaveTheSameBits) {
-  const fs::path scene = write_scene({"thumb", "index", "middle"}, "devices/thimble-3rrs.toml");
+  const fs::path scene = write_scene({"thumb", "index", "middle"}, scenes_.device("thimble-3rrs"));
   record(scene, directory_ / "alone.db", 0.6);
   record(scene, directory_ / "shared.db", 0.6, {}, 2);
   EXPECT_EQ(steps_alike(directory_ / "alone.db", directory_ / "shared.db"), 3 * 601);
@@ -304,19 +326,10 @@ TEST_F(SceneOfItsOwn, FingerWithoutDeviceRuns) {
   export_csv(directory_ / "run.db", directory_ / "csv");
 }
 
-/// The thimble's file with another objective and more text at its end.
-std::string thimble_file(const std::string& objective, const std::string& more) {
-  std::ifstream in(fs::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml");
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  const std::string plain = "objective = \"surface\"";
-  text.replace(text.find(plain), plain.size(), "objective = \"" + objective + "\"");
-  return text + more;
-}
-
 TEST_F(SceneOfItsOwn, ForceAwareMatchingReplaysToTheBit) {
   const fs::path device = directory_ / "device.toml";
   for (const std::string objective : {"surface_and_force", "stress"}) {
-    std::ofstream(device) << thimble_file(objective, "");
+    std::ofstream(device) << thimble_file(scenes_.device("thimble-3rrs"), objective, "");
     const fs::path recording = directory_ / (objective + ".db").c_str();
     const RunSummary summary = record(write_scene({"index"}, device), recording, 0.6);
     EXPECT_GT(summary.all.max_normal_force, 0.1);
@@ -327,7 +340,7 @@ TEST_F(SceneOfItsOwn, ForceAwareMatchingReplaysToTheBit) {
 
 TEST_F(SceneOfItsOwn, MeasuredForceReplaysToTheBit) {
   const fs::path device = directory_ / "device.toml";
-  std::ofstream(device) << thimble_file("surface",
+  std::ofstream(device) << thimble_file(scenes_.device("thimble-3rrs"), "surface",
                                         "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = 0.02\n");
   const fs::path recording = directory_ / "run.db";
   record(write_scene({"index"}, device), recording, 1.2);
@@ -343,7 +356,8 @@ TEST_F(SceneOfItsOwn, MeasuredForceReplaysToTheBit) {
 
 TEST_F(SceneOfItsOwn, ForceLimitGoesWithEveryCommand) {
   const fs::path device = directory_ / "device.toml";
-  std::string text = thimble_file("surface", "");
+  std::string text =
+      thimble_file(fs::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml", "surface", "");
   const std::string plain = "max_force_N = 4.7";
   ASSERT_NE(text.find(plain), std::string::npos);
   text.replace(text.find(plain), plain.size(), "max_force_N = 0.3");
@@ -371,8 +385,9 @@ TEST_F(SceneOfItsOwn, RecordingIsNotCreatedBeforeTheRunStarts) {
 }
 
 TEST(Run, NamesBelongToSeveralFingers) {
+  const ScenesWithoutForceLimit scenes;
   RunOptions options;
-  options.scene = kScenes / "sphere.toml";
+  options.scene = scenes.scene("sphere");
   options.trackers = {"index=csv:/no/such/file.csv"};
   const std::atomic<bool> stop{false};
   EXPECT_THROW(run_headless(options, stop), InputError);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "scenes_without_force_limit.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 
@@ -19,8 +20,8 @@ class EveryDevice : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     RunOptions options;
-    options.scene = kShipped / "scenes/edge.toml";
-    options.devices = {(kShipped / "devices" / (GetParam() + ".toml")).string()};
+    options.scene = scenes_.scene("edge");
+    options.devices = {scenes_.device(GetParam()).string()};
     options.port = "emulator";
     setup_ = load_setup(options);
     DeviceLoopOptions device_options;
@@ -30,6 +31,7 @@ class EveryDevice : public testing::TestWithParam<std::string> {
   }
   [[nodiscard]] const Device& device() const { return *setup_->devices[0]; }
 
+  ScenesWithoutForceLimit scenes_;
   std::shared_ptr<const RunSetup> setup_;
   std::unique_ptr<DeviceLoop> loop_;
 };

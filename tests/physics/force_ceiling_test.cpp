@@ -61,10 +61,10 @@ TEST_P(ForceCeilingOf, KeepsAStifferWearerBelowTheLimit) {
   const double limit = GetParam().force;
   const TravelCeiling ceiling = force_ceiling(*model, device, limit);
   Twin twin(stiffer(*model, kStiffestWearer), device);
-  std::mt19937 random(6);
+  std::mt19937 random(7);
   double highest = 0.0;
   int lowered = 0;
-  const int poses = device->degrees_of_freedom() > 6 ? 15 : 150;  // many pins take long
+  const int poses = device->degrees_of_freedom() > 6 ? 15 : 400;  // many pins take long
   for (int k = 0; k < poses; ++k) {
     Configuration q = random_configuration(random);
     if (ceiling.excess(q) > 0.0) ++lowered;

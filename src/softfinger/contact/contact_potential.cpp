@@ -11,6 +11,9 @@ namespace {
 constexpr double kSteepest = 1.5;
 /// Points further than this from an obstacle's box are passed over, m.
 constexpr double kAround = 5e-4;
+/// What is left of the friction limit of a point that came off, so that it is known to have
+/// touched, N.
+constexpr double kLeastLimit = 1e-12;
 
 /// An interpolated distance has no gradient of unit length near its edges. Where it has none at all
 /// any direction is as good.
@@ -315,8 +318,8 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
       if (anchor.limit <= 0.0) continue;  // it touches for the first time: no history to slide from
       const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       change = std::max(change, std::abs(limit - anchor.limit));
+      anchor.limit = std::max(limit, kLeastLimit);
       if (limit <= 0.0) continue;
-      anchor.limit = limit;
       anchor.normal_O = obstacle.X_WO.rotation.transpose() * unit(pair.gradient);
     }
   }

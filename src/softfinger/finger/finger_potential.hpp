@@ -58,6 +58,8 @@ class FingerPotential {
   void forget_features() { features_.clear(); }
   /// Forgets the factor and the warm starts: the next minimisation does not depend on earlier ones.
   void forget();
+  /// Forgets the warm starts of contact alone: obstacles may be others, or have jumped.
+  void forget_sightings() { contact_.forget(); }
   /// Leaves the strain limits out, or in again, and evaluates the current point anew.
   void limit_strain(bool limited);
   /// Whether an element is inside out at the last evaluation.

@@ -20,10 +20,15 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 /// The device cannot press that hard anywhere.
 constexpr double kNoLimit = 1.0;  // m
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Values per grid axis, by the number of axes: some hundred nodes and centres at most.
-constexpr std::array<int, TravelCeiling::kMostAxes + 1> kGridCounts = {1, 9, 5, 3, 3, 2, 2};
-/// The table is made for this part of the limit, for what happens between its nodes.
-constexpr double kReserve = 0.95;
+/// Values per grid axis, by the number of axes: of angles, and the most of lengths, between which
+/// there are kSpacing as far as that. A tip that is moved aside goes around the bone.
+constexpr std::array<int, TravelCeiling::kMostAxes + 1> kAngles = {1, 9, 5, 3, 3, 2, 2};
+constexpr std::array<int, TravelCeiling::kMostAxes + 1> kMostLengths = {1, 33, 17, 3, 3, 2, 2};
+constexpr double kSpacing = 1.0 * mm;
+/// The table is made for this part of the limit, for what happens between its nodes; where a tip is
+/// moved aside, forces change more from node to node.
+constexpr double kReserve = 0.93;
+constexpr double kReserveAside = 0.75;
 constexpr int kProbes = 40;                 // of how far an axis goes
 constexpr double kFarthest = 20.0 * mm;     // of surface motion from home that is looked at
 constexpr double kMarch = 0.5 * mm;         // of advance between two presses
@@ -36,6 +41,29 @@ std::shared_ptr<const FingerModel> stiffest(const FingerModel& model) {
   }
   wearer->strain_limits.stiffness *= kStiffestWearer;
   return wearer;
+}
+
+/// Points of the resting skin, close enough to each other that a small tip meets it between them no
+/// deeper than at them: corners of its triangles, middles of their sides, and their centroids.
+std::vector<Vector3> points_of_skin(const FingerModel& model) {
+  std::vector<Vector3> points;
+  for (const int node : model.sample_nodes) {
+    points.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
+  }
+  for (const std::array<int, 3>& triangle : model.skin_triangles) {
+    const auto corner = [&](std::size_t c) {
+      return points[static_cast<std::size_t>(triangle[c % 3])];
+    };
+    const Vector3 centroid = (corner(0) + corner(1) + corner(2)) / 3.0;
+    points.push_back(centroid);
+    for (std::size_t c = 0; c < 3; ++c) {
+      // Each side once, from its corner of lower index; those of the rim may miss.
+      if (triangle[c] < triangle[(c + 1) % 3]) {
+        points.push_back(0.5 * (corner(c) + corner(c + 1)));
+      }
+    }
+  }
+  return points;
 }
 
 /// The one number that says how far a device is advanced.
@@ -111,50 +139,73 @@ Span reach_span(const Device& device, const Advance& advance, int k) {
   return span;
 }
 
+/// The twin's normal force with the device advanced, and its derivative by the advance, N and N by
+/// m or rad.
+struct Pressing {
+  double force = 0.0;
+  double rate = 0.0;
+};
+
+Pressing press(Twin& twin, const Advance& advance, const Configuration& q) {
+  twin.begin_frame(0.0, 0.0);
+  twin.attempt(q);
+  Pressing pressing{twin.contact().normal_force, 0.0};
+  Vector3 force;
+  SurfaceJacobian by_q;
+  if (pressing.force > 0.0 && twin.force_and_derivative(force, by_q)) {
+    Configuration ahead = Configuration::Zero(q.size());
+    advance.set(1.0, ahead);
+    pressing.rate = force.normalized().dot(by_q * ahead);
+  }
+  return pressing;
+}
+
 /// The advance at which the twin feels `max_force`, for the other components as in q; missing where
 /// it feels that nowhere. The device comes from afar, in steps that its solid cannot jump the skin
 /// by.
 double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Span& span,
                   double max_force) {
   twin.reset();
-  const auto excess_at = [&](double value) {
+  const double tolerance = kAdvanceTolerance / advance.metric;
+  const double longest = kMarch / advance.metric;
+  double low = -kInfinity;  // presses with no more than max_force, and does further off
+  double high = kInfinity;  // presses with more
+  double value = span.min;
+  while (true) {
     advance.set(value, q);
-    twin.begin_frame(0.0, 0.0);
-    twin.attempt(q);
-    return twin.contact().normal_force - max_force;
-  };
-  double low = span.min;
-  double low_excess = 0.0;
-  double high = span.min;
-  double high_excess = excess_at(high);
-  if (high_excess > 0.0) return span.min;
-  while (high_excess <= 0.0 && high < span.max) {
-    low = high;
-    low_excess = high_excess;
-    // As far as there is room nothing is pressed.
-    const double gap = twin.contact().least_gap;
-    const double step = std::max(kMarch, std::isfinite(gap) ? gap : 0.0) / advance.metric;
-    high = std::min(high + step, span.max);
-    high_excess = excess_at(high);
-  }
-  if (high_excess <= 0.0) return kMissing;
-  // Regula falsi with halved weights (Illinois); the lower end is the answer.
-  while ((high - low) * advance.metric > kAdvanceTolerance) {
-    double middle = (low * high_excess - high * low_excess) / (high_excess - low_excess);
-    const double edge = 0.4 * kAdvanceTolerance / advance.metric;
-    middle = std::clamp(middle, low + edge, high - edge);
-    const double excess = excess_at(middle);
-    if (excess > 0.0) {
-      high = middle;
-      high_excess = excess;
-      low_excess *= 0.5;
+    const Pressing pressing = press(twin, advance, q);
+    if (pressing.force > max_force) {
+      high = value;
+      if (value == span.min) return span.min;
     } else {
-      low = middle;
-      low_excess = excess;
-      high_excess *= 0.5;
+      low = value;
+      if (value == span.max) return kMissing;
     }
+    if (high - low <= tolerance) return low;
+    // Of a round body in contact the root of the force is nearly straight.
+    const double root = std::sqrt(pressing.force);
+    double step = 2.0 * root * (std::sqrt(max_force) - root) / pressing.rate;
+    if (pressing.force <= 0.0) {
+      // As far as there is room nothing is pressed.
+      const double gap = twin.contact().least_gap;
+      step = std::max(longest, std::isfinite(gap) ? gap / advance.metric : 0.0);
+    } else if (!(pressing.rate > 0.0)) {
+      step = longest;
+    } else if (std::abs(step) <= tolerance) {
+      return std::min(value + step, span.max);
+    } else {
+      step = std::min(step, longest);
+    }
+    value = std::min(value + step, span.max);
+    if (!(value > low && value < high)) value = std::isfinite(high) ? 0.5 * (low + high) : span.max;
   }
-  return low;
+}
+
+int grid_count(const Device& device, int k, const Span& span, int axes) {
+  const auto number = static_cast<std::size_t>(axes);
+  if (device.axes()[static_cast<std::size_t>(k)].unit == deg) return kAngles[number];
+  const int spaces = static_cast<int>(std::ceil((span.max - span.min) / kSpacing));
+  return std::clamp(1 + spaces, 2, kMostLengths[number]);
 }
 
 std::vector<TravelCeiling::GridAxis> grid_axes(const Device& device, const Advance& advance) {
@@ -171,7 +222,7 @@ std::vector<TravelCeiling::GridAxis> grid_axes(const Device& device, const Advan
     if (k == advance.axis) continue;
     const Span span = reach_span(device, advance, k);
     if (!(span.max > span.min)) continue;
-    axes.push_back({k, span.min, span.max, kGridCounts[static_cast<std::size_t>(others)]});
+    axes.push_back({k, span.min, span.max, grid_count(device, k, span, others)});
   }
   return axes;
 }
@@ -303,11 +354,11 @@ TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<cons
   const std::shared_ptr<const FingerModel> wearer = stiffest(model);
   const std::vector<TravelCeiling::GridAxis> axes = grid_axes(*device, advance);
   const Grid nodes(axes, false);
-  const double force = kReserve * max_force;
-  std::vector<Vector3> rest_skin;
-  for (const int node : model.sample_nodes) {
-    rest_skin.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
-  }
+  const bool aside = std::any_of(axes.begin(), axes.end(), [&](const auto& axis) {
+    return device->axes()[static_cast<std::size_t>(axis.axis)].unit != deg;
+  });
+  const double force = (aside ? kReserveAside : kReserve) * max_force;
+  const std::vector<Vector3> rest_skin = points_of_skin(model);
   const TravelCeiling skin(device, rest_skin, {}, {kNoLimit});
   std::vector<double> values = depths(nodes, wearer, device, advance, skin, force);
   fill_missing(nodes, values);

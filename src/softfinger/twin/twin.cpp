@@ -65,6 +65,7 @@ struct Twin::Implementation {
   double elapsed = 0.0;
   Configuration q;
   std::vector<Vector3> positions;
+  std::vector<Vector3> foreseen;
   std::vector<FrictionAnchor> anchors;
   ContactSet contact;
   std::vector<std::vector<double>> shifts;  ///< of the unknowns, by each component of q
@@ -73,11 +74,14 @@ struct Twin::Implementation {
     ContactPotential::PairResponse response;
   };
   std::vector<TouchingPair> touching;  ///< at the last attempt
+  bool shifts_known = false;           ///< at the last attempt
 
   void reset();
   void place();
   void begin(std::span<const Vector3> old_positions);
   TwinSummary attempt(const Configuration& at);
+  void foresee(const Configuration& at);
+  void start(bool was_foreseen);
   void keep();
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
   void find_touching();
@@ -93,6 +97,8 @@ void Twin::Implementation::reset() {
   forget(history);
   potential.forget();
   potential.forget_features();
+  foreseen = positions;
+  shifts_known = false;
   friction_coefficient = 0.0;
   elapsed = 0.0;
   q = device->home();
@@ -124,27 +130,47 @@ void Twin::Implementation::begin(std::span<const Vector3> old_positions) {
   potential.begin(step);
 }
 
+/// Moves the skin on as its equilibrium does from the last attempt to the device at `at`.
+void Twin::Implementation::foresee(const Configuration& at) {
+  foreseen = positions;
+  for (std::size_t n = 0; n < foreseen.size(); ++n) {
+    for (int k = 0; k < device->degrees_of_freedom(); ++k) {
+      foreseen[n] += (at[k] - q[k]) * node_motion(n, k);
+    }
+  }
+}
+
+/// Evaluates where the skin is or, if its energy is less there, where it is foreseen.
+void Twin::Implementation::start(bool was_foreseen) {
+  potential.start_from(positions, Pose{});
+  if (!was_foreseen) return;
+  const double energy = potential.energy();
+  potential.start_from(foreseen, Pose{});
+  if (!(potential.energy() < energy)) potential.start_from(positions, Pose{});
+}
+
 TwinSummary Twin::Implementation::attempt(const Configuration& at) {
+  const bool was_foreseen = shifts_known;
+  if (was_foreseen) foresee(at);
+  shifts_known = false;
   q = at;
-  // A piece may have changed its shape, and what is known of the last must not tell.
-  potential.forget();
+  // A piece may have changed its shape.
+  potential.forget_sightings();
   place();
   NewtonOptions newton;
   newton.tolerance = kTolerance;
   newton.max_iterations = kIterations;
   TwinSummary summary;
-  for (int look = 0; look < kLooks; ++look) {
-    begin(look == 0 ? kept_positions : positions);
-    for (int pass = 0; pass < kFrictionPasses; ++pass) {
-      potential.start_from(pass == 0 ? std::span<const Vector3>(positions) : potential.positions(),
-                           Pose{});
-      const NewtonSummary solved = untangle_and_minimise(potential, newton);
-      summary.iterations += solved.iterations;
-      summary.converged = solved.converged;
-      potential.settle();
-      if (potential.contact().update_limits(anchors) < kFrictionTolerance) break;
-    }
+  for (int pass = 0; pass < kFrictionPasses; ++pass) {
+    if (pass < kLooks) begin(pass == 0 ? kept_positions : positions);
+    start(pass == 0 && was_foreseen);
+    const NewtonSummary solved = untangle_and_minimise(potential, newton);
+    summary.iterations += solved.iterations;
+    summary.converged = solved.converged;
+    potential.settle();
     std::copy(potential.positions().begin(), potential.positions().end(), positions.begin());
+    const double change = potential.contact().update_limits(anchors);
+    if (pass + 1 >= kLooks && change < kFrictionTolerance) break;
   }
   report_contact(*wearer, potential, contact);
   return summary;
@@ -252,6 +278,7 @@ bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian&
     by_q.col(k) = magnitude_rate * direction +
                   magnitude / length * (sum_rate - direction * direction.dot(sum_rate));
   }
+  shifts_known = true;
   return true;
 }
 
