@@ -33,6 +33,8 @@ struct RunFlags {
   bool no_twin = false;
   bool json = false;
   std::uint16_t port = 8080;
+  std::string listen = "127.0.0.1";
+  std::string token;
 };
 
 void check(const RunFlags& flags) {
@@ -64,6 +66,8 @@ RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
   LiveSession session(flags.options, flags.repeat);
   ServerOptions server_options;
   server_options.port = flags.port;
+  server_options.address = flags.listen;
+  if (!flags.token.empty()) server_options.token = AccessToken::read(flags.token);
   const Server server(session, server_options);
   fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
   std::fflush(stdout);
@@ -117,7 +121,7 @@ void add_run_command(CLI::App& app) {
       ->allow_extra_args(false);
   command
       ->add_option("--tracker", options.trackers,
-                   "tracker instead of the scene's: script or csv:FILE; NAME=SPEC for one of "
+                   "tracker instead of the scene's: script, csv:FILE or page; NAME=SPEC for one of "
                    "several fingers")
       ->allow_extra_args(false);
   command->add_option(
@@ -127,6 +131,11 @@ void add_run_command(CLI::App& app) {
   command->add_option("--record", flags->recording, "record into this new file");
   command->add_flag("--record-state", options.record_state,
                     "record all nodes and samples of every step as well");
+  command->add_option("--listen", flags->listen,
+                      "address that the page is served at; others than this machine's need --token")
+      ->capture_default_str();
+  command->add_option("--token", flags->token,
+                      "file with a secret that visitors of the page must know");
   command->add_option("--port", flags->port, "port of the page; 0: any free one")
       ->capture_default_str();
   command->add_flag("--as-fast-as-possible", options.as_fast_as_possible,

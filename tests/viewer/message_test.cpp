@@ -28,6 +28,42 @@ TEST(PageRequest, ReadsEachKind) {
   EXPECT_EQ(scene->scene, "edge");
 }
 
+TEST(PageRequest, ReadsAPose) {
+  const auto request = parse_page_request(
+      R"({"request":"pose","finger":1,"position_mm":[1,-2.5,30],"quaternion":[0,0,0,1.001]})",
+      kScenes);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->kind, LiveRequest::Kind::kPose);
+  EXPECT_EQ(request->finger, 1u);
+  EXPECT_LT((request->X_WFt.translation - Vector3(1 * mm, -2.5 * mm, 30 * mm)).norm(), 1e-15);
+  const Matrix3 half_turn = Vector3(-1.0, -1.0, 1.0).asDiagonal();
+  EXPECT_LT((request->X_WFt.rotation - half_turn).norm(), 1e-12);
+}
+
+TEST(PageRequest, RefusesPosesThatAreNone) {
+  const auto refused = [](const std::string& finger, const std::string& position,
+                          const std::string& quaternion, const std::string& more = "") {
+    return !parse_page_request(R"({"request":"pose","finger":)" + finger + R"(,"position_mm":)" +
+                                   position + R"(,"quaternion":)" + quaternion + more + "}",
+                               kScenes);
+  };
+  const std::string somewhere = "[0,0,0]";
+  const std::string upright = "[1,0,0,0]";
+  ASSERT_FALSE(refused("0", somewhere, upright));
+  for (const char* finger : {"-1", "64", "0.5", "\"index\"", "null", "18446744073709551616"}) {
+    EXPECT_TRUE(refused(finger, somewhere, upright)) << finger;
+  }
+  for (const char* position : {"[0,0]", "[0,0,0,0]", "[0,0,\"1\"]", "[0,0,1e999]", "[0,0,1001]",
+                               "[0,-1e300,0]", "{}", "null", "7"}) {
+    EXPECT_TRUE(refused("0", position, upright)) << position;
+  }
+  for (const char* quaternion : {"[1,0,0]", "[0,0,0,0]", "[1.02,0,0,0]", "[1e308,1e308,0,0]",
+                                 "[1,0,0,null]", "[[1],0,0,0]"}) {
+    EXPECT_TRUE(refused("0", somewhere, quaternion)) << quaternion;
+  }
+  EXPECT_TRUE(refused("0", somewhere, upright, R"(,"more":1)"));
+}
+
 TEST(PageRequest, RefusesEverythingElse) {
   for (const char* message :
        {"", "pause", "{}", "[]", "null", R"("pause")", R"({"request":"stop"})", R"({"request":1})",

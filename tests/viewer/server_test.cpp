@@ -170,6 +170,42 @@ TEST_F(ServerTest, RequestsReachTheFeed) {
   EXPECT_EQ(requests[1].scene, "edge");
 }
 
+TEST_F(ServerTest, OnePageMovesFingersAtATime) {
+  const auto pose = [](int z) {
+    return R"({"request":"pose","finger":0,"position_mm":[0,0,)" + std::to_string(z) +
+           R"(],"quaternion":[1,0,0,0]})";
+  };
+  const auto wait_for = [this](std::size_t count) {
+    for (int i = 0; i < 1000 && feed.requests().size() < count; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return feed.requests();
+  };
+  RawClient second(server.port());
+  ASSERT_EQ(second.open_web_socket().status, 101);
+  {
+    RawClient first(server.port());
+    ASSERT_EQ(first.open_web_socket().status, 101);
+    first.send_frame(1, pose(1));
+    ASSERT_EQ(wait_for(1).size(), 1U);
+    second.send_frame(1, pose(2));
+    second.send_frame(1, R"({"request":"pause"})");
+    const auto requests = wait_for(2);
+    ASSERT_EQ(requests.size(), 2U);
+    EXPECT_DOUBLE_EQ(requests[0].X_WFt.translation.z(), 1e-3);
+    EXPECT_EQ(requests[1].kind, LiveRequest::Kind::kPause) << "no pose of the second page";
+  }
+  // The first is gone: whoever is there may.
+  std::vector<LiveRequest> requests;
+  for (int i = 0; i < 100 && requests.size() < 3; ++i) {
+    second.send_frame(1, pose(3));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    requests = feed.requests();
+  }
+  ASSERT_GE(requests.size(), 3U);
+  EXPECT_DOUBLE_EQ(requests.back().X_WFt.translation.z(), 3e-3);
+}
+
 TEST_F(ServerTest, OtherMessagesEndTheConnection) {
   const auto close_code_after = [this](int opcode, std::string_view payload) {
     RawClient client(server.port());

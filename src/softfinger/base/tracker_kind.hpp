@@ -6,9 +6,9 @@
 namespace softfinger {
 
 /// Where tracked poses may come from.
-enum class TrackerKind { kScript, kCsv };
+enum class TrackerKind { kScript, kCsv, kPage };
 
-/// A tracker as a scene file or `--tracker` names it: "script", "csv:FILE".
+/// A tracker as a scene file or `--tracker` names it: "script", "csv:FILE", "page".
 struct TrackerSpec {
   TrackerKind kind = TrackerKind::kScript;
   std::string file;  ///< kCsv: as written

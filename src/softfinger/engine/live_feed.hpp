@@ -34,7 +34,8 @@ struct SceneDescription {
     std::vector<Shape> pieces;  ///< of the device's solid, at home
     double cap_radius = 0.0;    ///< see Device
     WorkspaceOutline workspace;
-    bool twin = false;  ///< whether snapshots have one
+    bool twin = false;        ///< whether snapshots have one
+    bool moved_here = false;  ///< by the page: its tracker is "page"
   };
   std::uint64_t generation = 0;          ///< grows with each scene or restart
   std::string scene_name;                ///< file stem, e.g. "sphere"
@@ -100,9 +101,11 @@ struct Snapshot {
 
 /// What the page may ask of a live run.
 struct LiveRequest {
-  enum class Kind { kPause, kResume, kRestart, kScene };
+  enum class Kind { kPause, kResume, kRestart, kScene, kPose };
   Kind kind = Kind::kPause;
-  std::string scene;  ///< for kScene: one of SceneDescription::scene_names
+  std::string scene;       ///< for kScene: one of SceneDescription::scene_names
+  std::size_t finger = 0;  ///< for kPose: which of the scene's
+  Pose X_WFt;              ///< for kPose: where the person wants it
 };
 
 /// The live loop as the viewer sees it. Called from the viewer's one thread; never blocks the loop.

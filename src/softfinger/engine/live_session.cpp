@@ -130,6 +130,8 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& ob
           case LiveRequest::Kind::kScene:
             next = other_scene(request.scene, observer);
             break;
+          case LiveRequest::Kind::kPose:
+            break;  // went straight to the finger
         }
       }
       if (next) run_->stop();
@@ -179,6 +181,10 @@ bool LiveSession::refresh() {
 const Snapshot& LiveSession::latest() const { return viewed_->snapshots().latest(); }
 
 void LiveSession::request(const LiveRequest& request) {
+  if (request.kind == LiveRequest::Kind::kPose) {
+    viewed_->offer_pose(request.finger, request.X_WFt);
+    return;
+  }
   const std::lock_guard lock(mutex_);
   if (requests_.size() < kMostRequests) requests_.push_back(request);
 }

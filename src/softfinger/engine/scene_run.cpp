@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_priority.hpp"
 #include "softfinger/base/thread_team.hpp"
 #include "softfinger/engine/device_clock.hpp"
@@ -14,6 +15,7 @@
 #include "softfinger/engine/live_twin.hpp"
 #include "softfinger/engine/scene_snapshot.hpp"
 #include "softfinger/engine/step_pacer.hpp"
+#include "softfinger/tracking/page_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
@@ -59,6 +61,12 @@ struct SceneRun::Finger {
     const SceneFinger& scene_finger = setup.scene.fingers[i];
     tracker =
         make_tracker(scene_finger.tracker, setup.tracker_directories[i], scene_finger.waypoints);
+    page_tracker = dynamic_cast<PageTracker*>(tracker.get());
+    if (page_tracker != nullptr && mode == Mode::kHeadless) {
+      throw InputError(fmt::format(
+          "finger {}: tracker page is a person at the live page; a headless run has none",
+          scene_finger.name));
+    }
     if (!setup.devices[i]) return;
     clock = DeviceClock(setup.scene.simulation_rate, device_rate(*setup.devices[i]));
     DeviceLoopOptions device_options;
@@ -82,6 +90,7 @@ struct SceneRun::Finger {
   FingerLoop loop;
   DeviceClock clock;
   std::unique_ptr<Tracker> tracker;
+  PageTracker* page_tracker = nullptr;  // the same, where the page moves the finger
   std::unique_ptr<DeviceLoop> device;  // null: none
   std::unique_ptr<LiveTwin> twin;      // null: none
   std::int64_t known_tick = -1;        // newest tick known to the simulation
@@ -185,6 +194,11 @@ double SceneRun::time() const noexcept { return static_cast<double>(step_.load()
 std::optional<double> SceneRun::duration() const {
   if (!total_steps_) return std::nullopt;
   return static_cast<double>(*total_steps_) / rate_;
+}
+
+void SceneRun::offer_pose(std::size_t finger, const Pose& X_WFt) noexcept {
+  if (finger >= fingers_.size() || fingers_[finger]->page_tracker == nullptr) return;
+  fingers_[finger]->page_tracker->offer(X_WFt);
 }
 
 void SceneRun::simulate() {

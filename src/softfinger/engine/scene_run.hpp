@@ -53,6 +53,8 @@ class SceneRun {
   void stop() noexcept { stopping_.store(true); }
   /// Live only. Simulated time stands still; the device keeps its pose.
   void set_paused(bool paused) noexcept { paused_.store(paused); }
+  /// Live only: X_WFt of a finger whose tracker is the page; others are not moved. One thread.
+  void offer_pose(std::size_t finger, const Pose& X_WFt) noexcept;
   /// Whether the loop has come to its end.
   [[nodiscard]] bool ended() const noexcept { return ended_.load(); }
   /// End of the last finished step, s.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "softfinger/base/tracker_kind.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -65,6 +67,8 @@ SceneDescription describe(const RunSetup& setup) {
     const FingerModel& model = *setup.models[i];
     SceneDescription::Finger finger;
     finger.name = setup.scene.fingers[i].name;
+    finger.moved_here =
+        parse_tracker_spec(setup.scene.fingers[i].tracker).kind == TrackerKind::kPage;
     for (const int node : model.sample_nodes) {
       finger.skin_rest_positions_F.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
     }

@@ -2,7 +2,9 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/tracker_kind.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/tracking/csv_tracker.hpp"
+#include "softfinger/tracking/page_tracker.hpp"
 #include "softfinger/tracking/scripted_tracker.hpp"
 
 namespace softfinger {
@@ -13,6 +15,10 @@ std::unique_ptr<Tracker> make_tracker(std::string_view spec,
   const TrackerSpec parsed = parse_tracker_spec(spec);
   if (parsed.kind == TrackerKind::kCsv) {
     return std::make_unique<CsvTracker>(read_pose_csv(base_directory / parsed.file));
+  }
+  if (parsed.kind == TrackerKind::kPage) {
+    const Pose above{Matrix3::Identity(), Vector3(0.0, 0.0, 30.0 * mm)};
+    return std::make_unique<PageTracker>(waypoints.empty() ? above : waypoints.front().pose);
   }
   if (waypoints.empty()) {
     throw InputError("tracker script needs at least one [[finger.waypoint]] in the scene");

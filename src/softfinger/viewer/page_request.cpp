@@ -1,9 +1,56 @@
 #include "softfinger/viewer/page_request.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "softfinger/base/units.hpp"
+
 namespace softfinger {
+namespace {
+
+constexpr double kFarthest = 1.0;           // m, of a coordinate
+constexpr double kUnitTolerance = 0.01;     // of a quaternion's length
+constexpr std::uint64_t kMostFingers = 64;  // of any scene
+
+/// The `count` finite numbers of `key`; empty where it has anything else.
+template <std::size_t count>
+std::optional<std::array<double, count>> numbers(const nlohmann::json& json, const char* key) {
+  const auto list = json.find(key);
+  if (list == json.end() || !list->is_array() || list->size() != count) return {};
+  std::array<double, count> values{};
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!(*list)[k].is_number()) return {};
+    values[k] = (*list)[k].get<double>();
+    if (!std::isfinite(values[k])) return {};
+  }
+  return values;
+}
+
+std::optional<LiveRequest> pose_request(const nlohmann::json& json) {
+  const auto finger = json.find("finger");
+  const auto position = numbers<3>(json, "position_mm");
+  const auto q = numbers<4>(json, "quaternion");
+  if (json.size() != 4 || finger == json.end() || !finger->is_number_unsigned() || !position || !q) {
+    return {};
+  }
+  LiveRequest request;
+  request.kind = LiveRequest::Kind::kPose;
+  if (finger->get<std::uint64_t>() >= kMostFingers) return {};
+  request.finger = finger->get<std::size_t>();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double coordinate = (*position)[k] * mm;
+    if (std::abs(coordinate) > kFarthest) return {};
+    request.X_WFt.translation[static_cast<Eigen::Index>(k)] = coordinate;
+  }
+  const Eigen::Quaterniond rotation((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
+  if (!(std::abs(rotation.norm() - 1.0) <= kUnitTolerance)) return {};
+  request.X_WFt.rotation = rotation.normalized().toRotationMatrix();
+  return request;
+}
+
+}  // namespace
 
 std::optional<LiveRequest> parse_page_request(std::string_view message,
                                               std::span<const std::string> scene_names) {
@@ -18,13 +65,24 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
     if (json.size() != 2 || scene == json.end() || !scene->is_string()) return {};
     const auto& name = scene->get_ref<const std::string&>();
     if (std::ranges::find(scene_names, name) == scene_names.end()) return {};
-    return LiveRequest{Kind::kScene, name};
+    LiveRequest choice;
+    choice.kind = Kind::kScene;
+    choice.scene = name;
+    return choice;
   }
+  if (word == "pose") return pose_request(json);
   if (json.size() != 1) return {};
-  if (word == "pause") return LiveRequest{Kind::kPause, {}};
-  if (word == "resume") return LiveRequest{Kind::kResume, {}};
-  if (word == "restart") return LiveRequest{Kind::kRestart, {}};
-  return {};
+  LiveRequest plain;
+  if (word == "pause") {
+    plain.kind = Kind::kPause;
+  } else if (word == "resume") {
+    plain.kind = Kind::kResume;
+  } else if (word == "restart") {
+    plain.kind = Kind::kRestart;
+  } else {
+    return {};
+  }
+  return plain;
 }
 
 }  // namespace softfinger

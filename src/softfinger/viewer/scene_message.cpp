@@ -103,7 +103,8 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"pieces", pieces_json(finger.pieces)},
           {"cap_radius_mm", finger.cap_radius / mm},
           {"workspace", to_json(finger.workspace)},
-          {"twin", finger.twin}};
+          {"twin", finger.twin},
+          {"moved_here", finger.moved_here}};
 }
 
 }  // namespace

@@ -51,25 +51,33 @@ using Bytes = std::shared_ptr<const std::vector<std::byte>>;
 using Text = std::shared_ptr<const std::string>;
 using HttpRequest = http::request<http::empty_body>;
 
+std::string_view value_of(const HttpRequest& request, http::field name) {
+  return {request[name].data(), request[name].size()};
+}
+
 /// What all connections share; lives as long as the server.
 struct Hub {
   LiveFeed& feed;
   std::span<const PageFile> page;
+  AccessToken token;
   std::string address;
   std::uint16_t port = 0;
   std::size_t connections = 0;
+  const void* mover = nullptr;  ///< the one page that moves fingers: the first that did, while there
   std::shared_ptr<const SceneDescription> description = nullptr;
   Text scene = nullptr;      ///< message of `description`
   Bytes snapshot = nullptr;  ///< newest one of that scene, may be null
 
-  bool is_foreign(const HttpRequest& request) const {
+  /// `local`: the address that the request came to.
+  bool is_foreign(const HttpRequest& request, std::string_view local) const {
     const auto hosts = request.count(http::field::host);
     const auto origins = request.count(http::field::origin);
-    const auto value = [&](http::field name) {
-      return std::string_view(request[name].data(), request[name].size());
-    };
-    return hosts != 1 || !is_own_host(value(http::field::host), address, port) || origins > 1 ||
-           (origins == 1 && !is_own_origin(value(http::field::origin), address, port));
+    return hosts != 1 || !is_own_host(value_of(request, http::field::host), local, port) ||
+           origins > 1 ||
+           (origins == 1 && !is_own_origin(value_of(request, http::field::origin), local, port));
+  }
+  bool is_admitted(const HttpRequest& request) const {
+    return !token.is_needed() || token.is_in_cookies(value_of(request, http::field::cookie));
   }
 };
 
@@ -95,6 +103,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
         count_(std::move(count)),
         socket_(std::move(stream)),
         pause_(socket_.get_executor()) {}
+
+  ~WebSocketSession() {
+    if (hub_.mover == this) hub_.mover = nullptr;
+  }
+  WebSocketSession(const WebSocketSession&) = delete;
+  WebSocketSession& operator=(const WebSocketSession&) = delete;
 
   void accept(const HttpRequest& request) {
     beast::get_lowest_layer(socket_).expires_never();
@@ -165,7 +179,9 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
                           [self = shared_from_this()](error_code) {});
       return;
     }
-    hub_.feed.request(*request);
+    const bool moves = request->kind == LiveRequest::Kind::kPose;
+    if (moves && hub_.mover == nullptr) hub_.mover = this;
+    if (!moves || hub_.mover == this) hub_.feed.request(*request);
     pause_.expires_after(kRequestInterval);
     pause_.async_wait([self = shared_from_this()](error_code error) {
       if (!error) self->read();
@@ -189,7 +205,10 @@ using Watchers = std::vector<std::weak_ptr<WebSocketSession>>;
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(tcp::socket&& socket, Hub& hub, Watchers& watchers)
-      : hub_(hub), count_(hub), stream_(std::move(socket)), watchers_(watchers) {}
+      : hub_(hub), count_(hub), stream_(std::move(socket)), watchers_(watchers) {
+    error_code error;
+    local_ = stream_.socket().local_endpoint(error).address().to_string();
+  }
 
   void read() {
     parser_.emplace();
@@ -216,10 +235,14 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     }
     if (error) return;
     const HttpRequest& request = parser_->get();
-    if (hub_.is_foreign(request)) {
+    if (hub_.is_foreign(request, local_)) {
       return refuse(http::status::forbidden, "foreign Host or Origin\n");
     }
     const std::string_view target(request.target().data(), request.target().size());
+    if (!hub_.is_admitted(request)) {
+      if (hub_.token.is_in_target(target)) return admit();
+      return refuse(http::status::unauthorized, "open /?token=TOKEN with the token of --token\n");
+    }
     if (target.substr(0, target.find('?')) == "/ws") {
       if (!websocket::is_upgrade(request)) {
         return refuse(http::status::upgrade_required, "/ws speaks WebSocket\n");
@@ -238,11 +261,18 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (file == nullptr) return respond(http::status::not_found, "text/plain", "no such page\n");
     respond(http::status::ok, file->content_type, file->content);
   }
+  /// Hands over the cookie, and sends the visitor to where the address bar shows no token.
+  void admit() {
+    const std::string cookie = fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict",
+                                           AccessToken::kCookie, hub_.token.text());
+    respond(http::status::see_other, "text/plain", "", cookie);
+  }
   void refuse(http::status status, std::string_view reason) {
     keep_alive_ = false;
     respond(status, "text/plain", reason);
   }
-  void respond(http::status status, std::string_view content_type, std::string_view content) {
+  void respond(http::status status, std::string_view content_type, std::string_view content,
+               std::string_view cookie = {}) {
     const HttpRequest& request = parser_->get();
     const bool head = request.method() == http::verb::head;
     keep_alive_ = keep_alive_ && request.keep_alive();
@@ -257,6 +287,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("Cross-Origin-Resource-Policy", "same-origin");
     if (status == http::status::method_not_allowed) set(http::field::allow, "GET, HEAD");
+    if (!cookie.empty()) {
+      set(http::field::set_cookie, cookie);
+      set(http::field::location, "/");
+    }
     response_.content_length(content.size());
     response_.keep_alive(keep_alive_);
     if (!head) response_.body() = beast::span<const char>(content.data(), content.size());
@@ -280,6 +314,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   ConnectionCount count_;
   beast::tcp_stream stream_;
   Watchers& watchers_;
+  std::string local_;  ///< address that the visitor came to
   beast::flat_buffer buffer_{kMaxHeaderBytes + kMaxRequestBytes};
   std::optional<http::request_parser<http::empty_body>> parser_;
   Response response_;
@@ -291,7 +326,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
 struct Server::Implementation {
   Implementation(LiveFeed& feed, const ServerOptions& options, std::span<const PageFile> page)
-      : hub{feed, page, options.address, options.port},
+      : hub{feed, page, options.token, options.address, options.port},
         period(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
             std::chrono::duration<double>(1.0 / options.update_rate))) {
     bind();
@@ -308,6 +343,12 @@ struct Server::Implementation {
     if (error) {
       throw InputError(
           fmt::format("--listen {}: not an IPv4 address; e.g. 127.0.0.1", hub.address));
+    }
+    if (!address.is_loopback() && !hub.token.is_needed()) {
+      throw InputError(fmt::format(
+          "--listen {}: other machines could move a device on a finger; give --token FILE, a file "
+          "with a secret that visitors must know",
+          hub.address));
     }
     const tcp::endpoint endpoint(address, hub.port);
     acceptor.open(endpoint.protocol());
@@ -422,7 +463,9 @@ Server::~Server() = default;
 
 std::uint16_t Server::port() const { return implementation_->hub.port; }
 std::string Server::url() const {
-  return fmt::format("http://{}:{}", implementation_->hub.address, port());
+  const Hub& hub = implementation_->hub;
+  return fmt::format("http://{}:{}{}", hub.address == "0.0.0.0" ? "127.0.0.1" : hub.address, port(),
+                     hub.token.is_needed() ? "/?token=" + hub.token.text() : "");
 }
 
 }  // namespace softfinger

@@ -6,25 +6,30 @@
 #include <string>
 
 #include "softfinger/engine/live_feed.hpp"
+#include "softfinger/viewer/access_token.hpp"
 #include "softfinger/viewer/page_file.hpp"
 
 namespace softfinger {
 
 struct ServerOptions {
-  std::string address = "127.0.0.1";  ///< IPv4 address to listen on
+  std::string address = "127.0.0.1";  ///< IPv4 address to listen on; 0.0.0.0: on all
   std::uint16_t port = 8080;          ///< 0: any free port
   double update_rate = 60.0;          ///< snapshots a second, Hz
+  /// What visitors must know; has to be there where the address is not this machine's loopback.
+  AccessToken token = {};
 };
 
 /// Web server of the live page: HTTP on /, WebSocket on /ws, on a thread of its own. A client gets
 /// the scene as JSON once per generation, then the newest snapshot at each update; where a client
 /// is slow, older snapshots are dropped for it. What the page asks goes to LiveFeed::request.
-/// Requests whose Host or Origin is not this server's own address and port are refused (403).
+/// Requests whose Host or Origin is not the address and port that they came to are refused (403).
+/// Where there is a token, "/?token=TOKEN" answers with a cookie and everything else without that
+/// cookie is refused (401).
 class Server {
  public:
   /// Binds, then serves until destroyed. `feed` and `page` must outlive the server; the feed is
   /// only called from the server's thread. Throws InputError naming --port when the port is in use
-  /// or not allowed, --listen when there is no such address.
+  /// or not allowed, --listen when there is no such address or it needs a token.
   explicit Server(LiveFeed& feed, const ServerOptions& options = {},
                   std::span<const PageFile> page = live_page());
   ~Server();
@@ -33,7 +38,7 @@ class Server {
 
   /// The port bound, never 0.
   [[nodiscard]] std::uint16_t port() const;
-  /// Where the page is, e.g. "http://127.0.0.1:8080".
+  /// Where the page is, e.g. "http://127.0.0.1:8080", with the token where one is needed.
   [[nodiscard]] std::string url() const;
 
  private:

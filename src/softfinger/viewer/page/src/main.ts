@@ -3,6 +3,7 @@ import { type Group, Vector3 } from "three";
 import { Connection } from "./connection";
 import { DeviceView } from "./device_view";
 import { FingerView, place } from "./finger_view";
+import { Hand } from "./hand";
 import { ObjectView } from "./object_view";
 import { Pad, PatchView } from "./patch_view";
 import { Panel } from "./panel";
@@ -88,7 +89,9 @@ function showPatches(pad: Pad, finger: FingerSnapshot, time: number): void {
 function followFinger(elapsed: number): void {
   const finger = fingersInWorld[0];
   if (!finger || !drawn) return;
-  virtual.follow(finger.position.clone().add(new Vector3(0, 0, -2.5)), arrived ? 1 - Math.exp(-elapsed / 180) : 1);
+  if (!hand.holds) {
+    virtual.follow(finger.position.clone().add(new Vector3(0, 0, -2.5)), arrived ? 1 - Math.exp(-elapsed / 180) : 1);
+  }
   arrived = true;
   const below = virtual.camera.position.z < finger.position.z - 5;
   for (const object of objects) {
@@ -105,9 +108,12 @@ const panel = new Panel({
   },
 });
 
+const hand = new Hand(virtual, (request) => connection.send(request));
+
 const connection = new Connection({
   onScene: (scene) => {
     build(scene);
+    hand.begin(scene);
     plots.reset(scene.fingers[0]);
     panel.showScene(scene);
   },
@@ -122,9 +128,13 @@ const connection = new Connection({
 // Without graphics hardware drawing takes the processor from the simulation: then seldomer.
 const kLeastInterval = stage.isPlain ? 90 : 0; // ms
 let lastFrame = 0;
+let lastMove = 0;
 
 function frame(now: number): void {
   requestAnimationFrame(frame);
+  if (newest?.fingers[0]) hand.see(newest.fingers[0]);
+  hand.advance(now - lastMove);
+  lastMove = now;
   if (now - lastFrame < kLeastInterval) return;
   const elapsed = now - lastFrame;
   lastFrame = now;

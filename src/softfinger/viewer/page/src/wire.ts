@@ -33,6 +33,7 @@ export interface FingerDescription {
   cap_radius_mm: number; // above 0: the first piece is a ball that shows above this ring
   workspace: Workspace;
   twin: boolean;
+  moved_here: boolean; // by the page
 }
 
 export interface Scene {
@@ -177,4 +178,5 @@ export type Request =
   | { request: "pause" }
   | { request: "resume" }
   | { request: "restart" }
-  | { request: "scene"; scene: string };
+  | { request: "scene"; scene: string }
+  | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] }; // w, x, y, z

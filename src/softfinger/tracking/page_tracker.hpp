@@ -1,0 +1,30 @@
+#pragma once
+
+#include "softfinger/base/mailbox.hpp"
+#include "softfinger/tracking/tracker.hpp"
+
+namespace softfinger {
+
+/// A finger that a person moves on the live page, with the mouse and keys. The page keeps offering
+/// poses, moved or not; where none comes for kLostAfter of the run's time (nobody looks, the page
+/// is gone), tracking is lost, with the last pose held. Before the first it is nowhere but at its
+/// start.
+class PageTracker final : public Tracker {
+ public:
+  static constexpr double kLostAfter = 0.2;  ///< s
+
+  /// `start`: X_WFt until the page offers one.
+  explicit PageTracker(const Pose& start);
+  /// X_WFt, finite and rigid; any one thread. Wait-free.
+  void offer(const Pose& X_WFt);
+
+  [[nodiscard]] TrackedPose sample(double time) override;
+  [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
+
+ private:
+  Mailbox<Pose> offered_;
+  TrackedPose newest_;
+  bool known_ = false;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,45 @@
+// A person without a tracker: keys and pointer move the finger on the page of the real program.
+import assert from "node:assert/strict";
+import { resolve, dirname } from "node:path";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { openPage, startProgram } from "./live_program.mjs";
+
+const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
+const program = process.env.SOFTFINGER_PROGRAM ?? resolve(root, "build/softfinger");
+const scene = process.env.SOFTFINGER_SCENE ?? resolve(root, "scenes/sphere.toml");
+
+test("keys and pointer bring the finger to the sphere and away", { timeout: 300_000 }, async () => {
+  const running = await startProgram(program, ["run", scene, "--tracker", "page", "--no-twin", "--port", "0"]);
+  const browser = await openPage(running.url, { width: 1100, height: 700 });
+  const { page } = browser;
+  const touching = () => page.waitForFunction(() => Number(document.body.dataset.contacts) > 3);
+  const free = () => page.waitForFunction(() => document.body.dataset.contacts === "0");
+  try {
+    assert.ok(await page.locator("#hand-hint").isVisible());
+    await free();
+    await page.keyboard.down("s");
+    await touching();
+    await page.keyboard.up("s");
+    await page.waitForFunction(() => document.body.dataset.device === "rendering");
+    await page.keyboard.down("w");
+    await free();
+    await page.keyboard.up("w");
+
+    // By its middle, which the view keeps in the middle of the pane, down and up again.
+    const box = await page.locator("#virtual").boundingBox();
+    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    await page.waitForTimeout(1500); // the view has followed
+    await page.mouse.move(middle.x, middle.y);
+    await page.mouse.down();
+    await page.mouse.move(middle.x, middle.y + 0.3 * box.height, { steps: 25 });
+    await touching();
+    await page.mouse.move(middle.x, middle.y - 0.1 * box.height, { steps: 10 });
+    await free();
+    await page.mouse.up();
+    assert.deepEqual(browser.complaints, []);
+  } finally {
+    await browser.close();
+    assert.equal(await running.stop(), 0);
+  }
+});
