@@ -10,7 +10,7 @@ namespace {
 
 /// Depth grows nearly as the advance does: so many corrections are enough for a micrometre.
 constexpr int kCorrections = 8;
-constexpr double kTolerance = 1e-7;  // m
+constexpr double kDepthTolerance = 1e-7;  // m
 
 }  // namespace
 
@@ -70,7 +70,7 @@ void TravelCeiling::lower(Configuration& q, double margin) const {
   }
   double over = excess(q) + margin;
   for (int i = 0; i < kCorrections && over > 0.0; ++i) {
-    device_->advance(-(over + kTolerance), q);
+    device_->advance(-(over + kDepthTolerance), q);
     over = excess(q) + margin;
   }
 }
@@ -81,7 +81,7 @@ double TravelCeiling::travel(const Configuration& q) const {
   Configuration at = q;
   for (int i = 0; i < kCorrections; ++i) {
     const double over = excess(at);
-    if (std::abs(over) < kTolerance) break;
+    if (std::abs(over) < kDepthTolerance) break;
     device_->advance(-over, at);
   }
   return at[axis];
