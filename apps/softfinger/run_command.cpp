@@ -131,8 +131,9 @@ void add_run_command(CLI::App& app) {
   command->add_option("--record", flags->recording, "record into this new file");
   command->add_flag("--record-state", options.record_state,
                     "record all nodes and samples of every step as well");
-  command->add_option("--listen", flags->listen,
-                      "address that the page is served at; others than this machine's need --token")
+  command
+      ->add_option("--listen", flags->listen,
+                   "address that the page is served at; others than this machine's need --token")
       ->capture_default_str();
   command->add_option("--token", flags->token,
                       "file with a secret that visitors of the page must know");

@@ -19,7 +19,7 @@ namespace {
 const std::array<EmulatedServo, 1> kServo{EmulatedServo{.channel = 0}};
 
 /// Waits up to 5 s for something that another thread brings about.
-bool soon(const std::function<bool()>& done) {
+bool before_long(const std::function<bool()>& done) {
   for (int i = 0; i < 1000; ++i) {
     if (done()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -34,10 +34,10 @@ TEST(SerialPort, CarriesEveryByteValueToAPseudoTerminal) {
   // Control characters must pass as they are: targets with 0x03, 0x0A, 0x0D, 0x11, 0x13, 0x1A.
   std::uint64_t sent = 0;
   for (std::uint16_t target = 1; target < 16384; target = static_cast<std::uint16_t>(target + 97)) {
-    ASSERT_TRUE(soon(
+    ASSERT_TRUE(before_long(
         [&] { return port.write(encode_set_target(0, target)) == SerialPort::Result::kSent; }));
     sent += 4;
-    ASSERT_TRUE(soon([&] { return terminal.emulator().target(0) == target; }));
+    ASSERT_TRUE(before_long([&] { return terminal.emulator().target(0) == target; }));
   }
   EXPECT_EQ(terminal.emulator().bytes(), sent);
   EXPECT_EQ(terminal.emulator().malformed_bytes(), 0u);
@@ -50,7 +50,7 @@ TEST(SerialPort, BringsAnswersBack) {
   ASSERT_EQ(port.write(encode_get_position(0)), SerialPort::Result::kSent);
   std::array<std::uint8_t, 8> answer{};
   std::size_t size = 0;
-  ASSERT_TRUE(soon([&] {
+  ASSERT_TRUE(before_long([&] {
     size += port.read(std::span(answer).subspan(size));
     return size == 2;
   }));
@@ -98,7 +98,7 @@ TEST(SerialPort, AFullLineNeverBlocksAndNeverCutsACommand) {
   // All that was taken arrives whole once somebody reads.
   std::vector<std::uint8_t> arrived;
   std::array<std::uint8_t, 4096> chunk{};
-  ASSERT_TRUE(soon([&] {
+  ASSERT_TRUE(before_long([&] {
     const auto got = ::read(near, chunk.data(), chunk.size());
     if (got > 0) arrived.insert(arrived.end(), chunk.begin(), chunk.begin() + got);
     (void)port.write({});

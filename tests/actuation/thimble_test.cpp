@@ -10,7 +10,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTick = 1.0 / 30.0;
+constexpr double kThimbleTick = 1.0 / 30.0;
 constexpr double kMaxTilt = 30.0 * deg;
 
 class Thimble : public testing::Test {
@@ -36,7 +36,7 @@ TEST_F(Thimble, EveryCommandIsWithinLimitsAsSent) {
   int moved = 0;
   for (int k = 0; k < 20000; ++k) {
     if (k % 5 == 0) wanted = any(45, 15);
-    const double dt = kTick * (0.2 + 0.8 * std::abs(uniform_(random_)));
+    const double dt = kThimbleTick * (0.2 + 0.8 * std::abs(uniform_(random_)));
     const Configuration before = guard.configuration();
     guard.step(wanted, dt);
     moved += guard.configuration() != before ? 1 : 0;
@@ -60,7 +60,7 @@ TEST_F(Thimble, EveryCommandIsWithinLimitsAsSent) {
 
 TEST_F(Thimble, RetractsFromAnywhereInTheWorkspaceWithoutDelay) {
   MotionGuard guard(device_, device_->settings().transport->servos);
-  const double allowed = device_->joint_limits().max_rate * kTick;
+  const double allowed = device_->joint_limits().max_rate * kThimbleTick;
   JointAngles retracted;
   ASSERT_TRUE(device_->inverse_kinematics(device_->retracted(), retracted));
   int tried = 0;
@@ -73,13 +73,13 @@ TEST_F(Thimble, RetractsFromAnywhereInTheWorkspaceWithoutDelay) {
     const double way = (guard.joints() - retracted).cwiseAbs().maxCoeff();
     int ticks = 0;
     do {
-      guard.step(device_->retracted(), kTick);
+      guard.step(device_->retracted(), kThimbleTick);
       ASSERT_LT(++ticks, 60) << from.transpose();
     } while (!guard.arrived());
     EXPECT_LE(ticks, std::ceil(1.5 * way / allowed) + 1) << from.transpose();
     longest = std::max(longest, ticks);
   }
-  EXPECT_LE(longest * kTick, 0.7);
+  EXPECT_LE(longest * kThimbleTick, 0.7);
 }
 
 TEST_F(Thimble, ReachesEveryPoseOfTheWorkspace) {
@@ -91,7 +91,7 @@ TEST_F(Thimble, ReachesEveryPoseOfTheWorkspace) {
     ++tried;
     int ticks = 0;
     do {
-      guard.step(goal, kTick);
+      guard.step(goal, kThimbleTick);
       ASSERT_LT(++ticks, 60) << goal.transpose();
     } while (!guard.arrived());
     EXPECT_LT((guard.configuration() - goal).norm(), 0.2 * deg);

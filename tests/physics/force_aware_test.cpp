@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "project.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
@@ -21,7 +22,6 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kProject = SOFTFINGER_SOURCE_DIR;
 constexpr double kStep = 1e-3;
 
 struct PressedPose {

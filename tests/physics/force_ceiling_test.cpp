@@ -7,6 +7,7 @@
 #include <iostream>
 #include <random>
 
+#include "project.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -15,8 +16,6 @@
 
 namespace softfinger {
 namespace {
-
-const std::filesystem::path kProject = SOFTFINGER_SOURCE_DIR;
 
 std::shared_ptr<const FingerModel> index_finger() {
   return FingerModel::load(kProject / "fingers" / "index.toml");

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "project.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/engine/emulated_force_sensor.hpp"
@@ -19,8 +20,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kProject = SOFTFINGER_SOURCE_DIR;
-constexpr double kStep = 1e-3;
+constexpr double kTimeStep = 1e-3;
 constexpr int kStepsPerFrame = 33;
 constexpr int kFrames = 300;
 
@@ -61,7 +61,7 @@ struct Frame {
   Configuration wanted;  ///< by the objective
 };
 
-constexpr double kElapsed = kStepsPerFrame * kStep;
+constexpr double kElapsed = kStepsPerFrame * kTimeStep;
 
 std::vector<Frame> virtual_frames(const std::shared_ptr<const FingerModel>& model,
                                   const std::shared_ptr<const Device>& device, double radius) {
@@ -73,14 +73,14 @@ std::vector<Frame> virtual_frames(const std::shared_ptr<const FingerModel>& mode
     still.pose.translation.z() = -radius;
   }
   object.motion = Trajectory({still});
-  FingerSimulation simulation(model, {&object, 1}, kStep);
+  FingerSimulation simulation(model, {&object, 1}, kTimeStep);
   simulation.reset(tracked_pose(*model, radius, 0.0));
   SurfaceRendering surface(device, static_cast<int>(model->sample_nodes.size()));
   ForceRendering force(model, device);
   std::vector<Frame> frames;
   for (int frame = 0; frame < kFrames; ++frame) {
     for (int step = 1; step <= kStepsPerFrame; ++step) {
-      const double time = (frame * kStepsPerFrame + step) * kStep;
+      const double time = (frame * kStepsPerFrame + step) * kTimeStep;
       simulation.step(tracked_pose(*model, radius, time), time);
     }
     const ContactSet& contact = simulation.contact();

@@ -82,7 +82,8 @@ TEST_F(AccessTokenTest, IsAskedForBeforeAnythingElse) {
   const HttpAnswer admitted = RawClient(server.port()).get("/?token=" + secret);
   EXPECT_EQ(admitted.status, 303);
   EXPECT_THAT(admitted.header, HasSubstr("Location: /\r\n"));
-  EXPECT_THAT(admitted.header, HasSubstr("Set-Cookie: softfinger-token=" + secret + "; Path=/; "
+  EXPECT_THAT(admitted.header, HasSubstr("Set-Cookie: softfinger-token=" + secret +
+                                         "; Path=/; "
                                          "HttpOnly; SameSite=Strict\r\n"));
   const std::string cookie = "Cookie: softfinger-token=" + secret + "\r\n";
   EXPECT_EQ(RawClient(server.port()).get("/", cookie).status, 200);

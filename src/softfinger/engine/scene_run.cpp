@@ -91,9 +91,9 @@ struct SceneRun::Finger {
   DeviceClock clock;
   std::unique_ptr<Tracker> tracker;
   PageTracker* page_tracker = nullptr;  // the same, where the page moves the finger
-  std::unique_ptr<DeviceLoop> device;  // null: none
-  std::unique_ptr<LiveTwin> twin;      // null: none
-  std::int64_t known_tick = -1;        // newest tick known to the simulation
+  std::unique_ptr<DeviceLoop> device;   // null: none
+  std::unique_ptr<LiveTwin> twin;       // null: none
+  std::int64_t known_tick = -1;         // newest tick known to the simulation
   std::uint64_t known_tick_hash = 0;
   double known_match_time = 0.0;
   TickInput last_sent{};

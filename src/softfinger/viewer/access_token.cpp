@@ -38,7 +38,8 @@ AccessToken AccessToken::read(const std::filesystem::path& file) {
   if (!line.empty() && line.back() == '\n') line.pop_back();
   if (line.size() < kShortest || line.size() > kLongest ||
       !std::all_of(line.begin(), line.end(), is_token_character)) {
-    refuse(fmt::format("expected one line of {} to {} letters, digits, - or _", kShortest, kLongest));
+    refuse(
+        fmt::format("expected one line of {} to {} letters, digits, - or _", kShortest, kLongest));
   }
   const fs::perms others = fs::perms::group_all | fs::perms::others_all;
   std::error_code error;
@@ -54,7 +55,7 @@ bool AccessToken::matches(std::string_view guess) const {
   unsigned difference = guess.size() == text_.size() ? 0U : 1U;
   for (std::size_t i = 0; i < text_.size(); ++i) {
     const char c = i < guess.size() ? guess[i] : '\0';
-    difference |= static_cast<unsigned char>(c) ^ static_cast<unsigned char>(text_[i]);
+    if (c != text_[i]) ++difference;
   }
   return difference == 0;
 }

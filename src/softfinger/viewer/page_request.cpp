@@ -32,7 +32,8 @@ std::optional<LiveRequest> pose_request(const nlohmann::json& json) {
   const auto finger = json.find("finger");
   const auto position = numbers<3>(json, "position_mm");
   const auto q = numbers<4>(json, "quaternion");
-  if (json.size() != 4 || finger == json.end() || !finger->is_number_unsigned() || !position || !q) {
+  if (json.size() != 4 || finger == json.end() || !finger->is_number_unsigned() || !position ||
+      !q) {
     return {};
   }
   LiveRequest request;

@@ -63,7 +63,8 @@ struct Hub {
   std::string address;
   std::uint16_t port = 0;
   std::size_t connections = 0;
-  const void* mover = nullptr;  ///< the one page that moves fingers: the first that did, while there
+  const void* mover =
+      nullptr;  ///< the one page that moves fingers: the first that did, while there
   std::shared_ptr<const SceneDescription> description = nullptr;
   Text scene = nullptr;      ///< message of `description`
   Bytes snapshot = nullptr;  ///< newest one of that scene, may be null
