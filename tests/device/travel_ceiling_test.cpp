@@ -42,11 +42,31 @@ TEST_F(ThimbleCeiling, DepthIsWhatTheDeviceReachesIntoTheSkin) {
 
 TEST_F(ThimbleCeiling, IsLinearBetweenNodesAndConstantBeyond) {
   for (const double pitch : {-0.4, -0.3, 0.0, 0.1, 0.4}) {
-    const Configuration q = q_of(pitch, 2.0 * mm);
-    EXPECT_NEAR(ceiling.depth(q) - ceiling.excess(q), 1.0 * mm + pitch / 0.8 * mm, 1e-12);
+    const Configuration q = q_of(pitch, ceiling.travel(q_of(pitch, 2.0 * mm)));
+    EXPECT_NEAR(ceiling.depth(q), 1.0 * mm + pitch / 0.8 * mm, 1e-6);
+    EXPECT_NEAR(ceiling.excess(q), 0.0, 1e-6);
   }
-  const Configuration beyond = q_of(0.7, 2.0 * mm);
-  EXPECT_NEAR(ceiling.depth(beyond) - ceiling.excess(beyond), 1.5 * mm, 1e-12);
+  const Configuration beyond = q_of(0.7, ceiling.travel(q_of(0.7, 2.0 * mm)));
+  EXPECT_NEAR(ceiling.depth(beyond), 1.5 * mm, 1e-6);
+}
+
+// A tip that is through the skin reaches no deeper into it, and is as far above the ceiling as
+// ever.
+TEST(TravelCeiling, HoldsATipThatWouldGoThroughTheSkin) {
+  const auto device = device_of("delta-schorr");
+  const Configuration home = device->home();
+  const int axis = device->approach_axis();
+  // A point that the tip meets 2 mm above home, its middle 3 mm later.
+  const std::vector<Vector3> skin = {device->surface_pose(home) * Vector3(0.0, 0.0, 2.0 * mm)};
+  const TravelCeiling ceiling(device, skin, {}, {0.5 * mm});
+  for (const double above : {3.0, 5.0, 8.0, 9.5, 12.0}) {
+    Configuration q = home;
+    q[axis] += above * mm;
+    EXPECT_NEAR(ceiling.travel(q), home[axis] + 2.5 * mm, 1e-6) << above;
+    EXPECT_NEAR(ceiling.excess(q), (above - 2.5) * mm, 1e-6) << above;
+    ceiling.lower(q);
+    EXPECT_NEAR(q[axis], home[axis] + 2.5 * mm, 1e-6) << above;
+  }
 }
 
 TEST_F(ThimbleCeiling, LowersAlongTravelWhatIsAboveOnly) {

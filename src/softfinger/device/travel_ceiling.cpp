@@ -8,8 +8,9 @@
 namespace softfinger {
 namespace {
 
-/// Depth grows nearly as the advance does: so many corrections are enough for a micrometre.
-constexpr int kCorrections = 8;
+/// From where nothing is reached each step is as long as there is room, so that none goes past the
+/// ceiling; where depth grows as the advance does the second is the last.
+constexpr int kSteps = 32;
 constexpr double kDepthTolerance = 1e-7;  // m
 
 }  // namespace
@@ -61,28 +62,34 @@ double TravelCeiling::limit(const Configuration& q) const {
   return sum;
 }
 
-double TravelCeiling::excess(const Configuration& q) const { return depth(q) - limit(q); }
+double TravelCeiling::excess(const Configuration& q) const {
+  const int axis = device_->approach_axis();
+  if (axis < 0) return q.maxCoeff() - depths_[0];
+  return (q[axis] - travel(q)) * device_->axes()[static_cast<std::size_t>(axis)].metric;
+}
 
 void TravelCeiling::lower(Configuration& q, double margin) const {
   if (device_->approach_axis() < 0) {
     q = q.cwiseMin(depths_[0] - margin);
     return;
   }
-  double over = excess(q) + margin;
-  for (int i = 0; i < kCorrections && over > 0.0; ++i) {
-    device_->advance(-(over + kDepthTolerance), q);
-    over = excess(q) + margin;
-  }
+  const double over = excess(q) + margin;
+  if (over > 0.0) device_->advance(-(over + kDepthTolerance), q);
 }
 
+// A small tip that went through the skin reaches no deeper into it: what counts is where it first
+// gets so deep, coming from afar.
 double TravelCeiling::travel(const Configuration& q) const {
   const int axis = device_->approach_axis();
   if (axis < 0) return depths_[0];
+  const double farthest = device_->axes()[static_cast<std::size_t>(axis)].max;
+  const double deepest = limit(q);
   Configuration at = q;
-  for (int i = 0; i < kCorrections; ++i) {
-    const double over = excess(at);
-    if (std::abs(over) < kDepthTolerance) break;
-    device_->advance(-over, at);
+  at[axis] = std::min(device_->home()[axis], device_->retracted()[axis]);
+  for (int i = 0; i < kSteps && at[axis] < farthest; ++i) {
+    const double room = deepest - depth(at);
+    if (std::abs(room) < kDepthTolerance) break;
+    device_->advance(room, at);
   }
   return at[axis];
 }

@@ -8,10 +8,10 @@
 
 namespace softfinger {
 
-/// How far a device may be advanced towards the finger. What bounds it is how deep the device
-/// reaches into the resting skin: a table over the axes that do not advance it, linear in between
-/// and constant beyond. Pins, which advance one by one, have one ceiling for all instead. Does not
-/// allocate after construction.
+/// How far a device may be advanced towards the finger: up to where, coming from home or from where
+/// it is retracted, it first reaches so deep into the resting skin as a table says over the axes
+/// that do not advance it, linear in between and constant beyond. Pins, which advance one by one,
+/// have one ceiling for all instead. Does not allocate after construction.
 class TravelCeiling {
  public:
   /// One axis of the table: component `axis` of q at `count` >= 2 equidistant values, SI.
