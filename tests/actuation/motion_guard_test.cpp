@@ -41,7 +41,7 @@ class CommandWatch {
   JointAngles last_;
 };
 
-Configuration configuration(double pitch_deg, double roll_deg, double travel_mm) {
+Configuration q_of(double pitch_deg, double roll_deg, double travel_mm) {
   Configuration q(3);
   q << pitch_deg * deg, roll_deg * deg, travel_mm * mm;
   return q;
@@ -51,7 +51,7 @@ TEST(MotionGuard, ReachesWhatIsAllowed) {
   const auto device = lever_platform();
   MotionGuard guard(device, device->settings().transport->servos);
   EXPECT_EQ(guard.configuration(), device->home());
-  const Configuration wanted = configuration(5, -3, 2);
+  const Configuration wanted = q_of(5, -3, 2);
   int ticks = 0;
   while (!guard.arrived() || ticks == 0) {
     guard.step(wanted, kGuardTick);
@@ -64,7 +64,7 @@ TEST(MotionGuard, MovesAtTheRateLimitAndNoSlower) {
   const auto device = lever_platform();
   MotionGuard guard(device, device->settings().transport->servos);
   const JointAngles before = guard.joints();
-  guard.step(configuration(0, 0, -15), kGuardTick);
+  guard.step(q_of(0, 0, -15), kGuardTick);
   const double travel = (guard.joints() - before).cwiseAbs().maxCoeff();
   EXPECT_LE(travel, 400 * deg * kGuardTick);
   EXPECT_GE(travel, 0.99 * 400 * deg * kGuardTick);
@@ -75,7 +75,7 @@ TEST(MotionGuard, StopsAtTheEdgeOfTheWorkspaceAndSlidesAlongIt) {
   MotionGuard guard(device, device->settings().transport->servos);
   for (int k = 0; k < 100; ++k) {
     const double angle = 0.02 * k;
-    guard.step(configuration(80 * std::cos(angle), 80 * std::sin(angle), 0), kGuardTick);
+    guard.step(q_of(80 * std::cos(angle), 80 * std::sin(angle), 0), kGuardTick);
   }
   const Configuration& q = guard.configuration();
   EXPECT_NEAR(std::hypot(q[0], q[1]), LeverPlatform::kMaxTilt, 0.1 * deg);
@@ -85,16 +85,16 @@ TEST(MotionGuard, StopsAtTheEdgeOfTheWorkspaceAndSlidesAlongIt) {
 TEST(MotionGuard, HoldsWhenWhatIsWantedIsNoNumber) {
   const auto device = lever_platform();
   MotionGuard guard(device, device->settings().transport->servos);
-  for (int k = 0; k < 30; ++k) guard.step(configuration(10, 5, 1), kGuardTick);
+  for (int k = 0; k < 30; ++k) guard.step(q_of(10, 5, 1), kGuardTick);
   const Configuration before = guard.configuration();
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  guard.step(configuration(kNaN, 0, 0), kGuardTick);
-  guard.step(configuration(0, -kInfinity, 0), kGuardTick);
+  guard.step(q_of(kNaN, 0, 0), kGuardTick);
+  guard.step(q_of(0, -kInfinity, 0), kGuardTick);
   guard.step(Configuration(), kGuardTick);
   guard.step(Configuration::Zero(7), kGuardTick);
-  guard.step(configuration(0, 0, 0), kNaN);
-  guard.step(configuration(0, 0, 0), -1.0);
+  guard.step(q_of(0, 0, 0), kNaN);
+  guard.step(q_of(0, 0, 0), -1.0);
   EXPECT_EQ(guard.configuration(), before);
 }
 
@@ -123,7 +123,7 @@ TEST_P(HostileGuard, EveryCommandIsWithinLimits) {
     if (kind < 3) {  // walks
       for (int i = 0; i < 3; ++i) wanted[i] += 0.02 * device->axes()[0].metric * uniform(random);
     } else if (kind < 6) {  // jumps, often outside
-      wanted = configuration(60 * uniform(random), 60 * uniform(random), 30 * uniform(random));
+      wanted = q_of(60 * uniform(random), 60 * uniform(random), 30 * uniform(random));
     } else if (kind == 6) {
       wanted[static_cast<int>(random() % 3)] = hostile[random() % std::size(hostile)];
     }  // else: stays
@@ -162,8 +162,7 @@ TEST(MotionGuard, NeverRisesAboveTheCeiling) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   int at_ceiling = 0;
   for (int k = 0; k < 5000; ++k) {
-    guard.step(configuration(40 * uniform(random), 40 * uniform(random), 20 * uniform(random)),
-               kGuardTick);
+    guard.step(q_of(40 * uniform(random), 40 * uniform(random), 20 * uniform(random)), kGuardTick);
     ASSERT_LE(ceiling->excess(guard.configuration()), 1e-9);
     JointAngles sent(3);
     for (int i = 0; i < 3; ++i) {
@@ -182,11 +181,11 @@ TEST(MotionGuard, ComesDownWhereItStandsAboveTheCeiling) {
   const auto device = lever_platform();
   const auto ceiling = low_ceiling(device);
   MotionGuard guard(device, device->settings().transport->servos, ceiling);
-  guard.reset(configuration(0, 0, 8));
+  guard.reset(q_of(0, 0, 8));
   EXPECT_GT(ceiling->excess(guard.configuration()), 2.0 * mm);
   double before = ceiling->excess(guard.configuration());
   for (int k = 0; k < 100; ++k) {
-    guard.step(configuration(3, 0, 9), kGuardTick);
+    guard.step(q_of(3, 0, 9), kGuardTick);
     const double now = ceiling->excess(guard.configuration());
     EXPECT_LE(now, std::max(before, 1e-9));
     before = now;
@@ -197,8 +196,8 @@ TEST(MotionGuard, ComesDownWhereItStandsAboveTheCeiling) {
 TEST(MotionGuard, GoesByHomeWhereTheStraightWayIsBlocked) {
   const auto device = lever_platform({.wedge = true});
   MotionGuard guard(device, device->settings().transport->servos);
-  guard.reset(configuration(0, 25, 0));
-  const Configuration goal = configuration(20, -21, 0);
+  guard.reset(q_of(0, 25, 0));
+  const Configuration goal = q_of(20, -21, 0);
   EXPECT_GT(ticks_to(guard, goal), 0);
   EXPECT_EQ(guard.configuration(), goal);
 }
@@ -211,7 +210,7 @@ TEST(MotionGuard, RetractsFromAnywhere) {
     int tried = 0;
     while (tried < 500) {
       const Configuration from =
-          configuration(30 * uniform(random), 30 * uniform(random), 20 * uniform(random));
+          q_of(30 * uniform(random), 30 * uniform(random), 20 * uniform(random));
       // What is promised is the way by home.
       bool sees_home = true;
       for (double t = 0.0; t <= 1.0; t += 1e-3) sees_home &= device->reachable(t * from);
