@@ -65,7 +65,7 @@ std::vector<EmulatedServo> servos_at(const Device& device, const Configuration& 
   std::vector<EmulatedServo> servos;
   for (int i = 0; i < 3; ++i) {
     const ServoMap map(device.settings().transport->servos[static_cast<std::size_t>(i)]);
-    servos.push_back({.channel = map.channel(), .initial_pulse = map.pulse(joints[i])});
+    servos.push_back({.channel = map.channel(), .initial_pulse = map.setpoint(joints[i])});
   }
   return servos;
 }

@@ -17,10 +17,10 @@ const ServoSettings kPlain{.channel = 0,
 
 TEST(ServoMap, FollowsTheDeviceFile) {
   const ServoMap map(kPlain);
-  EXPECT_NEAR(map.pulse(0.0), 1500 * us, 1e-12);
-  EXPECT_NEAR(map.pulse(30.0 * deg), 1800 * us, 1e-12);
-  EXPECT_NEAR(map.pulse(-90.0 * deg), 800 * us, 1e-12);
-  EXPECT_NEAR(map.pulse(120.0 * deg), 2400 * us, 1e-12);
+  EXPECT_NEAR(map.setpoint(0.0), 1500 * us, 1e-12);
+  EXPECT_NEAR(map.setpoint(30.0 * deg), 1800 * us, 1e-12);
+  EXPECT_NEAR(map.setpoint(-90.0 * deg), 800 * us, 1e-12);
+  EXPECT_NEAR(map.setpoint(120.0 * deg), 2400 * us, 1e-12);
   EXPECT_EQ(map.target(0.0, -20 * deg, 90 * deg), 6000);
   EXPECT_EQ(map.target(30.0 * deg, -20 * deg, 90 * deg), 7200);
   EXPECT_EQ(map.target(90.0 * deg, -20 * deg, 90 * deg), 9600);
@@ -32,7 +32,7 @@ TEST(ServoMap, GoesThereAndBack) {
   for (const ServoSettings& settings : {kPlain, reversed}) {
     const ServoMap map(settings);
     for (double joint = -60 * deg; joint < 60 * deg; joint += 0.7 * deg) {
-      EXPECT_NEAR(map.joint(map.pulse(joint)), joint, 1e-12);
+      EXPECT_NEAR(map.joint(map.setpoint(joint)), joint, 1e-12);
       const auto target = map.target(joint, -60 * deg, 60 * deg);
       EXPECT_NEAR(map.joint_of_target(target), joint, 0.51 * map.resolution());
     }

@@ -10,8 +10,9 @@
 
 #include "softfinger/actuation/emulator_terminal.hpp"
 #include "softfinger/actuation/maestro_emulator.hpp"
-#include "softfinger/actuation/maestro_line.hpp"
+#include "softfinger/actuation/maestro_protocol.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
+#include "softfinger/actuation/servo_line.hpp"
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device.hpp"
@@ -34,7 +35,7 @@ std::vector<EmulatedServo> emulated_servos(const Device& device) {
   Eigen::Index joint = 0;
   for (const ServoSettings& settings : device.settings().transport->servos) {
     servos.push_back({.channel = settings.channel,
-                      .initial_pulse = ServoMap(settings).pulse(home[joint++]),
+                      .initial_pulse = ServoMap(settings).setpoint(home[joint++]),
                       .pulse_rate = kServoReserve * device.joint_limits().max_rate *
                                     std::abs(settings.per_radian)});
   }
@@ -48,21 +49,11 @@ std::vector<ServoSettings> servo_settings(const Device& device) {
 
 void check_servos(const Device& device) {
   const TransportSettings& transport = *device.settings().transport;
-  if (transport.kind != "maestro") {
-    throw InputError(fmt::format("transport.kind: \"{}\" cannot be driven; only \"maestro\" can",
-                                 transport.kind));
-  }
   if (static_cast<int>(transport.servos.size()) != device.joint_count() ||
       device.joint_count() > FormedCommand::kMaxServos) {
     throw InputError(fmt::format(
-        "transport.servo: {} servos for {} joints; a Maestro needs one for each, at most {}",
+        "transport.servo: {} servos for {} joints; a device needs one for each, at most {}",
         transport.servos.size(), device.joint_count(), FormedCommand::kMaxServos));
-  }
-  for (const ServoSettings& servo : transport.servos) {
-    if (servo.channel < 0 || servo.channel >= kMaestroChannels) {
-      throw InputError(fmt::format("transport.servo.channel: {} is none of a Maestro's 0 to {}",
-                                   servo.channel, kMaestroChannels - 1));
-    }
   }
 }
 
@@ -106,7 +97,7 @@ struct Actuator::Impl {
   // simulated time, or a line, to an emulator in wall time or to a real port.
   std::unique_ptr<MaestroEmulator> emulator;
   std::unique_ptr<EmulatorTerminal> terminal;
-  std::unique_ptr<MaestroLine> line;
+  std::unique_ptr<ServoLine> line;
   std::uint64_t sent_to_emulator = 0;
 
   std::uint32_t losses_told = 0;
@@ -119,6 +110,7 @@ void Actuator::Impl::open() {
   if (!device->settings().transport) return;
   const TransportSettings& transport = *device->settings().transport;
   check_servos(*device);
+  std::unique_ptr<ServoBus> bus = make_servo_bus(transport);
   port = options.port.empty() ? transport.port : options.port;
   period = 1.0 / transport.rate;
   std::string line_port = port;
@@ -130,12 +122,11 @@ void Actuator::Impl::open() {
     terminal = std::make_unique<EmulatorTerminal>(emulated_servos(*device));
     line_port = terminal->port();
   }
-  line = std::make_unique<MaestroLine>(
-      device, MaestroLine::Options{.port = line_port,
-                                   .baud = static_cast<unsigned>(transport.baud),
-                                   .rate = transport.rate,
-                                   .unpaced = options.simulated_time,
-                                   .ceiling = options.ceiling});
+  line = std::make_unique<ServoLine>(device, std::move(bus),
+                                     ServoLine::Options{.port = line_port,
+                                                        .rate = transport.rate,
+                                                        .unpaced = options.simulated_time,
+                                                        .ceiling = options.ceiling});
   const std::string reason = line->open();
   if (!reason.empty() && !options.wait_for_device) refuse_port(options, port, reason);
   line->start();
@@ -154,7 +145,8 @@ void Actuator::Impl::form(const Configuration& goal, double dt) {
 void Actuator::Impl::send_to_emulator(double time) {
   emulator->advance_to(time);
   for (std::size_t i = 0; i < guard.targets().size(); ++i) {
-    emulator->receive(encode_set_target(guard.servos()[i].channel(), guard.targets()[i]));
+    emulator->receive(encode_set_target(guard.servos()[i].channel(),
+                                        static_cast<std::uint16_t>(guard.targets()[i])));
   }
   ++sent_to_emulator;
 }

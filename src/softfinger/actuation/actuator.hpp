@@ -11,6 +11,7 @@
 
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/device/configuration.hpp"
+#include "softfinger/device/transport_settings.hpp"
 
 namespace softfinger {
 
@@ -42,12 +43,12 @@ struct WantedMotion {
 
 /// What is sent for it: within joint, rate, tilt and workspace limits whatever was wanted.
 struct FormedCommand {
-  static constexpr int kMaxServos = 24;  ///< channels of the largest Maestro
-  Configuration configuration;           ///< q nearest to the wanted one that may be sent now
-  JointAngles joints;                    ///< of that q; rad
+  static constexpr int kMaxServos = kMostServos;
+  Configuration configuration;  ///< q nearest to the wanted one that may be sent now
+  JointAngles joints;           ///< of that q; rad
   /// Up to where force limits let the device advance there; SI, infinite without a limit.
   double ceiling = std::numeric_limits<double>::infinity();
-  std::array<std::uint16_t, kMaxServos> targets{};  ///< quarter microseconds, one per joint
+  std::array<std::int32_t, kMaxServos> targets{};  ///< steps of the wire, one per joint
   int servos = 0;  ///< how many of `targets` are used; 0 for a device without transport
   DeviceState state = DeviceState::kHoming;
 };

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/actuation/servo_map.hpp"
-
 namespace softfinger {
 
 MaestroEmulator::MaestroEmulator(std::span<const EmulatedServo> servos) {

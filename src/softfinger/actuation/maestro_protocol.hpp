@@ -35,6 +35,8 @@ enum MaestroError : std::uint16_t {
 
 inline constexpr int kMaestroChannels = 24;                ///< of the largest model
 inline constexpr std::uint16_t kMaestroMaxValue = 0x3FFF;  ///< 14 bits
+/// Unit of targets, s of pulse width.
+inline constexpr double kQuarterMicrosecond = 0.25e-6;
 
 /// 84 channel low7 high7. channel below kMaestroChannels, target at most kMaestroMaxValue.
 [[nodiscard]] std::array<std::uint8_t, 4> encode_set_target(int channel, std::uint16_t target);

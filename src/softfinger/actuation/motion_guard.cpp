@@ -36,7 +36,7 @@ Configuration between(const Configuration& from, const Configuration& to, double
 bool pose_of_joints(const Device& device, const JointAngles& joints, const Configuration& near,
                     Configuration& q) {
   using Derivative =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaestroChannels, kMaestroChannels>;
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostServos, kMostServos>;
   const Eigen::Index n = near.size();
   if (joints.size() != n) return device.forward_kinematics(joints, q);
   Derivative derivative(n, n);
@@ -165,7 +165,7 @@ bool MotionGuard::form(const Configuration& q, Command& command) const {
     command.targets[at] = servos_[at].target(sent[i], limits.min[i], limits.max[i]);
     sent[i] = servos_[at].joint_of_target(command.targets[at]);
   }
-  // Rounding moves the platform too: what counts is the pose of the pulses that go out.
+  // Rounding moves the platform too: what counts is the pose of the targets that go out.
   Configuration rounded;
   return pose_of_joints(*device_, sent, q, rounded) && allowed(rounded);
 }

@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "softfinger/actuation/maestro_protocol.hpp"
 #include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/device/device.hpp"
 #include "softfinger/device/travel_ceiling.hpp"
@@ -18,7 +17,7 @@ namespace softfinger {
 /// - is not advanced further than the ceiling, if there is one (where it already stands higher, as
 ///   after reset(), it only comes down),
 /// - is at most max_rate * dt in every joint away from what it gave before,
-/// both of the pulses as sent, after rounding to quarter microseconds.
+/// both of the targets as sent, after rounding to whole steps of the wire.
 ///
 /// It moves on straight lines between configurations, not between joint angles: the tilt limit is
 /// convex in q and not in the joints, so an interpolation of joint angles between two allowed poses
@@ -43,8 +42,8 @@ class MotionGuard {
   [[nodiscard]] const Configuration& configuration() const { return now_.q; }
   /// Joint angles of configuration(), rad.
   [[nodiscard]] const JointAngles& joints() const { return now_.joints; }
-  /// Targets of the servos in the order of joints, quarter microseconds.
-  [[nodiscard]] std::span<const std::uint16_t> targets() const {
+  /// Targets of the servos in the order of joints, steps of the wire.
+  [[nodiscard]] std::span<const std::int32_t> targets() const {
     return std::span(now_.targets).first(servos_.size());
   }
   [[nodiscard]] std::span<const ServoMap> servos() const { return servos_; }
@@ -55,7 +54,7 @@ class MotionGuard {
   struct Command {
     Configuration q;
     JointAngles joints;
-    std::array<std::uint16_t, kMaestroChannels> targets{};
+    std::array<std::int32_t, kMostServos> targets{};
   };
 
   /// In the workspace and below the ceiling.

@@ -115,6 +115,12 @@ std::size_t SerialPort::read(std::span<std::uint8_t> out) noexcept {
   return 0;
 }
 
+void SerialPort::drain() noexcept {
+  std::array<std::uint8_t, 64> noise;
+  while (read(noise) == noise.size()) {
+  }
+}
+
 void SerialPort::discard_input() noexcept {
   if (is_open()) ::tcflush(line_->port.native_handle(), TCIFLUSH);
 }

@@ -34,6 +34,8 @@ class SerialPort {
 
   /// Takes what has arrived, without waiting; returns how many bytes. Closes a port that vanished.
   std::size_t read(std::span<std::uint8_t> out) noexcept;
+  /// Reads and forgets what has arrived; closes a port that vanished.
+  void drain() noexcept;
   /// Forgets what has arrived and not been read.
   void discard_input() noexcept;
 

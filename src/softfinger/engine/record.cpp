@@ -46,7 +46,7 @@ std::uint64_t hash_of(const TickRecord& tick) {
   add(hash, tick.command.configuration);
   add(hash, tick.command.joints);
   const auto servos = static_cast<std::size_t>(tick.command.servos);
-  hash.add(std::span<const std::uint16_t>(tick.command.targets.data(), servos));
+  hash.add(std::span<const std::int32_t>(tick.command.targets.data(), servos));
   hash.add(tick.command.state);
   return hash.value();
 }

@@ -268,7 +268,7 @@ bool RecordingReader::next(TickRecord& r) {
     for (Eigen::Index i = 0; i < servo_us.size(); ++i) {
       if (!(servo_us[i] >= 0.0 && servo_us[i] < 16384.0)) throw SqliteFailure{true};
       r.command.targets[static_cast<std::size_t>(i)] =
-          static_cast<std::uint16_t>(std::lround(servo_us[i] * 4.0));
+          static_cast<std::int32_t>(std::lround(servo_us[i] * 4.0));
     }
     r.command.state = state_of(row.bytes(column++));
     r.hash = static_cast<std::uint64_t>(row.integer(column++));

@@ -1,4 +1,4 @@
-#include "softfinger/actuation/maestro_line.hpp"
+#include "softfinger/actuation/servo_line.hpp"
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -10,7 +10,6 @@
 #include <cstring>
 #include <utility>
 
-#include "softfinger/actuation/maestro_protocol.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_priority.hpp"
 
@@ -33,10 +32,12 @@ double to_seconds(std::chrono::steady_clock::duration duration) {
 
 }  // namespace
 
-MaestroLine::MaestroLine(std::shared_ptr<const Device> device, Options options)
+ServoLine::ServoLine(std::shared_ptr<const Device> device, std::unique_ptr<ServoBus> bus,
+                     Options options)
     : device_(std::move(device)),
       options_(std::move(options)),
       period_(seconds(1.0 / options_.rate)),
+      bus_(std::move(bus)),
       guard_(device_, device_->settings().transport->servos, options_.ceiling),
       wanted_(Wanted{device_->home(), DeviceState::kHoming}),
       report_(Report{device_->home(), false}),
@@ -44,17 +45,17 @@ MaestroLine::MaestroLine(std::shared_ptr<const Device> device, Options options)
   if (wake_ < 0) throw OperationError("the system has no more event descriptors");
 }
 
-MaestroLine::~MaestroLine() {
+ServoLine::~ServoLine() {
   finish();
   ::close(wake_);
 }
 
-void MaestroLine::wake() noexcept {
+void ServoLine::wake() noexcept {
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t put = ::write(wake_, &one, sizeof one);
 }
 
-void MaestroLine::wait_until(Clock::time_point due) {
+void ServoLine::wait_until(Clock::time_point due) {
   const auto left = std::chrono::nanoseconds(due - Clock::now()).count();
   const timespec timeout{.tv_sec = std::max<std::int64_t>(left, 0) / 1'000'000'000,
                          .tv_nsec = std::max<std::int64_t>(left, 0) % 1'000'000'000};
@@ -64,14 +65,8 @@ void MaestroLine::wait_until(Clock::time_point due) {
   [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
 }
 
-void MaestroLine::drain() {
-  std::array<std::uint8_t, 64> noise;
-  while (port_.read(noise) == noise.size()) {
-  }
-}
-
-std::string MaestroLine::open() {
-  std::string reason = port_.open(options_.port, options_.baud);
+std::string ServoLine::open() {
+  std::string reason = bus_->open(options_.port);
   if (!reason.empty()) return reason;
   answers_ = learn_positions();
   positions_unknown_ = !answers_;
@@ -81,13 +76,13 @@ std::string MaestroLine::open() {
   return {};
 }
 
-void MaestroLine::start() {
+void ServoLine::start() {
   start_ = Clock::now();
   last_sent_ = start_ - period_;
   thread_ = std::thread([this] { serve(); });
 }
 
-void MaestroLine::submit(const Configuration& q, DeviceState state) noexcept {
+void ServoLine::submit(const Configuration& q, DeviceState state) noexcept {
   Wanted& draft = wanted_.draft();
   draft.q = q;
   draft.state = state;
@@ -95,50 +90,36 @@ void MaestroLine::submit(const Configuration& q, DeviceState state) noexcept {
   wake();
 }
 
-void MaestroLine::finish() noexcept {
+void ServoLine::finish() noexcept {
   if (!thread_.joinable()) return;
   ending_ = true;
   wake();
   thread_.join();
-  port_.close();
+  bus_->close();
   connected_ = false;
   state_ = DeviceState::kStopped;
 }
 
-bool MaestroLine::read_joints(JointAngles& joints) noexcept {
+bool ServoLine::read_joints(JointAngles& joints) noexcept {
   report_.refresh();
   if (!report_.latest().known) return false;
   joints = report_.latest().joints;
   return true;
 }
 
-void MaestroLine::request_positions() {
-  std::array<std::uint8_t, 2 * kMaestroChannels> question;
-  std::size_t size = 0;
-  for (const ServoMap& servo : guard_.servos()) {
-    for (const std::uint8_t byte : encode_get_position(servo.channel())) question[size++] = byte;
-  }
-  port_.write(std::span(question).first(size));
-}
-
-bool MaestroLine::take_positions(JointAngles& joints) {
-  std::array<std::uint8_t, 4 * kMaestroChannels> answer;
+bool ServoLine::take_positions(JointAngles& joints) {
+  std::array<std::int32_t, kMostServos> positions;
   const auto servos = guard_.servos();
-  // Anything but one whole answer is noise of the line, or an answer that came late.
-  if (port_.read(answer) != 2 * servos.size()) return false;
+  if (!bus_->take_positions(std::span(positions).first(servos.size()))) return false;
   joints.resize(static_cast<Eigen::Index>(servos.size()));
   for (std::size_t i = 0; i < servos.size(); ++i) {
-    const std::uint16_t position = decode_reply(answer[2 * i], answer[2 * i + 1]);
-    if (position == 0) return false;  // no pulses: the servo may be anywhere
-    joints[static_cast<Eigen::Index>(i)] = servos[i].joint_of_target(position);
+    joints[static_cast<Eigen::Index>(i)] = servos[i].joint_of_target(positions[i]);
   }
   return true;
 }
 
-bool MaestroLine::learn_positions() {
-  if (guard_.servos().empty()) return false;
-  port_.discard_input();
-  request_positions();
+bool ServoLine::learn_positions() {
+  if (guard_.servos().empty() || !bus_->ask()) return false;
   std::this_thread::sleep_for(kAnswerTime);
   JointAngles joints;
   Configuration q;
@@ -156,14 +137,14 @@ bool MaestroLine::learn_positions() {
   return true;
 }
 
-void MaestroLine::note_loss() {
+void ServoLine::note_loss() {
   connected_.store(false, std::memory_order_release);
   state_ = DeviceState::kDisconnected;
   lost_.fetch_add(1, std::memory_order_release);
   next_attempt_ = Clock::now() + kAttemptEvery;
 }
 
-void MaestroLine::try_to_connect(Clock::time_point now) {
+void ServoLine::try_to_connect(Clock::time_point now) {
   if (now < next_attempt_) return;
   if (open().empty()) {
     connections_.fetch_add(1, std::memory_order_release);
@@ -172,7 +153,7 @@ void MaestroLine::try_to_connect(Clock::time_point now) {
   }
 }
 
-void MaestroLine::serve() {
+void ServoLine::serve() {
   if (!options_.unpaced) prefer_this_thread(LoopThread::kTransport);
   // Before a fresh command is late, and between repeats.
   const Clock::duration patience = period_ + period_ / 2;
@@ -181,24 +162,24 @@ void MaestroLine::serve() {
   Clock::time_point due = Clock::now() + period_;
   while (true) {
     wait_until(due);
-    if (port_.is_open()) std::this_thread::sleep_until(last_sent_ + spacing);
+    if (bus_->is_open()) std::this_thread::sleep_until(last_sent_ + spacing);
     const Clock::time_point now = Clock::now();
     if (wanted_.refresh()) {
       last_fresh_ = now;
       fresh_ever_ = true;
     }
-    if (!port_.is_open()) {
+    if (!bus_->is_open()) {
       if (connected()) note_loss();
       if (ending_) return;
       try_to_connect(now);
-      if (!port_.is_open()) {
+      if (!bus_->is_open()) {
         due = now + std::min<Clock::duration>(period_, kAttemptEvery);
         continue;
       }
     }
     if (!fresh_ever_) {
       if (ending_) return;
-      drain();  // nothing to say yet
+      bus_->drain();  // nothing to say yet
       due = now + period_;
       continue;
     }
@@ -207,7 +188,7 @@ void MaestroLine::serve() {
   }
 }
 
-bool MaestroLine::tick(Clock::time_point now) {
+bool ServoLine::tick(Clock::time_point now) {
   const Clock::duration stall_time = std::max(seconds(kStallTime), 3 * period_);
   const bool stalled = now - last_fresh_ >= stall_time;
   if (stalled && !stalled_ && !ending_) stalls_.fetch_add(1, std::memory_order_release);
@@ -218,7 +199,7 @@ bool MaestroLine::tick(Clock::time_point now) {
     report.known = take_positions(report.joints);
     if (report.known) report_.publish();
   } else {
-    drain();
+    bus_->drain();
   }
 
   if (positions_unknown_) {
@@ -243,21 +224,13 @@ bool MaestroLine::tick(Clock::time_point now) {
   const double dt = to_seconds(std::min(now - last_sent_, period_));
   if (now >= homing_until_) guard_.step(retracting ? device_->retracted() : wanted.q, dt);
 
-  std::array<std::uint8_t, 4 * kMaestroChannels> bytes;
-  std::size_t size = 0;
-  const auto servos = guard_.servos();
-  for (std::size_t i = 0; i < servos.size(); ++i) {
-    for (const std::uint8_t byte : encode_set_target(servos[i].channel(), guard_.targets()[i])) {
-      bytes[size++] = byte;
-    }
-  }
   last_sent_ = now;
-  if (port_.write(std::span(bytes).first(size)) == SerialPort::Result::kSent) {
+  if (bus_->write(guard_.targets())) {
     sent_.fetch_add(1, std::memory_order_relaxed);
     state_.store(state, std::memory_order_relaxed);
   }
-  if (answers_) request_positions();
-  if (!port_.is_open()) note_loss();
+  if (answers_) bus_->ask();
+  if (!bus_->is_open()) note_loss();
   return true;
 }
 

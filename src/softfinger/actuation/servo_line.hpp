@@ -9,33 +9,33 @@
 
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
-#include "softfinger/actuation/serial_port.hpp"
+#include "softfinger/actuation/servo_bus.hpp"
 #include "softfinger/base/mailbox.hpp"
 #include "softfinger/device/device.hpp"
 
 namespace softfinger {
 
-/// One Maestro on a serial port, served by a thread of its own in wall time. The thread owns the
-/// port and is the watchdog: when no fresh command comes it repeats the last one, after kStallTime
-/// it retracts the device, and it opens a port that went away again. Its own MotionGuard starts
-/// from what was really sent last (or from what the Maestro says it puts out), so nothing upstream
-/// can cause a jump.
-class MaestroLine {
+/// The servos of one device on their bus, served by a thread of its own in wall time. The thread
+/// owns the port and is the watchdog: when no fresh command comes it repeats the last one, after
+/// kStallTime it retracts the device, and it opens a port that went away again. Its own MotionGuard
+/// starts from what was really sent last (or from where the servos say they are), so nothing
+/// upstream can cause a jump.
+class ServoLine {
  public:
   struct Options {
     std::string port;
-    unsigned baud = 115200;
     double rate = 30.0;  ///< device ticks per s
     /// Commands may come faster than `rate`; only the newest at each tick is sent.
     bool unpaced = false;
     std::shared_ptr<const TravelCeiling> ceiling = nullptr;  ///< null: none
   };
 
-  MaestroLine(std::shared_ptr<const Device> device, Options options);
+  /// `bus` has the servos of the device's `[transport]`.
+  ServoLine(std::shared_ptr<const Device> device, std::unique_ptr<ServoBus> bus, Options options);
   /// As finish().
-  ~MaestroLine();
-  MaestroLine(const MaestroLine&) = delete;
-  MaestroLine& operator=(const MaestroLine&) = delete;
+  ~ServoLine();
+  ServoLine(const ServoLine&) = delete;
+  ServoLine& operator=(const ServoLine&) = delete;
 
   /// Before start(): opens the port. Returns an empty text or why it cannot be opened.
   [[nodiscard]] std::string open();
@@ -60,7 +60,7 @@ class MaestroLine {
   [[nodiscard]] std::uint32_t times_stalled() const {
     return stalls_.load(std::memory_order_acquire);
   }
-  /// Joint angles by the positions the Maestro reports; false where it never answered. From the
+  /// Joint angles by the positions the servos report; false where it never answered. From the
   /// thread that submits.
   bool read_joints(JointAngles& joints) noexcept;
 
@@ -71,7 +71,7 @@ class MaestroLine {
     Configuration q;
     DeviceState state = DeviceState::kHoming;
   };
-  /// What the Maestro reported.
+  /// What the servos reported.
   struct Report {
     JointAngles joints;
     bool known = false;
@@ -81,10 +81,8 @@ class MaestroLine {
   void try_to_connect(Clock::time_point now);
   void note_loss();
   void wait_until(Clock::time_point due);  ///< or until something was submitted
-  void drain();                            ///< reads and forgets; notices a port that hung up
   /// Asks for the positions and waits a little; true when they place the device in its workspace.
   bool learn_positions();
-  void request_positions();
   /// Takes an answer that has arrived complete; false if there is none.
   bool take_positions(JointAngles& joints);
   bool tick(Clock::time_point now);  ///< false: stopped
@@ -93,7 +91,7 @@ class MaestroLine {
   std::shared_ptr<const Device> device_;
   Options options_;
   Clock::duration period_;
-  SerialPort port_;
+  std::unique_ptr<ServoBus> bus_;
   MotionGuard guard_;
   DeviceStateMachine machine_;
 
@@ -106,7 +104,7 @@ class MaestroLine {
   Clock::time_point homing_until_;  ///< positions unknown: stay at the first pose until then
   bool fresh_ever_ = false;
   bool stalled_ = false;
-  bool answers_ = false;  ///< the Maestro answered the last question
+  bool answers_ = false;  ///< the servos answered when the port was opened
 
   Mailbox<Wanted> wanted_;
   Mailbox<Report> report_;

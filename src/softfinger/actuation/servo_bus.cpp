@@ -1,0 +1,16 @@
+#include "softfinger/actuation/servo_bus.hpp"
+
+#include <fmt/core.h>
+
+#include "softfinger/actuation/maestro_bus.hpp"
+#include "softfinger/base/error.hpp"
+
+namespace softfinger {
+
+std::unique_ptr<ServoBus> make_servo_bus(const TransportSettings& transport) {
+  if (transport.kind == "maestro") return std::make_unique<MaestroBus>(transport);
+  throw InputError(
+      fmt::format("transport.kind: \"{}\" cannot be driven; only \"maestro\" can", transport.kind));
+}
+
+}  // namespace softfinger
