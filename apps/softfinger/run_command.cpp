@@ -121,8 +121,8 @@ void add_run_command(CLI::App& app) {
       ->allow_extra_args(false);
   command
       ->add_option("--tracker", options.trackers,
-                   "tracker instead of the scene's: script, csv:FILE or page; NAME=SPEC for one of "
-                   "several fingers")
+                   "tracker instead of the scene's: script, csv:FILE, page, udp:PORT or osc:PORT; "
+                   "NAME=SPEC for one of several fingers")
       ->allow_extra_args(false);
   command->add_option(
       "--wearer", flags->wearer,

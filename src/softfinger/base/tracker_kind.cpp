@@ -2,29 +2,80 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 
 namespace softfinger {
+namespace {
+
+bool parse_port(std::string_view text, std::uint16_t& port) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, port);
+  return error == std::errc() && stop == end && port > 0;
+}
+
+bool is_ipv4_address(std::string_view text) {
+  for (int part = 0; part < 4; ++part) {
+    std::uint8_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    if (error != std::errc()) return false;
+    if (part == 3) return stop == end;
+    if (stop == end || *stop != '.') return false;
+    text.remove_prefix(static_cast<std::size_t>(stop - text.data()) + 1);
+  }
+  return false;
+}
+
+/// "[ADDRESS:]PORT" of a tracker that listens.
+void read_listener(std::string_view text, std::string_view argument, TrackerSpec& spec) {
+  const std::size_t colon = argument.rfind(':');
+  if (colon != std::string_view::npos) spec.address = argument.substr(0, colon);
+  const std::string_view port =
+      colon == std::string_view::npos ? argument : argument.substr(colon + 1);
+  if (!is_ipv4_address(spec.address) || !parse_port(port, spec.port)) {
+    const std::string_view kind = text.substr(0, 3);
+    throw InputError(
+        fmt::format("tracker '{}': expected {}:PORT or {}:ADDRESS:PORT with a port of 1 to 65535 "
+                    "and an IPv4 address of this machine",
+                    text, kind, kind));
+  }
+}
+
+}  // namespace
 
 TrackerSpec parse_tracker_spec(std::string_view text) {
   const std::size_t colon = text.find(':');
   const std::string_view kind = text.substr(0, colon);
   const std::string_view argument =
       colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
+  TrackerSpec spec;
   if (kind == "script" || kind == "page") {
     if (colon != std::string_view::npos) {
       throw InputError(fmt::format("tracker {} takes nothing after it, found '{}'", kind, text));
     }
-    return {.kind = kind == "page" ? TrackerKind::kPage : TrackerKind::kScript, .file = {}};
-  }
-  if (kind == "csv") {
+    spec.kind = kind == "page" ? TrackerKind::kPage : TrackerKind::kScript;
+  } else if (kind == "csv") {
     if (argument.empty()) throw InputError("tracker csv needs a file, as in csv:poses.csv");
-    return {.kind = TrackerKind::kCsv, .file = std::string(argument)};
+    spec.kind = TrackerKind::kCsv;
+    spec.file = argument;
+  } else if (kind == "udp" || kind == "osc") {
+    spec.kind = kind == "udp" ? TrackerKind::kUdp : TrackerKind::kOsc;
+    read_listener(text, argument, spec);
+  } else {
+    const std::string nearest = nearest_word(kind, {"script", "csv", "page", "udp", "osc"});
+    throw InputError(
+        fmt::format("unknown tracker '{}'; {}known are script, csv:FILE, page, udp:PORT and "
+                    "osc:PORT",
+                    text, nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
   }
-  const std::string nearest = nearest_word(kind, {"script", "csv", "page"});
-  throw InputError(fmt::format("unknown tracker '{}'; {}known are script, csv:FILE and page", text,
-                               nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
+  return spec;
+}
+
+bool is_network_tracker(TrackerKind kind) {
+  return kind == TrackerKind::kUdp || kind == TrackerKind::kOsc;
 }
 
 }  // namespace softfinger

@@ -9,6 +9,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_priority.hpp"
 #include "softfinger/base/thread_team.hpp"
+#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/engine/device_clock.hpp"
 #include "softfinger/engine/device_loop.hpp"
 #include "softfinger/engine/finger_loop.hpp"
@@ -59,6 +60,13 @@ struct SceneRun::Finger {
         clock(setup.scene.simulation_rate, 1.0) {
     const auto i = static_cast<std::size_t>(index);
     const SceneFinger& scene_finger = setup.scene.fingers[i];
+    if (mode == Mode::kHeadless && options.as_fast_as_possible &&
+        is_network_tracker(parse_tracker_spec(scene_finger.tracker).kind)) {
+      throw InputError(
+          fmt::format("finger {}: tracker {} sends as time passes, and a run as fast as possible "
+                      "does not wait for it; use script or csv:FILE",
+                      scene_finger.name, scene_finger.tracker));
+    }
     tracker =
         make_tracker(scene_finger.tracker, setup.tracker_directories[i], scene_finger.waypoints);
     page_tracker = dynamic_cast<PageTracker*>(tracker.get());
@@ -397,8 +405,9 @@ RunSummary SceneRun::finish() {
     if (finger.device) one.commands_sent = finger.device->actuator().commands_sent();
     summary.all.merge(one);
     summary.fingers.emplace_back(setup_->scene.fingers[i].name, one);
-    // A viewer may keep this run a little longer; the port must be free for the next.
+    // A viewer may keep this run a little longer; the ports must be free for the next.
     finger.device.reset();
+    if (finger.page_tracker == nullptr) finger.tracker.reset();
   }
   if (recording_) {
     summary.recording = recording_->file();

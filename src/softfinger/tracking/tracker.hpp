@@ -6,6 +6,9 @@
 
 namespace softfinger {
 
+/// Tracking is lost where no pose came for this long, s.
+inline constexpr double kLostAfter = 0.2;
+
 /// Where the real fingertip is. `valid` is false while tracking is lost; the pose is then the last
 /// known one.
 struct TrackedPose {

@@ -1,10 +1,15 @@
 #include "softfinger/tracking/tracker_spec.hpp"
 
+#include <fmt/format.h>
+
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/tracking/csv_tracker.hpp"
+#include "softfinger/tracking/osc_pose.hpp"
 #include "softfinger/tracking/page_tracker.hpp"
+#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/pose_listener.hpp"
 #include "softfinger/tracking/scripted_tracker.hpp"
 
 namespace softfinger {
@@ -15,6 +20,15 @@ std::unique_ptr<Tracker> make_tracker(std::string_view spec,
   const TrackerSpec parsed = parse_tracker_spec(spec);
   if (parsed.kind == TrackerKind::kCsv) {
     return std::make_unique<CsvTracker>(read_pose_csv(base_directory / parsed.file));
+  }
+  if (parsed.kind == TrackerKind::kUdp || parsed.kind == TrackerKind::kOsc) {
+    const UdpEndpoint own{find_address(parsed.address), parsed.port};
+    try {
+      return std::make_unique<PoseListener>(
+          own, parsed.kind == TrackerKind::kUdp ? decode_pose_datagram : decode_osc_pose);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("tracker {}: {}", spec, error.what()));
+    }
   }
   if (parsed.kind == TrackerKind::kPage) {
     const Pose above{Matrix3::Identity(), Vector3(0.0, 0.0, 30.0 * mm)};

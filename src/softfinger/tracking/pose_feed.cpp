@@ -1,0 +1,30 @@
+#include "softfinger/tracking/pose_feed.hpp"
+
+#include <algorithm>
+
+namespace softfinger {
+
+void PoseFeed::offer(const Pose& X_WFt, double captured, double received) {
+  newest_ = {X_WFt, std::min(captured, received), received, true, true};
+  offered_.draft() = newest_;
+  offered_.publish();
+}
+
+void PoseFeed::lose() {
+  newest_.valid = false;
+  offered_.draft() = newest_;
+  offered_.publish();
+}
+
+TrackedPose PoseFeed::sample(double time, double now) {
+  const bool fresh = offered_.refresh();
+  const Received& newest = offered_.latest();
+  if (fresh && newest.known) {
+    sampled_.X_WFt = newest.X_WFt;
+    sampled_.time = time - (now - newest.captured);
+  }
+  sampled_.valid = newest.valid && now - newest.received <= kLostAfter;
+  return sampled_;
+}
+
+}  // namespace softfinger

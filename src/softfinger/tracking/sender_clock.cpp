@@ -1,0 +1,25 @@
+#include "softfinger/tracking/sender_clock.hpp"
+
+#include <algorithm>
+
+namespace softfinger {
+namespace {
+
+constexpr double kWindow = 5.0;        // s
+constexpr double kLongestDelay = 1.0;  // s
+
+}  // namespace
+
+double SenderClock::local_time(double sent, double received) {
+  const double offset = received - sent;
+  if (offset - std::min(least_offset_, earlier_offset_) > kLongestDelay) reset();
+  if (received - window_began_ > kWindow) {
+    earlier_offset_ = least_offset_;
+    least_offset_ = kUnknown;
+    window_began_ = received;
+  }
+  least_offset_ = std::min(least_offset_, offset);
+  return std::min(sent + std::min(least_offset_, earlier_offset_), received);
+}
+
+}  // namespace softfinger
