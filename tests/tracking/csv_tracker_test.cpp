@@ -107,7 +107,8 @@ TEST(MakeTracker, BuildsWhatTheSpecNames) {
 }
 
 TEST(MakeTracker, RefusesWhatItDoesNotKnow) {
-  for (const char* spec : {"", "scrip", "script:x", "csv", "csv:", "natnet:host,body=1", "webxr"}) {
+  for (const char* spec :
+       {"", "scrip", "script:x", "csv", "csv:", "natnet:host,body=1", "webcam"}) {
     EXPECT_THROW((void)make_tracker(spec, "", {{0.0, {}}}), InputError) << spec;
   }
   EXPECT_THROW((void)make_tracker("script", "", {}), InputError);

@@ -206,6 +206,34 @@ TEST_F(ServerTest, OnePageMovesFingersAtATime) {
   EXPECT_DOUBLE_EQ(requests.back().X_WFt.translation.z(), 3e-3);
 }
 
+TEST_F(ServerTest, HandsOfAHeadsetReachTheFeedFromOnePage) {
+  // The right hand, not tracked, at 1000 and 1016 ms.
+  constexpr std::string_view kFirst("SFHX\0\0\0\0\0\0\0\0\0\x40\x8f\x40", 16);
+  constexpr std::string_view kSecond("SFHX\0\0\0\0\0\0\0\0\0\xc0\x8f\x40", 16);
+  RawClient first(server.port());
+  RawClient second(server.port());
+  ASSERT_EQ(first.open_web_socket().status, 101);
+  ASSERT_EQ(second.open_web_socket().status, 101);
+  const auto wait_for_hands = [this](std::size_t count) {
+    for (int i = 0; i < 1000 && feed.hands().size() < count; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return feed.hands();
+  };
+  first.send_frame(2, kFirst);
+  ASSERT_EQ(wait_for_hands(1).size(), 1U);
+  second.send_frame(2, kFirst);
+  second.send_frame(1, R"({"request":"pause"})");
+  for (int i = 0; i < 1000 && feed.requests().empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  first.send_frame(2, kSecond);
+  const auto hands = wait_for_hands(2);
+  ASSERT_EQ(hands.size(), 2U) << "none of the second page";
+  EXPECT_DOUBLE_EQ(hands[0].time, 1.0);
+  EXPECT_DOUBLE_EQ(hands[1].time, 1.016);
+}
+
 TEST_F(ServerTest, OtherMessagesEndTheConnection) {
   const auto close_code_after = [this](int opcode, std::string_view payload) {
     RawClient client(server.port());

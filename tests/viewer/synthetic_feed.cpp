@@ -294,4 +294,14 @@ std::vector<LiveRequest> SyntheticFeed::requests() const {
   return requests_;
 }
 
+void SyntheticFeed::offer_hand(const XrHand& hand) {
+  const std::lock_guard lock(mutex_);
+  hands_.push_back(hand);
+}
+
+std::vector<XrHand> SyntheticFeed::hands() const {
+  const std::lock_guard lock(mutex_);
+  return hands_;
+}
+
 }  // namespace softfinger

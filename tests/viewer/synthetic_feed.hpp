@@ -22,6 +22,10 @@ class SyntheticFeed : public LiveFeed {
   const Snapshot& latest() const override { return snapshot_; }
   void request(const LiveRequest& request) override;
 
+  void offer_hand(const XrHand& hand) override;
+
+  /// Hands received so far.
+  [[nodiscard]] std::vector<XrHand> hands() const;
   /// Requests received so far.
   [[nodiscard]] std::vector<LiveRequest> requests() const;
 
@@ -34,6 +38,7 @@ class SyntheticFeed : public LiveFeed {
   Snapshot snapshot_;
   mutable std::mutex mutex_;
   std::vector<LiveRequest> requests_;
+  std::vector<XrHand> hands_;
 };
 
 }  // namespace softfinger

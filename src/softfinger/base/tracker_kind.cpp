@@ -44,6 +44,15 @@ void read_listener(std::string_view text, std::string_view argument, TrackerSpec
   }
 }
 
+HandPart read_hand(std::string_view text, std::string_view argument) {
+  const auto hand = parse_hand_part(argument);
+  if (hand) return *hand;
+  throw InputError(
+      fmt::format("tracker '{}': expected webxr, or webxr: with right or left, a finger out of "
+                  "thumb, index, middle, ring and pinky, or both as in webxr:left-thumb",
+                  text));
+}
+
 }  // namespace
 
 TrackerSpec parse_tracker_spec(std::string_view text) {
@@ -61,17 +70,32 @@ TrackerSpec parse_tracker_spec(std::string_view text) {
     if (argument.empty()) throw InputError("tracker csv needs a file, as in csv:poses.csv");
     spec.kind = TrackerKind::kCsv;
     spec.file = argument;
+  } else if (kind == "webxr") {
+    spec.kind = TrackerKind::kWebXr;
+    if (colon != std::string_view::npos) spec.hand = read_hand(text, argument);
   } else if (kind == "udp" || kind == "osc") {
     spec.kind = kind == "udp" ? TrackerKind::kUdp : TrackerKind::kOsc;
     read_listener(text, argument, spec);
   } else {
-    const std::string nearest = nearest_word(kind, {"script", "csv", "page", "udp", "osc"});
+    const std::string nearest =
+        nearest_word(kind, {"script", "csv", "page", "webxr", "udp", "osc"});
     throw InputError(
-        fmt::format("unknown tracker '{}'; {}known are script, csv:FILE, page, udp:PORT and "
-                    "osc:PORT",
+        fmt::format("unknown tracker '{}'; {}known are script, csv:FILE, page, webxr, udp:PORT "
+                    "and osc:PORT",
                     text, nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
   }
   return spec;
+}
+
+bool tracks_whole_hand(std::string_view text) {
+  const TrackerSpec spec = parse_tracker_spec(text);
+  return spec.kind == TrackerKind::kWebXr && !spec.hand.finger;
+}
+
+std::string tracker_of_finger(std::string_view text, std::string_view finger_name) {
+  if (!tracks_whole_hand(text)) return std::string(text);
+  const HandFinger finger = hand_finger_of(finger_name).value_or(HandFinger::kIndex);
+  return fmt::format("webxr:{}-{}", name_of(parse_tracker_spec(text).hand.side), name_of(finger));
 }
 
 bool is_network_tracker(TrackerKind kind) {

@@ -4,22 +4,34 @@
 #include <string>
 #include <string_view>
 
+#include "softfinger/base/hand_part.hpp"
+
 namespace softfinger {
 
 /// Where tracked poses may come from.
-enum class TrackerKind { kScript, kCsv, kPage, kUdp, kOsc };
+enum class TrackerKind { kScript, kCsv, kPage, kWebXr, kUdp, kOsc };
 
 /// A tracker as a scene file or `--tracker` names it: "script", "csv:FILE", "page",
-/// "udp:[ADDRESS:]PORT", "osc:[ADDRESS:]PORT".
+/// "webxr[:HAND]" (see parse_hand_part), "udp:[ADDRESS:]PORT", "osc:[ADDRESS:]PORT".
 struct TrackerSpec {
   TrackerKind kind = TrackerKind::kScript;
   std::string file;                   ///< kCsv: as written
+  HandPart hand = {};                 ///< kWebXr
   std::string address = "127.0.0.1";  ///< kUdp, kOsc: own IPv4 address
   std::uint16_t port = 0;             ///< kUdp, kOsc: own
 };
 
 /// Throws InputError, without a place, that says what is wrong or lists the known kinds.
 [[nodiscard]] TrackerSpec parse_tracker_spec(std::string_view text);
+
+/// Whether several fingers may follow it: "webxr" and "webxr:SIDE", a whole hand. Throws as
+/// parse_tracker_spec.
+[[nodiscard]] bool tracks_whole_hand(std::string_view text);
+
+/// The tracker of a scene's finger of that name. Of a whole hand, fingers called thumb, index,
+/// middle, ring and pinky follow their like, any other the index finger: "webxr:SIDE-FINGER".
+/// Everything else stays as it is. Throws as parse_tracker_spec.
+[[nodiscard]] std::string tracker_of_finger(std::string_view text, std::string_view finger_name);
 
 /// Whether poses of this kind come over the network, as time passes on the wall.
 [[nodiscard]] bool is_network_tracker(TrackerKind kind);

@@ -9,6 +9,7 @@
 #include "softfinger/device/device.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
+#include "softfinger/tracking/xr_hand.hpp"
 #include "softfinger/twin/rendering_measures.hpp"
 
 namespace softfinger {
@@ -36,6 +37,10 @@ struct SceneDescription {
     WorkspaceOutline workspace;
     bool twin = false;        ///< whether snapshots have one
     bool moved_here = false;  ///< by the page: its tracker is "page"
+    bool in_headset = false;  ///< its tracker is "webxr": it follows this of a hand
+    HandSide hand_side = HandSide::kRight;
+    HandFinger hand_finger = HandFinger::kIndex;
+    Pose X_WFt_start;  ///< where it is before anybody moves it
   };
   std::uint64_t generation = 0;          ///< grows with each scene or restart
   std::string scene_name;                ///< file stem, e.g. "sphere"
@@ -118,6 +123,8 @@ class LiveFeed {
   virtual bool refresh() = 0;
   [[nodiscard]] virtual const Snapshot& latest() const = 0;
   virtual void request(const LiveRequest& request) = 0;
+  /// A hand that a headset sees, for the fingers that follow it.
+  virtual void offer_hand(const XrHand& hand) = 0;
 };
 
 }  // namespace softfinger

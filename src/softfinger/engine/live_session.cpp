@@ -189,4 +189,6 @@ void LiveSession::request(const LiveRequest& request) {
   if (requests_.size() < kMostRequests) requests_.push_back(request);
 }
 
+void LiveSession::offer_hand(const XrHand& hand) { viewed_->offer_hand(hand); }
+
 }  // namespace softfinger

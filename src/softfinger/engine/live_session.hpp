@@ -48,6 +48,7 @@ class LiveSession final : public LiveFeed {
   bool refresh() override;
   [[nodiscard]] const Snapshot& latest() const override;
   void request(const LiveRequest& request) override;
+  void offer_hand(const XrHand& hand) override;
 
  private:
   void begin(std::shared_ptr<const RunSetup> setup);

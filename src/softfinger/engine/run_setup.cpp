@@ -8,6 +8,7 @@
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
+#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/bone.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
@@ -44,6 +45,26 @@ void apply_overrides(const std::vector<std::string>& overrides, const char* flag
                       flag, text, fmt::join(names, ", ")));
     }
     set(finger, value);
+  }
+}
+
+/// As `--tracker` says; a whole hand without a name moves every finger.
+void override_trackers(const std::vector<std::string>& overrides, RunSetup& setup) {
+  std::vector<std::string> named;
+  for (const std::string& text : overrides) {
+    const bool nameless = text == "webxr" || text.starts_with("webxr:");
+    if (!nameless || !tracks_whole_hand(text)) {
+      named.push_back(text);
+      continue;
+    }
+    for (const SceneFinger& finger : setup.scene.fingers) named.push_back(finger.name + '=' + text);
+  }
+  apply_overrides(named, "--tracker", setup.scene, [&](std::size_t i, const std::string& spec) {
+    setup.scene.fingers[i].tracker = spec;
+    setup.tracker_directories[i].clear();
+  });
+  for (SceneFinger& finger : setup.scene.fingers) {
+    finger.tracker = tracker_of_finger(finger.tracker, finger.name);
   }
 }
 
@@ -120,11 +141,7 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   setup->tracker_directories.assign(scene.fingers.size(), scene.file.parent_path());
   apply_overrides(options.devices, "--device", scene,
                   [&](std::size_t i, const std::string& file) { scene.fingers[i].device = file; });
-  apply_overrides(options.trackers, "--tracker", scene,
-                  [&](std::size_t i, const std::string& spec) {
-                    scene.fingers[i].tracker = spec;
-                    setup->tracker_directories[i].clear();
-                  });
+  override_trackers(options.trackers, *setup);
   for (const SceneFinger& finger : scene.fingers) {
     setup->models.push_back(FingerModel::load(finger.model));
     setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);

@@ -18,6 +18,7 @@
 #include "softfinger/engine/step_pacer.hpp"
 #include "softfinger/tracking/page_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
+#include "softfinger/tracking/webxr_tracker.hpp"
 
 namespace softfinger {
 /// What a step hands to the device thread.
@@ -70,10 +71,11 @@ struct SceneRun::Finger {
     tracker =
         make_tracker(scene_finger.tracker, setup.tracker_directories[i], scene_finger.waypoints);
     page_tracker = dynamic_cast<PageTracker*>(tracker.get());
-    if (page_tracker != nullptr && mode == Mode::kHeadless) {
-      throw InputError(fmt::format(
-          "finger {}: tracker page is a person at the live page; a headless run has none",
-          scene_finger.name));
+    webxr_tracker = dynamic_cast<WebXrTracker*>(tracker.get());
+    if ((page_tracker != nullptr || webxr_tracker != nullptr) && mode == Mode::kHeadless) {
+      throw InputError(
+          fmt::format("finger {}: tracker {} is a person at the live page; a headless run has none",
+                      scene_finger.name, scene_finger.tracker));
     }
     if (!setup.devices[i]) return;
     clock = DeviceClock(setup.scene.simulation_rate, device_rate(*setup.devices[i]));
@@ -98,10 +100,11 @@ struct SceneRun::Finger {
   FingerLoop loop;
   DeviceClock clock;
   std::unique_ptr<Tracker> tracker;
-  PageTracker* page_tracker = nullptr;  // the same, where the page moves the finger
-  std::unique_ptr<DeviceLoop> device;   // null: none
-  std::unique_ptr<LiveTwin> twin;       // null: none
-  std::int64_t known_tick = -1;         // newest tick known to the simulation
+  PageTracker* page_tracker = nullptr;    // the same, where the page moves the finger
+  WebXrTracker* webxr_tracker = nullptr;  // the same, where a headset does
+  std::unique_ptr<DeviceLoop> device;     // null: none
+  std::unique_ptr<LiveTwin> twin;         // null: none
+  std::int64_t known_tick = -1;           // newest tick known to the simulation
   std::uint64_t known_tick_hash = 0;
   double known_match_time = 0.0;
   TickInput last_sent{};
@@ -207,6 +210,12 @@ std::optional<double> SceneRun::duration() const {
 void SceneRun::offer_pose(std::size_t finger, const Pose& X_WFt) noexcept {
   if (finger >= fingers_.size() || fingers_[finger]->page_tracker == nullptr) return;
   fingers_[finger]->page_tracker->offer(X_WFt);
+}
+
+void SceneRun::offer_hand(const XrHand& hand) noexcept {
+  for (const auto& finger : fingers_) {
+    if (finger->webxr_tracker != nullptr) finger->webxr_tracker->offer(hand);
+  }
 }
 
 void SceneRun::simulate() {

@@ -55,6 +55,8 @@ class SceneRun {
   void set_paused(bool paused) noexcept { paused_.store(paused); }
   /// Live only: X_WFt of a finger whose tracker is the page; others are not moved. One thread.
   void offer_pose(std::size_t finger, const Pose& X_WFt) noexcept;
+  /// Live only: a hand for every finger whose tracker is a headset. The same thread.
+  void offer_hand(const XrHand& hand) noexcept;
   /// Whether the loop has come to its end.
   [[nodiscard]] bool ended() const noexcept { return ended_.load(); }
   /// End of the last finished step, s.

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "softfinger/base/tracker_kind.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
 namespace {
@@ -67,8 +68,12 @@ SceneDescription describe(const RunSetup& setup) {
     const FingerModel& model = *setup.models[i];
     SceneDescription::Finger finger;
     finger.name = setup.scene.fingers[i].name;
-    finger.moved_here =
-        parse_tracker_spec(setup.scene.fingers[i].tracker).kind == TrackerKind::kPage;
+    const TrackerSpec tracker = parse_tracker_spec(setup.scene.fingers[i].tracker);
+    finger.moved_here = tracker.kind == TrackerKind::kPage;
+    finger.in_headset = tracker.kind == TrackerKind::kWebXr;
+    finger.hand_side = tracker.hand.side;
+    finger.hand_finger = tracker.hand.finger.value_or(HandFinger::kIndex);
+    finger.X_WFt_start = start_pose(setup.scene.fingers[i].waypoints);
     for (const int node : model.sample_nodes) {
       finger.skin_rest_positions_F.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
     }

@@ -11,8 +11,14 @@
 #include "softfinger/tracking/pose_datagram.hpp"
 #include "softfinger/tracking/pose_listener.hpp"
 #include "softfinger/tracking/scripted_tracker.hpp"
+#include "softfinger/tracking/webxr_tracker.hpp"
 
 namespace softfinger {
+
+Pose start_pose(const std::vector<Waypoint>& waypoints) {
+  if (!waypoints.empty()) return waypoints.front().pose;
+  return {Matrix3::Identity(), Vector3(0.0, 0.0, 30.0 * mm)};
+}
 
 std::unique_ptr<Tracker> make_tracker(std::string_view spec,
                                       const std::filesystem::path& base_directory,
@@ -31,8 +37,11 @@ std::unique_ptr<Tracker> make_tracker(std::string_view spec,
     }
   }
   if (parsed.kind == TrackerKind::kPage) {
-    const Pose above{Matrix3::Identity(), Vector3(0.0, 0.0, 30.0 * mm)};
-    return std::make_unique<PageTracker>(waypoints.empty() ? above : waypoints.front().pose);
+    return std::make_unique<PageTracker>(start_pose(waypoints));
+  }
+  if (parsed.kind == TrackerKind::kWebXr) {
+    return std::make_unique<WebXrTracker>(start_pose(waypoints), parsed.hand.side,
+                                          parsed.hand.finger.value_or(HandFinger::kIndex));
   }
   if (waypoints.empty()) {
     throw InputError("tracker script needs at least one [[finger.waypoint]] in the scene");

@@ -10,11 +10,15 @@
 
 namespace softfinger {
 
+/// X_WFt of a finger that somebody moves, before anybody did: the first of `waypoints`, or 30 mm
+/// above the origin.
+[[nodiscard]] Pose start_pose(const std::vector<Waypoint>& waypoints);
+
 /// The tracker that `spec` (see TrackerSpec) names. FILE is relative to
 /// `base_directory`: the scene file's where the scene names the tracker, empty for the command
-/// line. `waypoints` (X_WFt) serve "script"; "page" starts at the first, or 30 mm above the origin;
-/// others ignore them. Throws InputError: an unknown kind, no waypoints, a file that cannot be
-/// read, a port that is in use.
+/// line. `waypoints` (X_WFt) serve "script"; "page" and "webxr" are at start_pose until somebody
+/// moves them; others ignore them. "webxr" of a whole hand is its index finger. Throws InputError:
+/// an unknown kind, no waypoints, a file that cannot be read, a port that is in use.
 [[nodiscard]] std::unique_ptr<Tracker> make_tracker(std::string_view spec,
                                                     const std::filesystem::path& base_directory,
                                                     const std::vector<Waypoint>& waypoints);

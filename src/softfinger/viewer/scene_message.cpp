@@ -88,6 +88,16 @@ Json to_json(const WorkspaceOutline& workspace) {
           {"travel_axis", workspace.travel_axis}};
 }
 
+/// Null for a finger that no headset moves.
+Json headset_json(const SceneDescription::Finger& finger) {
+  if (!finger.in_headset) return nullptr;
+  const Vector3 p = finger.X_WFt_start.translation / mm;
+  const Eigen::Quaterniond q(finger.X_WFt_start.rotation);
+  return {{"hand", name_of(finger.hand_side)},
+          {"finger", name_of(finger.hand_finger)},
+          {"start", {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}}};
+}
+
 Json to_json(const SceneDescription::Finger& finger) {
   return {{"name", finger.name},
           {"skin_positions_mm", flat(finger.skin_rest_positions_F)},
@@ -104,7 +114,8 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"cap_radius_mm", finger.cap_radius / mm},
           {"workspace", to_json(finger.workspace)},
           {"twin", finger.twin},
-          {"moved_here", finger.moved_here}};
+          {"moved_here", finger.moved_here},
+          {"headset", headset_json(finger)}};
 }
 
 }  // namespace

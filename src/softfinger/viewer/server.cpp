@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/viewer/hand_message.hpp"
 #include "softfinger/viewer/own_address.hpp"
 #include "softfinger/viewer/page_request.hpp"
 #include "softfinger/viewer/scene_message.hpp"
@@ -42,6 +43,7 @@ constexpr int kSendBufferBytes = 64 * 1024;  // small: what waits in it is no lo
 constexpr auto kHttpTimeout = std::chrono::seconds(10);
 constexpr auto kIdleTimeout = std::chrono::minutes(5);
 constexpr auto kRequestInterval = std::chrono::milliseconds(20);
+constexpr auto kHandInterval = std::chrono::milliseconds(3);  // two hands at 144 Hz
 
 constexpr std::string_view kContentSecurityPolicy =
     "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
@@ -168,22 +170,33 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void obey() {
     const auto data = buffer_.cdata();
     const std::string_view message(static_cast<const char*>(data.data()), data.size());
-    std::optional<LiveRequest> request;
-    if (socket_.got_text()) {
-      const auto& scene = hub_.description;
-      request = parse_page_request(
-          message, scene ? std::span(scene->scene_names) : std::span<const std::string>());
+    if (socket_.got_text() ? obey_request(message) : obey_hand(message)) {
+      pause_.expires_after(socket_.got_text() ? kRequestInterval : kHandInterval);
+      return read_after_pause();
     }
-    if (!request) {
-      open_ = false;
-      socket_.async_close({websocket::close_code::policy_error, "not a request of the live page"},
-                          [self = shared_from_this()](error_code) {});
-      return;
-    }
-    const bool moves = request->kind == LiveRequest::Kind::kPose;
-    if (moves && hub_.mover == nullptr) hub_.mover = this;
-    if (!moves || hub_.mover == this) hub_.feed.request(*request);
-    pause_.expires_after(kRequestInterval);
+    open_ = false;
+    socket_.async_close({websocket::close_code::policy_error, "not a request of the live page"},
+                        [self = shared_from_this()](error_code) {});
+  }
+  bool obey_request(std::string_view message) {
+    const auto& scene = hub_.description;
+    const auto request = parse_page_request(
+        message, scene ? std::span(scene->scene_names) : std::span<const std::string>());
+    if (!request) return false;
+    if (request->kind != LiveRequest::Kind::kPose || is_mover()) hub_.feed.request(*request);
+    return true;
+  }
+  bool obey_hand(std::string_view message) {
+    const auto hand = parse_hand_message(message);
+    if (hand && is_mover()) hub_.feed.offer_hand(*hand);
+    return hand.has_value();
+  }
+  /// Whether this page moves the fingers, now that it wants to.
+  bool is_mover() {
+    if (hub_.mover == nullptr) hub_.mover = this;
+    return hub_.mover == this;
+  }
+  void read_after_pause() {
     pause_.async_wait([self = shared_from_this()](error_code error) {
       if (!error) self->read();
     });

@@ -1,0 +1,41 @@
+#include "softfinger/tracking/webxr_tracker.hpp"
+
+namespace softfinger {
+
+WebXrTracker::WebXrTracker(const Pose& start, HandSide side, HandFinger finger)
+    : side_(side), finger_(finger) {
+  newest_.X_WFt = start;
+}
+
+void WebXrTracker::offer(const XrHand& hand) noexcept {
+  if (hand.side != side_) return;
+  Offer& draft = offered_.draft();
+  draft.time = hand.time;
+  draft.tracked = hand.tracked;
+  if (hand.tracked) draft.X_WFt = distal_phalanx_pose(hand, finger_);
+  offered_.publish();
+}
+
+TrackedPose WebXrTracker::sample(double time) {
+  if (offered_.refresh()) {
+    const Offer& offer = offered_.latest();
+    // A headset that stands still and repeats itself is gone; after a silence it is another one,
+    // whose clock may begin anywhere.
+    const bool is_new = !known_ || offer.time > headset_time_ ||
+                        (time - heard_ > kLostAfter && offer.time != headset_time_);
+    if (is_new) {
+      known_ = true;
+      heard_ = time;
+      headset_time_ = offer.time;
+      tracked_ = offer.tracked;
+      if (tracked_) {
+        newest_.X_WFt = offer.X_WFt;
+        newest_.time = time;
+      }
+    }
+  }
+  newest_.valid = tracked_ && time - heard_ <= kLostAfter;
+  return newest_;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "softfinger/base/mailbox.hpp"
+#include "softfinger/tracking/tracker.hpp"
+#include "softfinger/tracking/xr_hand.hpp"
+
+namespace softfinger {
+
+/// A finger of a hand that a headset tracks, as its page tells frame by frame. Tracking is lost
+/// when the headset says so, or says nothing new for kLostAfter of the run's time; the last pose is
+/// then held. Before the first it is nowhere but at its start.
+class WebXrTracker final : public Tracker {
+ public:
+  /// `start`: X_WFt until the headset has seen the hand.
+  WebXrTracker(const Pose& start, HandSide side, HandFinger finger);
+  /// A hand of the other side changes nothing. Any one thread; wait-free.
+  void offer(const XrHand& hand) noexcept;
+
+  [[nodiscard]] TrackedPose sample(double time) override;
+  [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
+
+ private:
+  struct Offer {
+    Pose X_WFt;
+    double time = 0.0;  // s, the headset's
+    bool tracked = false;
+  };
+
+  HandSide side_;
+  HandFinger finger_;
+  Mailbox<Offer> offered_;
+  TrackedPose newest_;
+  double heard_ = 0.0;         // s, of the run, when something new came
+  double headset_time_ = 0.0;  // s, of what came then
+  bool known_ = false;
+  bool tracked_ = false;
+};
+
+}  // namespace softfinger
