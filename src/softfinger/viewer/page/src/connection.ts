@@ -20,8 +20,14 @@ export class Connection {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
   }
 
+  /** Of the newest kind: dropped while older ones wait to be sent. */
+  sendHand(message: ArrayBuffer): void {
+    if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < 2048) this.socket.send(message);
+  }
+
   private open(): void {
-    const socket = new WebSocket(`ws://${location.host}/ws`);
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/ws`);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this.listener.onState("live");
     socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data);

@@ -5,7 +5,7 @@ export interface GlassOptions {
   body: number; // opacity seen straight on
   rim: number; // and added where it is seen edge-on
   grid: number; // mm between lines; 0: none
-  reach?: number; // mm from `centre` at which it has faded
+  reach?: number; // mm from `centre`, in its own frame, at which it has faded
 }
 
 /** Thin glass with a bright rim and a grid of its own frame, so that what lies behind is seen. */
@@ -67,7 +67,7 @@ export function glass({ color, body, rim, grid, reach = Infinity }: GlassOptions
         float grid = gridStrength *
             max(max(lines(vLocal.x) * (1.0 - m.x), lines(vLocal.y) * (1.0 - m.y)),
                 lines(vLocal.z) * (1.0 - m.z));
-        float fade = 1.0 - smoothstep(0.35 * reach, reach, distance(vWorld, centre));
+        float fade = 1.0 - smoothstep(0.35 * reach, reach, distance(vLocal, centre));
         float alpha = (body + rim * edge + 0.16 * grid) * fade;
         gl_FragColor = vec4(color * (light + 0.5 * edge + 0.3 * grid), alpha);
         #include <colorspace_fragment>

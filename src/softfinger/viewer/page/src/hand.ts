@@ -19,11 +19,12 @@ const kTurns: Record<string, [number, number, number]> = {
 };
 
 /**
- * Moves the first finger with pointer and keys, where the program lets the page. Goes on saying where the
+ * Moves the finger shown with pointer and keys, where the program lets the page. Goes on saying where the
  * finger is while the page is in sight: the program takes silence for a hand that is gone.
  */
 export class Hand {
   private active = false;
+  private finger = 0; // of the scene's
   private known = false;
   private readonly position = new Vector3(); // X_WFt, mm
   private readonly rotation = new Quaternion();
@@ -54,8 +55,9 @@ export class Hand {
     return this.grip !== null;
   }
 
-  begin(scene: Scene): void {
-    this.active = scene.fingers[0]?.moved_here ?? false;
+  begin(scene: Scene, number: number): void {
+    this.active = scene.fingers[number]?.moved_here ?? false;
+    this.finger = number;
     this.known = false;
     this.grip = null;
     this.held.clear();
@@ -79,7 +81,7 @@ export class Hand {
     if (this.sinceSent < kInterval) return;
     this.sinceSent = 0;
     const { position: p, rotation: q } = this;
-    this.send({ request: "pose", finger: 0, position_mm: [p.x, p.y, p.z], quaternion: [q.w, q.x, q.y, q.z] });
+    this.send({ request: "pose", finger: this.finger, position_mm: [p.x, p.y, p.z], quaternion: [q.w, q.x, q.y, q.z] });
   }
 
   private followKeys(seconds: number): void {

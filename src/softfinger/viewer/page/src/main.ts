@@ -2,12 +2,15 @@ import "./style.css";
 import { type Group, Vector3 } from "three";
 import { Connection } from "./connection";
 import { DeviceView } from "./device_view";
+import { emulateHeadset } from "./emulated_headset";
 import { FingerView, place } from "./finger_view";
 import { Hand } from "./hand";
+import { Headset } from "./headset";
 import { ObjectView } from "./object_view";
 import { Pad, PatchView } from "./patch_view";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
+import { Room } from "./room";
 import { Stage, View } from "./stage";
 import { WorkspaceView } from "./workspace_view";
 import type { FingerSnapshot, Scene, Snapshot } from "./wire";
@@ -24,9 +27,11 @@ const patches = { virtual: new PatchView(canvas("patch-virtual")), twin: new Pat
 let objects: ObjectView[] = [];
 let fingers: FingerView[] = [];
 let fingersInWorld: Group[] = []; // in the virtual scene
-let twin: FingerView | null = null; // of the first finger
-let wearer: Group | null = null; // on the device: the twin, or without one the first finger
-let pad: Pad | null = null; // of the first finger
+let scene: Scene | null = null;
+let chosen = 0; // of the scene's fingers: the one that is followed, and its device drawn
+let twin: FingerView | null = null; // of the chosen finger
+let wearer: Group | null = null; // on the device: the twin, or without one the chosen finger
+let pad: Pad | null = null; // of the chosen finger
 let workspace: WorkspaceView | null = null;
 let device: DeviceView | null = null;
 let newest: Snapshot | null = null;
@@ -43,18 +48,28 @@ function build(scene: Scene): void {
   fingers = scene.fingers.map((finger) => new FingerView(finger));
   fingersInWorld = fingers.map((view) => view.show());
   virtual.scene.add(...objects.map((view) => view.group), ...fingersInWorld);
-  const first = scene.fingers[0];
-  twin = first?.twin ? new FingerView(first) : null;
-  pad = first?.twin ? new Pad(first) : null;
-  wearer = (twin ?? fingers[0])?.show() ?? null;
-  device = first && first.device_kind ? new DeviceView(first) : null;
+  const finger = scene.fingers[chosen];
+  twin = finger?.twin ? new FingerView(finger) : null;
+  pad = finger?.twin ? new Pad(finger) : null;
+  wearer = (twin ?? fingers[chosen])?.show() ?? null;
+  device = finger && finger.device_kind ? new DeviceView(finger) : null;
   if (wearer) rendered.scene.add(wearer);
   if (device) rendered.scene.add(device.group);
-  const hasWorkspace = first !== undefined && WorkspaceView.has(first);
+  const hasWorkspace = finger !== undefined && WorkspaceView.has(finger);
   element("workspace").hidden = !hasWorkspace;
-  workspace = hasWorkspace ? new WorkspaceView(canvas("workspace-drawing"), first) : null;
+  workspace = hasWorkspace ? new WorkspaceView(canvas("workspace-drawing"), finger) : null;
   newest = drawn = null;
   arrived = false;
+}
+
+/** Draws a scene anew, and another of its fingers where one is chosen. */
+function begin(next: Scene, finger: number): void {
+  scene = next;
+  chosen = finger < next.fingers.length ? finger : 0;
+  build(next);
+  hand.begin(next, chosen);
+  plots.reset(next.fingers[chosen], chosen);
+  panel.showScene(next, chosen);
 }
 
 function show(snapshot: Snapshot): void {
@@ -65,14 +80,14 @@ function show(snapshot: Snapshot): void {
     view.update(finger);
     place(fingersInWorld[i]!, finger.X_WF);
   });
-  const first = snapshot.fingers[0];
-  if (!first) return;
-  device?.update(first);
+  const finger = snapshot.fingers[chosen];
+  if (!finger) return;
+  device?.update(finger);
   const surroundings = device?.surroundings();
   if (surroundings) rendered.frame(surroundings.middle, surroundings.distance);
-  workspace?.draw(first.configuration);
-  if (first.twin) twin?.update(first.twin);
-  if (pad) showPatches(pad, first, snapshot.time_s);
+  workspace?.draw(finger.configuration);
+  if (finger.twin) twin?.update(finger.twin);
+  if (pad) showPatches(pad, finger, snapshot.time_s);
 }
 
 let patchTime = 0; // s, of the patches shown
@@ -85,15 +100,15 @@ function showPatches(pad: Pad, finger: FingerSnapshot, time: number): void {
   element("pressure-most").textContent = pad.most.toFixed(0);
 }
 
-/** After `elapsed` ms: keeps the virtual finger in sight and the glass sorted against the skin. */
-function followFinger(elapsed: number): void {
-  const finger = fingersInWorld[0];
+/** After `elapsed` ms: keeps the virtual finger in sight and the glass sorted against the skin, seen from `eye`. */
+function followFinger(elapsed: number, eye: Vector3): void {
+  const finger = fingersInWorld[chosen];
   if (!finger || !drawn) return;
   if (!hand.holds) {
     virtual.follow(finger.position.clone().add(new Vector3(0, 0, -2.5)), arrived ? 1 - Math.exp(-elapsed / 180) : 1);
   }
   arrived = true;
-  const below = virtual.camera.position.z < finger.position.z - 5;
+  const below = eye.z < finger.position.z - 5;
   for (const object of objects) {
     object.lookAround(finger.position);
     object.drawBehindSkin(!below);
@@ -106,16 +121,19 @@ const panel = new Panel({
     stage.reset();
     arrived = false;
   },
+  chooseFinger: (number) => scene && begin(scene, number),
 });
 
 const hand = new Hand(virtual, (request) => connection.send(request));
+const room = new Room(stage.renderer, virtual);
+const headset = new Headset(room, (message) => connection.sendHand(message));
+const wantsEmulation = new URLSearchParams(location.search).has("emulate-headset");
+void (wantsEmulation ? emulateHeadset() : Promise.resolve()).then(() => headset.offer());
 
 const connection = new Connection({
-  onScene: (scene) => {
-    build(scene);
-    hand.begin(scene);
-    plots.reset(scene.fingers[0]);
-    panel.showScene(scene);
+  onScene: (next) => {
+    begin(next, chosen);
+    headset.begin(next);
   },
   onSnapshot: (snapshot) => {
     newest = snapshot;
@@ -125,17 +143,19 @@ const connection = new Connection({
   onState: (state) => panel.showConnection(state),
 });
 
-// Without graphics hardware drawing takes the processor from the simulation: then seldomer.
+// Without graphics hardware drawing takes the processor from the simulation: then seldomer. What a
+// headset shows it wants drawn in every frame.
 const kLeastInterval = stage.isPlain ? 90 : 0; // ms
 let lastFrame = 0;
 let lastMove = 0;
 
-function frame(now: number): void {
-  requestAnimationFrame(frame);
-  if (newest?.fingers[0]) hand.see(newest.fingers[0]);
+function frame(now: number, worn: XRFrame | undefined): void {
+  const finger = newest?.fingers[chosen];
+  if (finger) hand.see(finger);
   hand.advance(now - lastMove);
   lastMove = now;
-  if (now - lastFrame < kLeastInterval) return;
+  if (worn) headset.follow(worn);
+  if (!worn && now - lastFrame < kLeastInterval) return;
   const elapsed = now - lastFrame;
   lastFrame = now;
   if (newest && newest !== drawn) {
@@ -143,9 +163,10 @@ function frame(now: number): void {
     drawn = newest;
     show(newest);
     panel.showSnapshot(newest);
-    plots.draw();
+    if (!worn) plots.draw(); // nobody sees them
   }
-  followFinger(elapsed);
-  stage.render();
+  followFinger(elapsed, worn ? room.eye() : virtual.camera.position);
+  if (worn) headset.draw();
+  else stage.render();
 }
-requestAnimationFrame(frame);
+stage.animate(frame);

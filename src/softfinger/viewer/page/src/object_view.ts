@@ -28,7 +28,8 @@ export class ObjectView {
 
   /** Where the object's grid fades around: the finger, in the world. */
   lookAround(centre: Vector3): void {
-    (this.material.uniforms.centre!.value as Vector3).copy(centre);
+    (this.material.uniforms.centre!.value as Vector3).copy(centre).sub(this.group.position)
+      .applyQuaternion(this.group.quaternion.clone().invert());
   }
   /** Before or after the skin, whichever lies behind. */
   drawBehindSkin(behind: boolean): void {

@@ -15,12 +15,17 @@ const kDeviceNames: Record<string, string> = {
 /** Everything on the page that is neither a drawing nor a plot. */
 export class Panel {
   private scene: Scene | null = null;
+  private finger = 0; // shown, of the scene's
   private paused = false;
   private received = 0;
   private readonly history: { at: number; step: number }[] = [];
 
   constructor(
-    private readonly actions: { send(request: Request): void; resetView(): void },
+    private readonly actions: {
+      send(request: Request): void;
+      resetView(): void;
+      chooseFinger(number: number): void;
+    },
   ) {
     element("pause").onclick = () => this.togglePause();
     element("restart").onclick = () => actions.send({ request: "restart" });
@@ -43,27 +48,25 @@ export class Panel {
     if (state !== "live") this.history.length = 0;
   }
 
-  showScene(scene: Scene): void {
+  /** A scene, and the number of its finger that is shown. */
+  showScene(scene: Scene, number: number): void {
     this.scene = scene;
+    this.finger = number;
     this.history.length = 0;
-    const choices = element("scenes");
-    choices.replaceChildren(...scene.scenes.map((name) => {
-      const button = document.createElement("button");
-      button.textContent = name;
-      button.dataset.scene = name;
-      button.setAttribute("role", "radio");
-      button.setAttribute("aria-checked", String(name === scene.scene));
-      button.onclick = () => this.actions.send({ request: "scene", scene: name });
-      return button;
-    }));
+    element("scenes").replaceChildren(...scene.scenes.map((name) =>
+      choice("scene", name, name === scene.scene, () => this.actions.send({ request: "scene", scene: name }))));
+    element("fingers").hidden = scene.fingers.length < 2;
+    element("fingers").replaceChildren(...scene.fingers.map(({ name }, i) =>
+      choice("finger", name, i === number, () => this.actions.chooseFinger(i))));
+    const finger = scene.fingers[number];
     document.body.dataset.scene = scene.scene;
+    document.body.dataset.finger = finger?.name ?? "";
     document.body.dataset.generation = String(scene.generation);
     document.body.dataset.contacts = document.body.dataset.twinContacts = "0";
-    element("twin").hidden = !scene.fingers[0]?.twin;
-    document.body.dataset.twin = scene.fingers[0]?.twin ? "on" : "off";
-    document.body.dataset.deviceKind = scene.fingers[0]?.device_kind ?? "";
+    element("twin").hidden = !finger?.twin;
+    document.body.dataset.twin = finger?.twin ? "on" : "off";
+    document.body.dataset.deviceKind = finger?.device_kind ?? "";
     document.title = `softfinger · ${scene.scene}`;
-    const finger = scene.fingers[0];
     element("virtual-what").textContent =
       `${finger?.name ?? "finger"} · ${scene.objects.map((object) => object.name).join(", ")}`;
     element("rendered-what").textContent = finger?.device_kind
@@ -79,7 +82,7 @@ export class Panel {
   }
 
   showSnapshot(snapshot: Snapshot): void {
-    const finger = snapshot.fingers[0];
+    const finger = snapshot.fingers[this.finger];
     const duration = this.scene?.duration_s ?? 0;
     element("time").textContent = snapshot.time_s.toFixed(2);
     element("duration").textContent = duration > 0 ? ` / ${duration.toFixed(1)} s` : " s";
@@ -117,7 +120,7 @@ export class Panel {
     element("slip").textContent = contacts > 0 ? finger.slip_ratio.toFixed(2) : "–";
     element("deviation").textContent = finger.deviation_mm2.toFixed(3);
     element("joints").textContent =
-      jointText(finger.joint_values, this.scene?.fingers[0]?.joint_unit ?? "deg");
+      jointText(finger.joint_values, this.scene?.fingers[this.finger]?.joint_unit ?? "deg");
   }
 
   private togglePause(): void {
@@ -132,6 +135,17 @@ export class Panel {
     const rate = (1000 * (last.step - first.step)) / (last.at - first.at);
     return rate >= 0 ? (Math.round(rate / 10) * 10).toLocaleString("en").replace(",", "\u202f") : "–";
   }
+}
+
+/** A button of a radio group; `kind` names what is chosen, for style and tests. */
+function choice(kind: string, name: string, checked: boolean, choose: () => void): HTMLButtonElement {
+  const button = document.createElement("button");
+  button.textContent = name;
+  button.dataset[kind] = name;
+  button.setAttribute("role", "radio");
+  button.setAttribute("aria-checked", String(checked));
+  button.onclick = choose;
+  return button;
 }
 
 function contactCount(skin: Skin): number {

@@ -1,7 +1,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { palette } from "./palette";
-import type { FingerDescription, Snapshot, Twin } from "./wire";
+import type { FingerDescription, FingerSnapshot, Snapshot, Twin } from "./wire";
 
 const kWindow = 10; // s of simulated time shown
 const kCapacity = 1500;
@@ -13,7 +13,7 @@ interface Curve {
   digits: number;
   scale?: "right";
   filled?: boolean;
-  value(snapshot: Snapshot): number;
+  value(finger: FingerSnapshot, snapshot: Snapshot): number;
 }
 interface PlotDescription {
   id: string;
@@ -26,8 +26,7 @@ interface PlotDescription {
   small?: boolean;
 }
 
-/** Of the first finger. */
-const q = (index: number) => (s: Snapshot) => s.fingers[0]?.configuration[index] ?? 0;
+const q = (index: number) => (finger: FingerSnapshot) => finger.configuration[index] ?? 0;
 
 const kCurveColors = [palette.pitch, palette.roll, palette.travel];
 const kMostAxes = 6; // more are told by their extremes
@@ -36,10 +35,10 @@ const kMostAxes = 6; // more are told by their extremes
 function configurationPlot({ configuration_names: names, workspace }: FingerDescription): PlotDescription {
   const plot = { id: "configuration", title: "Configuration q" };
   if (names.length > kMostAxes) {
-    const among = (choose: (...values: number[]) => number) => (s: Snapshot) =>
-      choose(...(s.fingers[0]?.configuration ?? [0]));
+    const among = (choose: (...values: number[]) => number) => (finger: FingerSnapshot) =>
+      choose(...finger.configuration);
     const mean = (...values: number[]) => values.reduce((a, b) => a + b, 0) / values.length;
-    const curve = (label: string, color: string, value: (s: Snapshot) => number): Curve =>
+    const curve = (label: string, color: string, value: Curve["value"]): Curve =>
       ({ label, unit: "mm", color, digits: 2, value });
     return { ...plot, range: [0, 1], curves: [
       curve("highest", palette.pitch, among(Math.max)), curve("mean", palette.roll, among(mean)),
@@ -59,18 +58,16 @@ function configurationPlot({ configuration_names: names, workspace }: FingerDesc
     ? { ...plot, curves, range: [-6, 6], rightRange: [0, 4] } : { ...plot, curves, range: [0, 1] };
 }
 
-const twin = (value: (twin: Twin) => number) => (s: Snapshot) => {
-  const finger = s.fingers[0]?.twin;
-  return finger ? value(finger) : NaN;
-};
+const twin = (value: (twin: Twin) => number) => (finger: FingerSnapshot) =>
+  finger.twin ? value(finger.twin) : NaN;
 
 /** What is drawn for the loop itself; the twin's force and area beside the virtual ones. */
 function loopPlots(finger: FingerDescription): PlotDescription[] {
   const hasTwin = finger.twin;
   const force: Curve = { label: hasTwin ? "virtual" : "normal", unit: "N", color: palette.force, digits: 2,
-    filled: true, value: (s) => s.fingers[0]?.normal_force_N ?? 0 };
+    filled: true, value: (f) => f.normal_force_N };
   const area: Curve = { label: hasTwin ? "virtual" : "", unit: "mm²", color: palette.area, digits: 0,
-    filled: true, value: (s) => s.fingers[0]?.contact_area_mm2 ?? 0 };
+    filled: true, value: (f) => f.contact_area_mm2 };
   const twins = (curve: Curve, value: (twin: Twin) => number): Curve[] =>
     hasTwin ? [{ ...curve, label: "twin", color: palette.twin, filled: false, value: twin(value) }] : [];
   return [
@@ -80,7 +77,7 @@ function loopPlots(finger: FingerDescription): PlotDescription[] {
         force,
         ...twins(force, (t) => t.normal_force_N),
         { label: "friction", unit: "N", color: palette.friction, digits: 2,
-          value: (s) => s.fingers[0]?.tangential_force_N ?? 0 },
+          value: (f) => f.tangential_force_N },
       ],
     },
     {
@@ -91,8 +88,8 @@ function loopPlots(finger: FingerDescription): PlotDescription[] {
     {
       id: "step", title: "Computing time", range: [0, 0.25],
       curves: [
-        { label: "step", unit: "ms", color: palette.step, digits: 3, value: (s) => s.step_ms },
-        { label: "match", unit: "ms", color: palette.match, digits: 3, value: (s) => s.match_ms },
+        { label: "step", unit: "ms", color: palette.step, digits: 3, value: (_, s) => s.step_ms },
+        { label: "match", unit: "ms", color: palette.match, digits: 3, value: (_, s) => s.match_ms },
       ],
     },
   ];
@@ -122,17 +119,22 @@ function measurePlots(): PlotDescription[] {
 /** The live plots: the loop's in a strip below the views, the twin's measures beside them. */
 export class Plots {
   private plots: LivePlot[] = [];
+  private finger = 0; // of the scene's
 
   constructor(private readonly strip: HTMLElement, private readonly measures: HTMLElement) {}
 
-  reset(finger: FingerDescription | undefined): void {
+  /** Begins anew with a finger of a scene, the one of that number. */
+  reset(finger: FingerDescription | undefined, number: number): void {
     for (const plot of this.plots) plot.dispose();
+    this.plots = [];
+    this.finger = number;
     if (!finger) return;
     this.plots = loopPlots(finger).map((d) => new LivePlot(this.strip, d));
     if (finger.twin) this.plots.push(...measurePlots().map((d) => new LivePlot(this.measures, d)));
   }
   add(snapshot: Snapshot): void {
-    for (const plot of this.plots) plot.add(snapshot);
+    const finger = snapshot.fingers[this.finger];
+    if (finger) for (const plot of this.plots) plot.add(finger, snapshot);
   }
   draw(): void {
     for (const plot of this.plots) plot.draw();
@@ -168,12 +170,12 @@ class LivePlot {
     this.element.remove();
   }
 
-  add(snapshot: Snapshot): void {
+  add(finger: FingerSnapshot, snapshot: Snapshot): void {
     const times = this.data[0]!;
     if (times.length > 0 && snapshot.time_s <= times[times.length - 1]!) return;
     times.push(snapshot.time_s);
     this.description.curves.forEach((curve, i) => {
-      const value = curve.value(snapshot);
+      const value = curve.value(finger, snapshot);
       this.data[i + 1]!.push(Number.isFinite(value) ? value : null); // null: a gap
     });
     if (times.length > kCapacity) for (const column of this.data) column.splice(0, kCapacity / 3);

@@ -82,7 +82,7 @@ export class View {
 export class Stage {
   /** Drawn without graphics hardware, by the processor that also simulates: plainer and seldomer. */
   readonly isPlain = isPlain();
-  private readonly renderer: WebGLRenderer;
+  readonly renderer: WebGLRenderer;
   private changed = true;
 
   constructor(private readonly canvas: HTMLCanvasElement, readonly views: View[]) {
@@ -97,11 +97,17 @@ export class Stage {
       view.pane.addEventListener("dblclick", () => this.reset());
     }
     new ResizeObserver(() => this.resize()).observe(canvas);
+    this.renderer.xr.addEventListener("sessionend", () => this.resize());
     this.resize();
   }
 
   reset(): void {
     for (const view of this.views) view.reset();
+  }
+
+  /** Calls `frame` for every picture, with the frame of the headset where one is worn. */
+  animate(frame: (now: number, headset: XRFrame | undefined) => void): void {
+    this.renderer.setAnimationLoop(frame);
   }
 
   /** Says that a scene is to be drawn again; turned views and a new size are noticed here. */
@@ -147,6 +153,7 @@ export class Stage {
   }
 
   private resize(): void {
+    if (this.renderer.xr.isPresenting) return; // the headset's size is its own
     const { clientWidth, clientHeight } = this.canvas;
     this.renderer.setSize(Math.max(clientWidth, 1), Math.max(clientHeight, 1), false);
     this.changed = true;

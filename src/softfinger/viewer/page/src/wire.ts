@@ -8,6 +8,13 @@ export type Shape =
   | { kind: "cylinder"; radius_mm: number; length_mm: number; edge_radius_mm: number }
   | { kind: "mesh"; positions_mm: number[]; triangles: number[] };
 
+/** What a finger follows of a hand that a headset sees. */
+export interface FollowedFinger {
+  hand: "right" | "left";
+  finger: "thumb" | "index" | "middle" | "ring" | "pinky";
+  start: number[]; // X_WFt: position (mm) and quaternion x, y, z, w
+}
+
 /** What a device reaches. Tilts go from zero, entry k of n in direction (pitch, roll) = 2 pi k / n. */
 export interface Workspace {
   reaches: { name: string; min: number; max: number }[]; // of each axis, or of all alike
@@ -34,6 +41,7 @@ export interface FingerDescription {
   workspace: Workspace;
   twin: boolean;
   moved_here: boolean; // by the page
+  headset: FollowedFinger | null; // null: no headset moves it
 }
 
 export interface Scene {
