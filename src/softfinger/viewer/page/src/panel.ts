@@ -55,8 +55,9 @@ export class Panel {
     this.history.length = 0;
     element("scenes").replaceChildren(...scene.scenes.map((name) =>
       choice("scene", name, name === scene.scene, () => this.actions.send({ request: "scene", scene: name }))));
-    element("fingers").hidden = scene.fingers.length < 2;
-    element("fingers").replaceChildren(...scene.fingers.map(({ name }, i) =>
+    const several = scene.fingers.length > 1;
+    element("fingers").hidden = !several;
+    element("fingers").replaceChildren(...(several ? scene.fingers : []).map(({ name }, i) =>
       choice("finger", name, i === number, () => this.actions.chooseFinger(i))));
     const finger = scene.fingers[number];
     document.body.dataset.scene = scene.scene;
