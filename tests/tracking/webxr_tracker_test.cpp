@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
