@@ -32,6 +32,18 @@ Scenario scripted(const std::string& scene, const std::string& finger, double ti
   return scenario;
 }
 
+std::vector<Scenario> shipped_hand(double time_step) {
+  const Scene shipped = shipped_scene("hand");
+  std::vector<Scenario> hand;
+  for (const SceneFinger& finger : shipped.fingers) {
+    const Trajectory script(finger.waypoints);
+    hand.push_back({FingerModel::load(finger.model), shipped.objects, time_step, {}});
+    const auto steps = static_cast<int>(script.end_time() / time_step + 1e-9);
+    for (int k = 0; k <= steps; ++k) hand.back().path.push_back(script.sample(k * time_step));
+  }
+  return hand;
+}
+
 Scenario violent_on_edge(const std::string& finger, double time_step, int steps) {
   Scene shipped = shipped_scene("edge");
   std::get<RoundedBox>(shipped.objects.front().shape).edge_radius = 1.0 * mm;

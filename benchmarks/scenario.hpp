@@ -22,6 +22,8 @@ struct Scenario {
 /// A shipped scene's script with a shipped finger; from `begin` to `end` (s) where these cut it.
 [[nodiscard]] Scenario scripted(const std::string& scene, const std::string& finger,
                                 double time_step, double begin = 0.0, double end = 1e9);
+/// The fingers of the shipped hand, each on its own script, all of one length.
+[[nodiscard]] std::vector<Scenario> shipped_hand(double time_step);
 /// The soak test's violent motion on the shipped edge, rounded by 1 mm: a tracked pose that jumps,
 /// followed no faster than 1 m/s by any point within 15 mm of it.
 [[nodiscard]] Scenario violent_on_edge(const std::string& finger, double time_step, int steps);
