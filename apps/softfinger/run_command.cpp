@@ -35,6 +35,7 @@ struct RunFlags {
   std::uint16_t port = 8080;
   std::string listen = "127.0.0.1";
   std::string token;
+  Certificate certificate;
 };
 
 void check(const RunFlags& flags) {
@@ -68,6 +69,7 @@ RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
   server_options.port = flags.port;
   server_options.address = flags.listen;
   if (!flags.token.empty()) server_options.token = AccessToken::read(flags.token);
+  server_options.certificate = flags.certificate;
   const Server server(session, server_options);
   fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
   std::fflush(stdout);
@@ -138,6 +140,10 @@ void add_run_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--token", flags->token,
                       "file with a secret that visitors of the page must know");
+  command->add_option("--certificate", flags->certificate.chain,
+                      "PEM file: the page is served by HTTPS; needs --key");
+  command->add_option("--key", flags->certificate.key,
+                      "PEM file with the private key of --certificate");
   command->add_option("--port", flags->port, "port of the page; 0: any free one")
       ->capture_default_str();
   command->add_flag("--as-fast-as-possible", options.as_fast_as_possible,

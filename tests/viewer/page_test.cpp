@@ -64,6 +64,8 @@ TEST(OwnAddress, OwnHostsOnly) {
 TEST(OwnAddress, OwnOriginsOnly) {
   EXPECT_TRUE(is_own_origin("http://127.0.0.1:8080", "127.0.0.1", 8080));
   EXPECT_TRUE(is_own_origin("http://localhost:8080", "127.0.0.1", 8080));
+  EXPECT_TRUE(is_own_origin("https://localhost", "127.0.0.1", 443, "https"));
+  EXPECT_FALSE(is_own_origin("http://127.0.0.1:8080", "127.0.0.1", 8080, "https"));
   for (const char* origin : {"", "null", "https://localhost:8080", "http://localhost:8081",
                              "http://localhost:8080/", "http://example.org", "127.0.0.1:8080"}) {
     EXPECT_FALSE(is_own_origin(origin, "127.0.0.1", 8080)) << origin;

@@ -5,12 +5,14 @@
 
 namespace softfinger {
 
-/// Whether a Host header names this server: its own address or localhost, with its port. Everything
+/// Whether a Host header names this server: its own address or localhost, with its port, which may
+/// be left out where it is the scheme's. Everything
 /// else is foreign, so that no other site can reach the server through a visitor's browser (DNS
 /// rebinding, cross-site requests).
-[[nodiscard]] bool is_own_host(std::string_view host, std::string_view address, std::uint16_t port);
-/// The same for an Origin header: "http://" and an own host.
+[[nodiscard]] bool is_own_host(std::string_view host, std::string_view address, std::uint16_t port,
+                               std::string_view scheme = "http");
+/// The same for an Origin header: the scheme, "http" or "https", and an own host.
 [[nodiscard]] bool is_own_origin(std::string_view origin, std::string_view address,
-                                 std::uint16_t port);
+                                 std::uint16_t port, std::string_view scheme = "http");
 
 }  // namespace softfinger

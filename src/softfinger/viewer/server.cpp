@@ -6,6 +6,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
 
 #include <fmt/core.h>
@@ -15,6 +16,7 @@
 #include <deque>
 #include <string_view>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "softfinger/base/error.hpp"
@@ -63,6 +65,7 @@ struct Hub {
   std::span<const PageFile> page;
   AccessToken token;
   std::string address;
+  std::string_view scheme;  ///< http or https
   std::uint16_t port = 0;
   std::size_t connections = 0;
   const void* mover =
@@ -75,9 +78,10 @@ struct Hub {
   bool is_foreign(const HttpRequest& request, std::string_view local) const {
     const auto hosts = request.count(http::field::host);
     const auto origins = request.count(http::field::origin);
-    return hosts != 1 || !is_own_host(value_of(request, http::field::host), local, port) ||
+    return hosts != 1 || !is_own_host(value_of(request, http::field::host), local, port, scheme) ||
            origins > 1 ||
-           (origins == 1 && !is_own_origin(value_of(request, http::field::origin), local, port));
+           (origins == 1 &&
+            !is_own_origin(value_of(request, http::field::origin), local, port, scheme));
   }
   bool is_admitted(const HttpRequest& request) const {
     return !token.is_needed() || token.is_in_cookies(value_of(request, http::field::cookie));
@@ -98,10 +102,62 @@ class ConnectionCount {
   Hub* hub_;
 };
 
+/// A connection, plain or over TLS: what Beast asks of an asynchronous stream.
+class PageStream {
+ public:
+  using executor_type = beast::tcp_stream::executor_type;
+
+  PageStream(tcp::socket&& socket, asio::ssl::context* tls)
+      : stream_(tls == nullptr ? Stream(std::in_place_type<Plain>, std::move(socket))
+                               : Stream(std::in_place_type<Secure>, std::move(socket), *tls)) {}
+
+  beast::tcp_stream& next_layer() {
+    auto* secure = std::get_if<Secure>(&stream_);
+    return secure != nullptr ? secure->next_layer() : std::get<Plain>(stream_);
+  }
+  executor_type get_executor() { return next_layer().get_executor(); }
+
+  /// Calls done(error) once bytes may be exchanged.
+  template <typename Done>
+  void open(Done&& done) {
+    if (auto* secure = std::get_if<Secure>(&stream_)) {
+      secure->async_handshake(asio::ssl::stream_base::server, std::forward<Done>(done));
+    } else {
+      done(error_code());
+    }
+  }
+  template <typename Buffers, typename Handler>
+  auto async_read_some(const Buffers& buffers, Handler&& handler) {
+    if (auto* secure = std::get_if<Secure>(&stream_)) {
+      return secure->async_read_some(buffers, std::forward<Handler>(handler));
+    }
+    return std::get<Plain>(stream_).async_read_some(buffers, std::forward<Handler>(handler));
+  }
+  template <typename Buffers, typename Handler>
+  auto async_write_some(const Buffers& buffers, Handler&& handler) {
+    if (auto* secure = std::get_if<Secure>(&stream_)) {
+      return secure->async_write_some(buffers, std::forward<Handler>(handler));
+    }
+    return std::get<Plain>(stream_).async_write_some(buffers, std::forward<Handler>(handler));
+  }
+
+ private:
+  using Plain = beast::tcp_stream;
+  using Secure = beast::ssl_stream<beast::tcp_stream>;
+  using Stream = std::variant<Plain, Secure>;
+  Stream stream_;
+};
+
+/// Ends the connection after the closing messages of a WebSocket, which say all that TLS would.
+template <typename Handler>
+void async_teardown(beast::role_type role, PageStream& stream, Handler&& handler) {
+  websocket::async_teardown(role, stream.next_layer().socket(), std::forward<Handler>(handler));
+}
+
 /// One page that watches. Holds at most one message being sent, and the newest ones to send next.
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
-  WebSocketSession(beast::tcp_stream&& stream, Hub& hub, ConnectionCount&& count)
+  WebSocketSession(PageStream&& stream, Hub& hub, ConnectionCount&& count)
       : hub_(hub),
         count_(std::move(count)),
         socket_(std::move(stream)),
@@ -204,7 +260,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   Hub& hub_;
   ConnectionCount count_;
-  websocket::stream<beast::tcp_stream> socket_;
+  websocket::stream<PageStream> socket_;
   asio::steady_timer pause_;
   beast::flat_buffer buffer_{kMaxRequestBytes};
   Text next_scene_, scene_in_flight_;
@@ -218,16 +274,23 @@ using Watchers = std::vector<std::weak_ptr<WebSocketSession>>;
 /// One connection until it ends or becomes a WebSocket.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(tcp::socket&& socket, Hub& hub, Watchers& watchers)
-      : hub_(hub), count_(hub), stream_(std::move(socket)), watchers_(watchers) {
+  HttpSession(PageStream&& stream, Hub& hub, Watchers& watchers)
+      : hub_(hub), count_(hub), stream_(std::move(stream)), watchers_(watchers) {
     error_code error;
-    local_ = stream_.socket().local_endpoint(error).address().to_string();
+    local_ = tcp_stream().socket().local_endpoint(error).address().to_string();
+  }
+
+  void open() {
+    tcp_stream().expires_after(kHttpTimeout);
+    stream_.open([self = shared_from_this()](error_code error) {
+      if (!error) self->read();
+    });
   }
 
   void read() {
     parser_.emplace();
     parser_->header_limit(kMaxHeaderBytes);
-    stream_.expires_after(kHttpTimeout);
+    tcp_stream().expires_after(kHttpTimeout);
     http::async_read(
         stream_, buffer_, *parser_,
         [self = shared_from_this()](error_code error, std::size_t) { self->answer(error); });
@@ -235,6 +298,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
  private:
   using Response = http::response<http::span_body<const char>>;
+
+  beast::tcp_stream& tcp_stream() { return stream_.next_layer(); }
 
   void answer(error_code error) {
     if (error == http::error::header_limit) {
@@ -277,8 +342,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
   /// Hands over the cookie, and sends the visitor to where the address bar shows no token.
   void admit() {
-    const std::string cookie = fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict",
-                                           AccessToken::kCookie, hub_.token.text());
+    const std::string cookie =
+        fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict{}", AccessToken::kCookie,
+                    hub_.token.text(), hub_.scheme == "https" ? "; Secure" : "");
     respond(http::status::see_other, "text/plain", "", cookie);
   }
   void refuse(http::status status, std::string_view reason) {
@@ -310,12 +376,12 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (!head) response_.body() = beast::span<const char>(content.data(), content.size());
     serializer_.emplace(response_);
     serializer_->split(head);
-    stream_.expires_after(kHttpTimeout);
+    tcp_stream().expires_after(kHttpTimeout);
     const auto sent = [self = shared_from_this()](error_code error, std::size_t) {
       if (error) return;
       if (self->keep_alive_) return self->read();
       error_code ignored;
-      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+      self->tcp_stream().socket().shutdown(tcp::socket::shutdown_send, ignored);
     };
     if (head) {
       http::async_write_header(stream_, *serializer_, sent);
@@ -326,7 +392,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   Hub& hub_;
   ConnectionCount count_;
-  beast::tcp_stream stream_;
+  PageStream stream_;
   Watchers& watchers_;
   std::string local_;  ///< address that the visitor came to
   beast::flat_buffer buffer_{kMaxHeaderBytes + kMaxRequestBytes};
@@ -340,7 +406,15 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
 struct Server::Implementation {
   Implementation(LiveFeed& feed, const ServerOptions& options, std::span<const PageFile> page)
-      : hub{feed, page, options.token, options.address, options.port},
+      : hub{feed,
+            page,
+            options.token,
+            options.address,
+            options.certificate.is_given() ? "https" : "http",
+            options.port},
+        tls(options.certificate.is_given()
+                ? std::make_unique<asio::ssl::context>(tls_context(options.certificate).release())
+                : nullptr),
         period(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
             std::chrono::duration<double>(1.0 / options.update_rate))) {
     bind();
@@ -411,7 +485,8 @@ struct Server::Implementation {
         error_code ignored;
         socket.set_option(tcp::no_delay(true), ignored);
         socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
-        std::make_shared<HttpSession>(std::move(socket), hub, watchers)->read();
+        PageStream stream(std::move(socket), tls.get());
+        std::make_shared<HttpSession>(std::move(stream), hub, watchers)->open();
       }
     });
   }
@@ -459,6 +534,7 @@ struct Server::Implementation {
 
   // Connections point at the hub and are destroyed with the context: it comes after them.
   Hub hub;
+  std::unique_ptr<asio::ssl::context> tls;  ///< null: plain
   Watchers watchers;
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
@@ -478,7 +554,8 @@ Server::~Server() = default;
 std::uint16_t Server::port() const { return implementation_->hub.port; }
 std::string Server::url() const {
   const Hub& hub = implementation_->hub;
-  return fmt::format("http://{}:{}{}", hub.address == "0.0.0.0" ? "127.0.0.1" : hub.address, port(),
+  return fmt::format("{}://{}:{}{}", hub.scheme,
+                     hub.address == "0.0.0.0" ? "127.0.0.1" : hub.address, port(),
                      hub.token.is_needed() ? "/?token=" + hub.token.text() : "");
 }
 

@@ -7,6 +7,7 @@
 
 #include "softfinger/engine/live_feed.hpp"
 #include "softfinger/viewer/access_token.hpp"
+#include "softfinger/viewer/certificate.hpp"
 #include "softfinger/viewer/page_file.hpp"
 
 namespace softfinger {
@@ -17,6 +18,7 @@ struct ServerOptions {
   double update_rate = 60.0;          ///< snapshots a second, Hz
   /// What visitors must know; has to be there where the address is not this machine's loopback.
   AccessToken token = {};
+  Certificate certificate = {};  ///< where given: HTTPS and WSS instead of HTTP and WS
 };
 
 /// Web server of the live page: HTTP on /, WebSocket on /ws, on a thread of its own. A client gets
@@ -29,7 +31,8 @@ class Server {
  public:
   /// Binds, then serves until destroyed. `feed` and `page` must outlive the server; the feed is
   /// only called from the server's thread. Throws InputError naming --port when the port is in use
-  /// or not allowed, --listen when there is no such address or it needs a token.
+  /// or not allowed, --listen when there is no such address or it needs a token, --certificate or
+  /// --key when they cannot be used.
   explicit Server(LiveFeed& feed, const ServerOptions& options = {},
                   std::span<const PageFile> page = live_page());
   ~Server();
