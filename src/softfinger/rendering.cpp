@@ -62,6 +62,7 @@ struct Rendering::Implementation {
     command.configuration = device->record().command.configuration;
     command.joints = device->record().command.joints;
     if (description.settings().transport) {
+      servo_step = description.settings().transport->servos.front().step;
       command.pulse_widths.setZero(
           static_cast<Eigen::Index>(description.settings().transport->servos.size()));
     }
@@ -114,7 +115,7 @@ struct Rendering::Implementation {
     command.configuration = tick.command.configuration;
     command.joints = tick.command.joints;
     for (Eigen::Index i = 0; i < command.pulse_widths.size() && i < tick.command.servos; ++i) {
-      command.pulse_widths[i] = tick.command.targets[static_cast<std::size_t>(i)] * 0.25e-6;
+      command.pulse_widths[i] = tick.command.targets[static_cast<std::size_t>(i)] * servo_step;
     }
     command.deviation = tick.deviation;
     command.state = state_name(tick.command.state);
@@ -127,6 +128,7 @@ struct Rendering::Implementation {
   DeviceClock clock;
   std::unique_ptr<DeviceLoop> device;  // null: none
   RenderingCommand command;
+  double servo_step = 0.0;  // set point of one step of the wire
   bool begun = false;
   double origin = 0.0;    // the caller's time at step 0, s
   std::int64_t done = 0;  // steps

@@ -26,7 +26,7 @@ struct RenderingCommand {
   double time = 0.0;              ///< s, of that tick
   Eigen::VectorXd configuration;  ///< q in the device's order; rad and m
   Eigen::VectorXd joints;         ///< joint angles of q, rad
-  Eigen::VectorXd pulse_widths;   ///< one a servo, s
+  Eigen::VectorXd pulse_widths;   ///< one a servo, s; on buses of other kinds its set point
   double deviation = 0.0;         ///< E of the match, m^2; 0 when nothing is touched
   std::string_view state;         ///< homing, ready, rendering, holding, retracting, ...
 };

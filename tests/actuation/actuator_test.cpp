@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "lever_platform.hpp"
-#include "softfinger/actuation/emulator_terminal.hpp"
+#include "maestro_terminal.hpp"
 #include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/base/error.hpp"
 
@@ -65,7 +65,7 @@ std::vector<EmulatedServo> servos_at(const Device& device, const Configuration& 
   std::vector<EmulatedServo> servos;
   for (int i = 0; i < 3; ++i) {
     const ServoMap map(device.settings().transport->servos[static_cast<std::size_t>(i)]);
-    servos.push_back({.channel = map.channel(), .initial_pulse = map.setpoint(joints[i])});
+    servos.push_back({.channel = map.channel(), .initial_setpoint = map.setpoint(joints[i])});
   }
   return servos;
 }
@@ -218,7 +218,7 @@ TEST(ActuatorInWallTime, EmbeddedEmulatorFollowsOverItsPseudoTerminal) {
 
 TEST(ActuatorInWallTime, SendsNothingBeforeTheFirstCommand) {
   const auto device = lever_platform();
-  EmulatorTerminal terminal(servos_at(*device, device->home()));
+  MaestroTerminal terminal(servos_at(*device, device->home()));
   {
     Actuator actuator(device, {.port = terminal.port()});
     std::this_thread::sleep_for(milliseconds(200));
@@ -228,7 +228,7 @@ TEST(ActuatorInWallTime, SendsNothingBeforeTheFirstCommand) {
 
 TEST(ActuatorInWallTime, RetractsByItselfWhenTheLoopStalls) {
   const auto device = lever_platform();
-  EmulatorTerminal terminal(servos_at(*device, device->home()));
+  MaestroTerminal terminal(servos_at(*device, device->home()));
   Actuator actuator(device, {.port = terminal.port()});
   const Configuration wanted = configuration(5, 0, 4);
   drive(actuator, wanted, 0.5);
@@ -250,7 +250,7 @@ TEST(ActuatorInWallTime, RetractsByItselfWhenTheLoopStalls) {
 
 TEST(ActuatorInWallTime, StartsFromWhereTheMaestroSaysTheServosAre) {
   const auto device = lever_platform();
-  EmulatorTerminal terminal(servos_at(*device, device->retracted()));
+  MaestroTerminal terminal(servos_at(*device, device->retracted()));
   Actuator actuator(device, {.port = terminal.port()});
   actuator.command(touching(device->home()), 0.0);
   ASSERT_TRUE(soon([&] { return actuator.commands_sent() > 0; }));
@@ -267,7 +267,7 @@ TEST(ActuatorInWallTime, StartsFromWhereTheMaestroSaysTheServosAre) {
 TEST(ActuatorInWallTime, PortVanishesAndComesBack) {
   const auto device = lever_platform();
   PortName name;
-  auto terminal = std::make_unique<EmulatorTerminal>(servos_at(*device, device->home()));
+  auto terminal = std::make_unique<MaestroTerminal>(servos_at(*device, device->home()));
   name.point_at(terminal->port());
   Actuator actuator(device, {.port = name.name()});
   const Configuration wanted = configuration(5, 0, 4);
@@ -286,7 +286,7 @@ TEST(ActuatorInWallTime, PortVanishesAndComesBack) {
   EXPECT_EQ(std::count(events.begin(), events.end(), ActuatorEvent::kPortLost), 1);
   EXPECT_NE(actuator.message(ActuatorEvent::kPortLost).find(name.name()), std::string::npos);
 
-  terminal = std::make_unique<EmulatorTerminal>(servos_at(*device, device->home()));
+  terminal = std::make_unique<MaestroTerminal>(servos_at(*device, device->home()));
   name.point_at(terminal->port());
   ASSERT_TRUE(actuator.wait_until_connected(milliseconds(8000)));
   drive(actuator, wanted, 0.8);
@@ -305,7 +305,7 @@ TEST(ActuatorInWallTime, PortVanishesAndComesBack) {
 
 TEST(ActuatorInWallTime, AtTheEndItRepeatsTheRetractedPoseThenIsSilent) {
   const auto device = lever_platform();
-  EmulatorTerminal terminal(servos_at(*device, device->home()));
+  MaestroTerminal terminal(servos_at(*device, device->home()));
   Actuator actuator(device, {.port = terminal.port()});
   drive(actuator, configuration(0, 0, 2), 0.3);
   const auto before = actuator.commands_sent();
@@ -327,7 +327,7 @@ TEST(ActuatorInWallTime, AtTheEndItRepeatsTheRetractedPoseThenIsSilent) {
 
 TEST(ActuatorInWallTime, ARealPortIsServedAtItsOwnRateInAnUnpacedRun) {
   const auto device = lever_platform();
-  EmulatorTerminal terminal(servos_at(*device, device->home()));
+  MaestroTerminal terminal(servos_at(*device, device->home()));
   Actuator actuator(device, {.port = terminal.port(), .simulated_time = true});
   const auto start = std::chrono::steady_clock::now();
   int k = 0;
@@ -373,7 +373,7 @@ TEST(ActuatorPort, MayBeWaitedFor) {
   EXPECT_FALSE(actuator.connected());
   EXPECT_EQ(actuator.state(), DeviceState::kDisconnected);
   EXPECT_FALSE(actuator.wait_until_connected(milliseconds(20)));
-  EmulatorTerminal terminal(servos_at(*device, device->home()));
+  MaestroTerminal terminal(servos_at(*device, device->home()));
   name.point_at(terminal.port());
   EXPECT_TRUE(actuator.wait_until_connected(milliseconds(8000)));
   drive(actuator, configuration(0, 0, 2), 0.3);

@@ -21,6 +21,7 @@ class LeverPlatform : public Device {
     double rate = 30.0;
     bool wedge = false;  ///< pitch in (5, 10) degrees is forbidden where roll > -5 degrees
     bool reversed_servo = false;
+    std::string kind = "maestro";  ///< of transport
   };
   static constexpr double kMaxTilt = 30.0 * deg;
   static constexpr double kGain = 40.0;    ///< rad/m
@@ -96,19 +97,39 @@ class LeverPlatform : public Device {
     settings.joint_limits = {JointAngles::Constant(3, -20.0 * deg),
                              JointAngles::Constant(3, 90.0 * deg), 400.0 * deg};
     TransportSettings transport;
-    transport.kind = "maestro";
+    transport.kind = shape.kind;
     transport.port = shape.port;
     transport.rate = shape.rate;
     for (int i = 0; i < 3; ++i) {
-      const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
-      transport.servos.push_back({.channel = 2 * i,
-                                  .zero = sign > 0.0 ? 1500.3e-6 : 1900e-6,
-                                  .per_radian = sign * 10e-6 / deg,
-                                  .min = 700e-6,
-                                  .max = 2500e-6});
+      transport.servos.push_back(shape.kind == "maestro" ? maestro_servo(shape, i)
+                                                         : bus_servo(shape, i));
+    }
+    if (shape.kind != "maestro") {
+      transport.baud = 1000000;
+      transport.unit = "ticks";
+      transport.unit_scale = 1.0;
     }
     settings.transport = transport;
     return settings;
+  }
+
+  static ServoSettings maestro_servo(const Shape& shape, int i) {
+    const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
+    return {.channel = 2 * i,
+            .zero = sign > 0.0 ? 1500.3e-6 : 1900e-6,
+            .per_radian = sign * 10e-6 / deg,
+            .min = 700e-6,
+            .max = 2500e-6};
+  }
+  /// Ids 1, 3, 5; the middle one may be reversed.
+  static ServoSettings bus_servo(const Shape& shape, int i) {
+    const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
+    return {.channel = 2 * i + 1,
+            .zero = 2048.0,
+            .per_radian = sign * 4096.0 / (360.0 * deg),
+            .min = 900.0,
+            .max = 3200.0,
+            .step = 1.0};
   }
 
   bool wedge_;

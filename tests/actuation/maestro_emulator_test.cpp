@@ -12,8 +12,8 @@ namespace softfinger {
 namespace {
 
 const std::array<EmulatedServo, 2> kServos{
-    EmulatedServo{.channel = 1, .initial_pulse = 1500 * us, .pulse_rate = 4000 * us},
-    EmulatedServo{.channel = 4, .initial_pulse = 1200 * us, .pulse_rate = 4000 * us}};
+    EmulatedServo{.channel = 1, .initial_setpoint = 1500 * us, .rate = 4000 * us},
+    EmulatedServo{.channel = 4, .initial_setpoint = 1200 * us, .rate = 4000 * us}};
 
 std::vector<int> replies(MaestroEmulator& emulator) {
   std::array<std::uint8_t, 16> bytes{};

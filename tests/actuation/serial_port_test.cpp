@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "softfinger/actuation/emulator_terminal.hpp"
+#include "maestro_terminal.hpp"
 
 namespace softfinger {
 namespace {
@@ -28,7 +28,7 @@ bool before_long(const std::function<bool()>& done) {
 }
 
 TEST(SerialPort, CarriesEveryByteValueToAPseudoTerminal) {
-  EmulatorTerminal terminal(kServo);
+  MaestroTerminal terminal(kServo);
   SerialPort port;
   ASSERT_EQ(port.open(terminal.port(), 115200), "");
   // Control characters must pass as they are: targets with 0x03, 0x0A, 0x0D, 0x11, 0x13, 0x1A.
@@ -44,7 +44,7 @@ TEST(SerialPort, CarriesEveryByteValueToAPseudoTerminal) {
 }
 
 TEST(SerialPort, BringsAnswersBack) {
-  EmulatorTerminal terminal(kServo);
+  MaestroTerminal terminal(kServo);
   SerialPort port;
   ASSERT_EQ(port.open(terminal.port(), 115200), "");
   ASSERT_EQ(port.write(encode_get_position(0)), SerialPort::Result::kSent);
@@ -59,7 +59,7 @@ TEST(SerialPort, BringsAnswersBack) {
 
 TEST(SerialPort, NoticesThatTheOtherEndVanished) {
   for (const bool by_writing : {true, false}) {
-    EmulatorTerminal terminal(kServo);
+    MaestroTerminal terminal(kServo);
     SerialPort port;
     ASSERT_EQ(port.open(terminal.port(), 115200), "");
     std::array<std::uint8_t, 8> answer{};
@@ -116,7 +116,7 @@ TEST(SerialPort, SaysWhyAPortCannotBeOpened) {
   EXPECT_EQ(port.open("/dev/no-such-port", 115200), "there is no such port");
   EXPECT_EQ(port.open("/dev/null", 115200), "it is no serial port that can be opened");
   EXPECT_FALSE(port.is_open());
-  EmulatorTerminal terminal(kServo);
+  MaestroTerminal terminal(kServo);
   EXPECT_EQ(port.open(terminal.port(), 12345), "it does not take this baud rate");
   EXPECT_FALSE(port.is_open());
 }

@@ -46,6 +46,8 @@ TEST(Allocation, SolvesAndTicksDoNotAllocate) {
   for (const auto& file : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
     if (file.path().extension() != ".toml") continue;
     const auto device = load_device(file.path());
+    // Files that differ by their motors alone match as one.
+    if (device->settings().transport && device->settings().transport->kind != "maestro") continue;
     ContactSurfaceMatching matching(device, 120);
     SurfaceRendering rendering(device, 120);
     const long before = allocations;

@@ -8,9 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "softfinger/actuation/emulator_terminal.hpp"
-#include "softfinger/actuation/maestro_emulator.hpp"
-#include "softfinger/actuation/maestro_protocol.hpp"
+#include "softfinger/actuation/emulated_bus.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
 #include "softfinger/actuation/servo_line.hpp"
 #include "softfinger/base/config_file.hpp"
@@ -34,10 +32,11 @@ std::vector<EmulatedServo> emulated_servos(const Device& device) {
   std::vector<EmulatedServo> servos;
   Eigen::Index joint = 0;
   for (const ServoSettings& settings : device.settings().transport->servos) {
-    servos.push_back({.channel = settings.channel,
-                      .initial_pulse = ServoMap(settings).setpoint(home[joint++]),
-                      .pulse_rate = kServoReserve * device.joint_limits().max_rate *
-                                    std::abs(settings.per_radian)});
+    servos.push_back(
+        {.channel = settings.channel,
+         .initial_setpoint = ServoMap(settings).setpoint(home[joint++]),
+         .rate = kServoReserve * device.joint_limits().max_rate * std::abs(settings.per_radian),
+         .step = settings.step});
   }
   return servos;
 }
@@ -79,7 +78,7 @@ struct Actuator::Impl {
 
   void open();
   void form(const Configuration& goal, double dt);
-  void send_to_emulator(double time);
+  void send_to_simulated(double time);
 
   std::shared_ptr<const Device> device;
   ActuatorOptions options;
@@ -93,12 +92,12 @@ struct Actuator::Impl {
   bool started = false;
   bool finished = false;
 
-  // One of these carries the commands, none for a device without transport: an emulator in
+  // One of these carries the commands, none for a device without transport: simulated servos in
   // simulated time, or a line, to an emulator in wall time or to a real port.
-  std::unique_ptr<MaestroEmulator> emulator;
-  std::unique_ptr<EmulatorTerminal> terminal;
+  std::unique_ptr<SimulatedServos> simulated;
+  std::unique_ptr<EmulatedBus> emulated;
   std::unique_ptr<ServoLine> line;
-  std::uint64_t sent_to_emulator = 0;
+  std::uint64_t sent_to_simulated = 0;
 
   std::uint32_t losses_told = 0;
   std::uint32_t connections_told = 0;
@@ -116,11 +115,11 @@ void Actuator::Impl::open() {
   std::string line_port = port;
   if (port == kEmulator) {
     if (options.simulated_time) {
-      emulator = std::make_unique<MaestroEmulator>(emulated_servos(*device));
+      simulated = std::make_unique<SimulatedServos>(emulated_servos(*device));
       return;
     }
-    terminal = std::make_unique<EmulatorTerminal>(emulated_servos(*device));
-    line_port = terminal->port();
+    emulated = std::make_unique<EmulatedBus>(transport, emulated_servos(*device));
+    line_port = emulated->port();
   }
   line = std::make_unique<ServoLine>(device, std::move(bus),
                                      ServoLine::Options{.port = line_port,
@@ -142,13 +141,10 @@ void Actuator::Impl::form(const Configuration& goal, double dt) {
   formed.servos = static_cast<int>(targets.size());
 }
 
-void Actuator::Impl::send_to_emulator(double time) {
-  emulator->advance_to(time);
-  for (std::size_t i = 0; i < guard.targets().size(); ++i) {
-    emulator->receive(encode_set_target(guard.servos()[i].channel(),
-                                        static_cast<std::uint16_t>(guard.targets()[i])));
-  }
-  ++sent_to_emulator;
+void Actuator::Impl::send_to_simulated(double time) {
+  simulated->advance_to(time);
+  simulated->receive(guard.targets());
+  ++sent_to_simulated;
 }
 
 Actuator::Actuator(std::shared_ptr<const Device> device, const ActuatorOptions& options)
@@ -186,7 +182,7 @@ const FormedCommand& Actuator::command(const WantedMotion& wanted, double time) 
       self.form(wanted.configuration, dt);
       break;
   }
-  if (self.emulator) self.send_to_emulator(self.last_time);
+  if (self.simulated) self.send_to_simulated(self.last_time);
   if (self.line) self.line->submit(self.formed.configuration, self.formed.state);
   return self.formed;
 }
@@ -207,7 +203,7 @@ void Actuator::finish() noexcept {
           {.time = self.last_time, .ending = true, .arrived = self.guard.arrived()});
       if (self.formed.state == DeviceState::kStopped) break;
       self.form(self.device->retracted(), self.period);
-      if (self.emulator) self.send_to_emulator(self.last_time);
+      if (self.simulated) self.send_to_simulated(self.last_time);
     }
   }
   self.formed.state = DeviceState::kStopped;
@@ -230,19 +226,17 @@ bool Actuator::wait_until_connected(std::chrono::milliseconds timeout) const {
 }
 
 std::uint64_t Actuator::commands_sent() const noexcept {
-  return impl_->line ? impl_->line->commands_sent() : impl_->sent_to_emulator;
+  return impl_->line ? impl_->line->commands_sent() : impl_->sent_to_simulated;
 }
 
 bool Actuator::read_servo_joints(JointAngles& joints) const noexcept {
   const Impl& self = *impl_;
-  const MaestroEmulator* emulator =
-      self.terminal ? &self.terminal->emulator() : self.emulator.get();
-  if (emulator == nullptr) return self.line && self.line->read_joints(joints);
+  if (!self.emulated && !self.simulated) return self.line && self.line->read_joints(joints);
   const auto servos = self.guard.servos();
   joints.resize(static_cast<Eigen::Index>(servos.size()));
   for (std::size_t i = 0; i < servos.size(); ++i) {
-    joints[static_cast<Eigen::Index>(i)] =
-        servos[i].joint(emulator->servo_pulse(servos[i].channel()));
+    joints[static_cast<Eigen::Index>(i)] = servos[i].joint(
+        self.emulated ? self.emulated->emulator().setpoint(i) : self.simulated->setpoint(i));
   }
   return true;
 }

@@ -22,7 +22,7 @@ constexpr int kIdle_ms = 2;
 
 }  // namespace
 
-EmulatorTerminal::EmulatorTerminal(std::span<const EmulatedServo> servos) : emulator_(servos) {
+EmulatorTerminal::EmulatorTerminal(BusEmulator& emulator) : emulator_(emulator) {
   near_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   std::array<char, 64> name{};
   if (near_ >= 0 && ::grantpt(near_) == 0 && ::unlockpt(near_) == 0 &&

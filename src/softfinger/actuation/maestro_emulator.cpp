@@ -8,12 +8,12 @@ namespace softfinger {
 MaestroEmulator::MaestroEmulator(std::span<const EmulatedServo> servos) {
   for (const EmulatedServo& servo : servos) {
     Channel& channel = channels_.at(static_cast<std::size_t>(servo.channel));
-    channel.servo = servo;
+    servo_channels_.push_back(servo.channel);
+    channel.motion.start(servo);
     channel.has_servo = true;
-    channel.position = servo.initial_pulse;
     // The controller comes up giving the pulse its servo stands at, as one that kept its power.
     channel.home = static_cast<std::uint16_t>(
-        std::clamp(std::lround(servo.initial_pulse / kQuarterMicrosecond), 0L,
+        std::clamp(std::lround(servo.initial_setpoint / kQuarterMicrosecond), 0L,
                    static_cast<long>(kMaestroMaxValue)));
     channel.target = channel.home;
     channel.pulse = channel.home;
@@ -79,22 +79,11 @@ void MaestroEmulator::execute(const MaestroRequest& request) {
 }
 
 void MaestroEmulator::reply(std::uint16_t value, int bytes) {
-  if (reply_size_ + static_cast<std::size_t>(bytes) > replies_.size()) {
+  const std::array<std::uint8_t, 2> answer{static_cast<std::uint8_t>(value & 0xFF),
+                                           static_cast<std::uint8_t>(value >> 8)};
+  if (!replies_.add(std::span(answer).first(static_cast<std::size_t>(bytes)))) {
     errors_ |= kSerialBufferFull;
-    return;
   }
-  for (int i = 0; i < bytes; ++i) {
-    replies_[reply_size_++] = static_cast<std::uint8_t>((value >> (8 * i)) & 0xFF);
-  }
-}
-
-std::size_t MaestroEmulator::take_replies(std::span<std::uint8_t> out) {
-  const std::size_t size = std::min(out.size(), reply_size_);
-  const auto middle = replies_.begin() + static_cast<std::ptrdiff_t>(size);
-  std::copy(replies_.begin(), middle, out.begin());
-  std::copy(middle, replies_.begin() + static_cast<std::ptrdiff_t>(reply_size_), replies_.begin());
-  reply_size_ -= size;
-  return size;
 }
 
 void MaestroEmulator::ramp(Channel& channel) {
@@ -104,44 +93,28 @@ void MaestroEmulator::ramp(Channel& channel) {
     return;
   }
   const double distance = target - channel.pulse;
-  double speed = std::abs(distance) / kStep;
+  double speed = std::abs(distance) / ServoMotion::kStep;
   if (channel.speed_limit > 0.0) speed = std::min(speed, channel.speed_limit);
   if (channel.acceleration_limit > 0.0) {
     // Not faster than it can gain in one step, nor than it can still stop from.
-    const double gained = std::abs(channel.pulse_speed) + channel.acceleration_limit * kStep;
+    const double gained =
+        std::abs(channel.pulse_speed) + channel.acceleration_limit * ServoMotion::kStep;
     const double stopping = std::sqrt(2.0 * channel.acceleration_limit * std::abs(distance));
-    speed = std::min({speed, gained, std::max(stopping, channel.acceleration_limit * kStep)});
+    speed = std::min(
+        {speed, gained, std::max(stopping, channel.acceleration_limit * ServoMotion::kStep)});
   }
   channel.pulse_speed = std::copysign(speed, distance);
-  const double move = channel.pulse_speed * kStep;
+  const double move = channel.pulse_speed * ServoMotion::kStep;
   channel.pulse = std::abs(move) >= std::abs(distance) ? target : channel.pulse + move;
 }
 
-void MaestroEmulator::move_servo(Channel& channel) {
-  // Without pulses a hobby servo is limp and stays where it is.
-  if (channel.pulse == 0.0) {
-    channel.velocity = 0.0;
-    return;
-  }
-  const double position = channel.position.load(std::memory_order_relaxed);
-  const double w = channel.servo.natural_frequency;
-  const double error = channel.pulse * kQuarterMicrosecond - position;
-  channel.velocity += kStep * (w * w * error - 2.0 * w * channel.velocity);
-  channel.velocity =
-      std::clamp(channel.velocity, -channel.servo.pulse_rate, channel.servo.pulse_rate);
-  channel.position.store(position + kStep * channel.velocity, std::memory_order_relaxed);
-}
-
 void MaestroEmulator::advance_to(double time) {
-  const auto due = static_cast<std::int64_t>(std::floor(std::min(time, 1e12) / kStep + 1e-6));
-  // Servos stand still long before this; a leap in time must not take its length in steps.
-  constexpr std::int64_t kMostSteps = 10'000;
-  steps_ = std::max(steps_, due - kMostSteps);
-  for (; steps_ < due; ++steps_) {
+  for (int step = clock_.steps_to(time); step > 0; --step) {
     for (Channel& channel : channels_) {
       if (!channel.has_servo) continue;
       ramp(channel);
-      move_servo(channel);
+      // Without pulses a hobby servo is limp and stays where it is.
+      channel.pulse == 0.0 ? channel.motion.rest() : channel.motion.move(channel.pulse);
     }
   }
 }

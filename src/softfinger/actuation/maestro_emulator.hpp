@@ -5,43 +5,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include "softfinger/actuation/bus_emulator.hpp"
+#include "softfinger/actuation/emulated_servo.hpp"
 #include "softfinger/actuation/maestro_protocol.hpp"
 
 namespace softfinger {
 
-/// A hobby servo as simulated: a critically damped second-order position loop with a largest speed,
-/// all in pulse width.
-struct EmulatedServo {
-  int channel = 0;
-  double initial_pulse = 1.5e-3;    ///< s; where it stands before the first command
-  double pulse_rate = 4e-3;         ///< s of pulse width per s; its largest speed
-  double natural_frequency = 60.0;  ///< rad/s of the position loop
-};
-
 /// A Maestro controller with its servos. Reads the bytes of a real one, answers them, and moves
-/// simulated servos at a fixed 1 kHz. It knows no clock: its owner tells it the time, so the same
-/// bytes at the same times give the same positions, bit for bit.
-///
-/// One thread calls receive(), take_replies() and advance_to(); any thread may ask the rest.
-class MaestroEmulator {
+/// simulated servos at a fixed 1 kHz.
+class MaestroEmulator : public BusEmulator {
  public:
-  static constexpr double kStep = 1e-3;  ///< s
-
   explicit MaestroEmulator(std::span<const EmulatedServo> servos);
 
-  /// Bytes from the line. Allocates nothing.
-  void receive(std::span<const std::uint8_t> bytes);
-  /// Moves the answers given since the last call to `out`; returns how many bytes. Answers that do
-  /// not fit wait for the next call.
-  std::size_t take_replies(std::span<std::uint8_t> out);
-  /// Moves the servos up to `time` (s from the start). An earlier time does nothing.
-  void advance_to(double time);
+  void receive(std::span<const std::uint8_t> bytes) override;
+  std::size_t take_replies(std::span<std::uint8_t> out) override { return replies_.take(out); }
+  void advance_to(double time) override;
+  [[nodiscard]] double setpoint(std::size_t servo) const override {
+    return servo_pulse(servo_channels_[servo]);
+  }
 
   /// Where the servo of a channel stands, as the pulse width (s) it would rest at.
-  [[nodiscard]] double servo_pulse(int channel) const {
-    return at(channel).position.load(std::memory_order_relaxed);
-  }
+  [[nodiscard]] double servo_pulse(int channel) const { return at(channel).motion.setpoint(); }
   /// Last target of a channel in quarter microseconds; 0: no pulses.
   [[nodiscard]] std::uint16_t target(int channel) const {
     return at(channel).target.load(std::memory_order_relaxed);
@@ -58,14 +44,12 @@ class MaestroEmulator {
  private:
   struct Channel {
     std::atomic<std::uint16_t> target{0};
-    std::atomic<double> position{0.0};  ///< s, servo
-    double pulse = 0.0;                 ///< quarter microseconds, what the controller puts out now
-    double pulse_speed = 0.0;           ///< quarter microseconds per s
-    double speed_limit = 0.0;           ///< quarter microseconds per s; 0: none
-    double acceleration_limit = 0.0;    ///< quarter microseconds per s^2; 0: none
-    double velocity = 0.0;              ///< servo, s per s
-    std::uint16_t home = 0;             ///< quarter microseconds; 0: off
-    EmulatedServo servo;
+    ServoMotion motion;               ///< servo
+    double pulse = 0.0;               ///< quarter microseconds, what the controller puts out now
+    double pulse_speed = 0.0;         ///< quarter microseconds per s
+    double speed_limit = 0.0;         ///< quarter microseconds per s; 0: none
+    double acceleration_limit = 0.0;  ///< quarter microseconds per s^2; 0: none
+    std::uint16_t home = 0;           ///< quarter microseconds; 0: off
     bool has_servo = false;
   };
 
@@ -74,14 +58,13 @@ class MaestroEmulator {
   void set_target(Channel& channel, std::uint16_t target);
   void reply(std::uint16_t value, int bytes);
   static void ramp(Channel& channel);
-  static void move_servo(Channel& channel);
 
   std::array<Channel, kMaestroChannels> channels_;
+  std::vector<int> servo_channels_;
   MaestroDecoder decoder_;
   std::uint16_t errors_ = 0;
-  std::int64_t steps_ = 0;
-  std::array<std::uint8_t, 256> replies_{};
-  std::size_t reply_size_ = 0;
+  ServoClock clock_;
+  ReplyBuffer replies_;
   std::atomic<std::uint64_t> bytes_{0};
   std::atomic<std::uint64_t> malformed_{0};
   std::atomic<std::uint64_t> targets_set_{0};

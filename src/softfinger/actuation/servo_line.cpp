@@ -68,8 +68,7 @@ void ServoLine::wait_until(Clock::time_point due) {
 std::string ServoLine::open() {
   std::string reason = bus_->open(options_.port);
   if (!reason.empty()) return reason;
-  answers_ = learn_positions();
-  positions_unknown_ = !answers_;
+  positions_unknown_ = !learn_positions();
   machine_ = DeviceStateMachine();
   connected_.store(true, std::memory_order_release);
   state_ = DeviceState::kHoming;
@@ -119,11 +118,13 @@ bool ServoLine::take_positions(JointAngles& joints) {
 }
 
 bool ServoLine::learn_positions() {
+  answers_ = false;
   if (guard_.servos().empty() || !bus_->ask()) return false;
   std::this_thread::sleep_for(kAnswerTime);
   JointAngles joints;
   Configuration q;
   if (!take_positions(joints)) return false;
+  answers_ = true;
   const JointLimits& limits = device_->joint_limits();
   const double rounding = 2.0 * guard_.servos().front().resolution();
   const bool within = ((joints - limits.min).array() >= -rounding).all() &&

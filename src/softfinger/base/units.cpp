@@ -7,7 +7,7 @@ namespace softfinger {
 
 double unit_scale(std::string_view key) {
   // Longer suffixes first: "_N_per_mm" ends in "_mm" as well.
-  static constexpr std::array<std::pair<std::string_view, double>, 23> kSuffixes{{
+  static constexpr std::array<std::pair<std::string_view, double>, 25> kSuffixes{{
       {"_N_mm_s_per_rad", 1e-3},
       {"_N_mm_per_rad", 1e-3},
       {"_N_s_per_mm", 1e3},
@@ -15,6 +15,8 @@ double unit_scale(std::string_view key) {
       {"_kg_per_m3", 1.0},
       {"_us_per_deg", us / deg},
       {"_us_per_mm", us / mm},
+      {"_per_deg", 1.0 / deg},
+      {"_per_mm", 1.0 / mm},
       {"_deg_per_s", deg},
       {"_mm_per_s", mm},
       {"_mm2", mm2},

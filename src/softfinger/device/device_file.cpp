@@ -13,6 +13,7 @@
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_kinds.hpp"
+#include "softfinger/device/transport_file.hpp"
 
 namespace softfinger {
 namespace {
@@ -115,17 +116,27 @@ std::shared_ptr<const Device> read_kind(const ConfigFile& file) {
   return kind.read(file, std::move(settings));
 }
 
-/// A transport, with as many servos as the device has joints.
-std::string transport_example(const Device& device) {
-  std::string text = "[transport]\nkind = \"maestro\"\n";
-  const JointLimits& limits = device.joint_limits();
-  for (int joint = 0; joint < device.joint_count() && joint < kMostServos; ++joint) {
-    text += fmt::format(
-        "[[transport.servo]]\nchannel = {}\nzero_us = 1500.0\n{} = 0.1\n"
-        "min_us = 1000.0\nmax_us = 2000.0\n",
-        joint, limits.linear ? "us_per_mm" : "us_per_deg");
+void add_meanings(std::string_view kind, Json& properties) {
+  for (auto& [key, schema] : properties.items()) {
+    const std::string_view meaning = transport_key_meaning(kind, key);
+    if (!meaning.empty()) schema["description"] = meaning;
   }
-  return text;
+}
+
+/// Schema of `[transport]`: one alternative for each of its kinds.
+Json transport_schema(const std::string& name, const std::string& text, const Device& device) {
+  Json alternatives = Json::array();
+  for (const std::string& kind : transport_kinds()) {
+    const ConfigFile file(name + ".toml", text + transport_example(kind, device));
+    static_cast<void>(read_kind(file));
+    Json schema = Json::parse(file.schema())["properties"]["transport"];
+    Json& properties = schema["properties"];
+    add_meanings(kind, properties);
+    add_meanings(kind, properties["servo"]["items"]["properties"]);
+    properties["kind"] = {{"const", kind}};
+    alternatives.push_back(schema);
+  }
+  return {{"anyOf", alternatives}};
 }
 
 }  // namespace
@@ -149,13 +160,17 @@ std::string device_schema(const std::string& name) {
               {"properties", {{"kind", {{"const", name}}}}},
               {"required", {"kind"}}};
   if (kind.example == nullptr) return schema.dump(2);
-  std::string text = fmt::format("kind = \"{}\"\n{}", name, kind.example);
+  const std::string text = fmt::format("kind = \"{}\"\n{}", name, kind.example);
   const auto device = read_kind(ConfigFile(name + ".toml", text));
-  // A field of more pins than a Maestro has channels has no transport.
-  if (device->joint_count() <= kMostServos) text += transport_example(*device);
-  const ConfigFile file(name + ".toml", text);
+  // A field of more pins than there may be servos has no transport.
+  const bool has_transport = device->joint_count() <= kMostServos;
+  const ConfigFile file(name + ".toml",
+                        has_transport ? text + transport_example("maestro", *device) : text);
   static_cast<void>(read_kind(file));
   schema.update(Json::parse(file.schema()));
+  if (has_transport) {
+    schema["properties"]["transport"] = transport_schema(name, text, *device);
+  }
   schema["properties"]["kind"] = {{"const", name}};
   return schema.dump(2);
 }

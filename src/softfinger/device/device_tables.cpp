@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/device/transport_file.hpp"
 
 namespace softfinger {
 namespace {
@@ -42,67 +43,6 @@ MatchingSettings read_matching(const ConfigTable& table) {
   matching.objective =
       table.choice("objective", {"surface", "surface_and_force", "stress"}, matching.objective);
   return matching;
-}
-
-std::string_view servo_slope(bool linear) { return linear ? "us_per_mm" : "us_per_deg"; }
-
-ServoSettings read_servo(const ConfigTable& table, bool linear) {
-  ServoSettings servo;
-  const std::string_view slope = servo_slope(linear);
-  servo.channel = table.integer("channel", 0, kMostServos - 1);
-  servo.zero = table.number("zero_us", Range::positive());
-  servo.per_radian = table.number(slope);
-  if (servo.per_radian == 0.0) table.fail(slope, "must not be 0: the servo would not move");
-  servo.min = table.number("min_us", Range::positive());
-  servo.max = table.number("max_us", Range::positive());
-  if (servo.min >= servo.max) table.fail("min_us", "must be less than max_us");
-  // The Maestro's targets are 14-bit quarters of a microsecond.
-  if (servo.max > 4095.75 * us) table.fail("max_us", "must be at most 4095.75, the longest pulse");
-  return servo;
-}
-
-/// Both ends of the joint limits must be pulses the servo may be sent.
-void check_cover(const ConfigTable& table, const ServoSettings& servo, const JointLimits& limits,
-                 int joint) {
-  for (const double at : {limits.min[joint], limits.max[joint]}) {
-    const double pulse = servo.zero + servo.per_radian * at;
-    if (pulse < servo.min - 1e-12 || pulse > servo.max + 1e-12) {
-      table.fail(
-          servo_slope(limits.linear),
-          fmt::format("joint {} at its limit of {:g} {} needs a pulse of {:g} us, out of "
-                      "min_us {:g} to max_us {:g}; widen them or narrow the joint's limits",
-                      joint + 1, at / (limits.linear ? mm : deg), limits.linear ? "mm" : "degrees",
-                      pulse / us, servo.min / us, servo.max / us));
-    }
-  }
-}
-
-TransportSettings read_transport(const ConfigTable& table, const JointLimits& limits) {
-  TransportSettings transport;
-  transport.kind = table.choice("kind", {"maestro"});
-  transport.port = table.text("port", "emulator");
-  if (transport.port.empty()) table.fail("port", "must be \"emulator\" or a serial port");
-  transport.baud = table.integer("baud", 300, 4000000, 115200);
-  transport.rate = table.number("rate_Hz", {.min = 0.0, .max = 1000.0, .open_min = true}, 30.0);
-  const std::vector<ConfigTable> servos = table.tables("servo");
-  const auto joints = static_cast<std::size_t>(limits.min.size());
-  if (servos.size() != joints) {
-    table.fail("servo", fmt::format("{} servos are described; this device has {}, one a joint in "
-                                    "joint order ([[transport.servo]])",
-                                    servos.size(), joints));
-  }
-  for (const ConfigTable& servo : servos) {
-    transport.servos.push_back(read_servo(servo, limits.linear));
-    const auto leg = transport.servos.size() - 1;
-    check_cover(servo, transport.servos.back(), limits, static_cast<int>(leg));
-    for (std::size_t other = 0; other < leg; ++other) {
-      if (transport.servos[other].channel == transport.servos.back().channel) {
-        servo.fail("channel", fmt::format("{} is servo {}'s already",
-                                          transport.servos.back().channel, other + 1));
-      }
-    }
-  }
-  return transport;
 }
 
 ForceSensorSettings read_force_sensor(const ConfigTable& table) {

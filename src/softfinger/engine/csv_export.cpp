@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,12 +96,24 @@ class Export {
 
   /// "PREFIX_1_UNIT,PREFIX_2_UNIT,..."
   [[nodiscard]] static std::string numbered(std::int64_t count, const char* prefix,
-                                            const char* unit) {
+                                            const std::string& unit) {
     std::string columns;
     for (std::int64_t i = 1; i <= count; ++i) {
-      columns += fmt::format("{}{}_{}_{}", i > 1 ? "," : "", prefix, i, unit);
+      columns +=
+          fmt::format("{}{}_{}{}{}", i > 1 ? "," : "", prefix, i, unit.empty() ? "" : "_", unit);
     }
     return columns;
+  }
+
+  /// Of the set points of all fingers with servos; empty where they differ.
+  [[nodiscard]] std::string servo_unit() const {
+    std::optional<std::string> unit;
+    for (const RecordingInfo::Finger& finger : reader_.info().fingers) {
+      if (finger.device.empty()) continue;
+      if (unit && *unit != finger.servo_unit) return {};
+      unit = finger.servo_unit;
+    }
+    return unit.value_or(RecordingInfo::Finger{}.servo_unit);
   }
 
   void write_ticks() {
@@ -116,9 +129,9 @@ class Export {
                                                        numbered(lengths_, "joint", "mm")));
     const std::int64_t servos =
         std::min<std::int64_t>(std::max(angles_, lengths_), FormedCommand::kMaxServos);
-    const auto command =
-        open("command.csv",
-             fmt::format("{}{}state", numbered(servos, "servo", "us"), servos > 0 ? "," : ""));
+    const auto command = open(
+        "command.csv",
+        fmt::format("{}{}state", numbered(servos, "servo", servo_unit()), servos > 0 ? "," : ""));
     TickRecord tick;
     while (reader_.next(tick)) {
       begin_row(*configuration, tick);
@@ -139,9 +152,9 @@ class Export {
 
       begin_row(*command, tick);
       for (std::int64_t i = 0; i < servos; ++i) {
-        command->field(i < tick.command.servos
-                           ? tick.command.targets[static_cast<std::size_t>(i)] / 4.0
-                           : kMissing);
+        command->field(i < tick.command.servos ? tick.command.targets[static_cast<std::size_t>(i)] *
+                                                     finger_of(tick).servo_step
+                                               : kMissing);
       }
       command->field(state_name(tick.command.state));
       command->end_row();

@@ -30,8 +30,10 @@ struct RecordingInfo {
     std::string tracker;                           ///< as given
     std::vector<std::string> configuration_names;  ///< with unit: pitch_deg, ...
     std::int64_t joints = 0;
-    bool linear_joints = false;  ///< joints are lengths
-    double device_rate = 0.0;    ///< Hz
+    bool linear_joints = false;     ///< joints are lengths
+    double device_rate = 0.0;       ///< Hz
+    std::string servo_unit = "us";  ///< of set points; may be empty
+    double servo_step = 0.25;       ///< set point of one step of the wire, in that unit
   };
   std::int64_t format_version = kRecordingFormatVersion;
   std::string program_version;

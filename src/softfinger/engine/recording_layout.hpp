@@ -45,6 +45,11 @@ inline const std::string kMeshKey = "mesh:";
 /// the column is called joints_rad.
 inline const std::string kLinearJointsKey = "linear_joints:";
 
+/// Keys of `meta` that name the number of a finger whose set points are not in quarters of a
+/// microsecond, though the column is called servo_us: their unit, and one step of the wire in it.
+inline const std::string kServoUnitKey = "servo_unit:";
+inline const std::string kServoStepKey = "servo_step:";
+
 inline constexpr int kStepColumns = 39;
 inline constexpr int kTickColumns = 19;
 

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <optional>
 
 #include "softfinger/base/error.hpp"
@@ -14,6 +15,9 @@
 
 namespace softfinger {
 namespace {
+
+/// Targets are 32 bits.
+constexpr double kMostSteps = 2147483647.0;
 
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> words;
@@ -101,6 +105,8 @@ struct RecordingReader::Database {
     RecordingInfo info;
     SqliteStatement meta(connection, "select key, value from meta");
     std::vector<std::string> linear;  // numbers of fingers, see kLinearJointsKey
+    std::map<std::string, std::string> servo_units;
+    std::map<std::string, double> servo_steps;
     while (meta.next()) {
       const std::string key = meta.text(0);
       if (key == "format_version") info.format_version = meta.integer(1);
@@ -112,6 +118,12 @@ struct RecordingReader::Database {
       if (key == "with_state") info.with_state = meta.integer(1) != 0;
       if (key.starts_with(recording_layout::kLinearJointsKey)) {
         linear.push_back(key.substr(recording_layout::kLinearJointsKey.size()));
+      }
+      if (key.starts_with(recording_layout::kServoUnitKey)) {
+        servo_units[key.substr(recording_layout::kServoUnitKey.size())] = meta.text(1);
+      }
+      if (key.starts_with(recording_layout::kServoStepKey)) {
+        servo_steps[key.substr(recording_layout::kServoStepKey.size())] = meta.number(1);
       }
       if (key.starts_with(recording_layout::kMeshKey)) {
         info.meshes.push_back(
@@ -131,6 +143,14 @@ struct RecordingReader::Database {
       finger.linear_joints = std::find(linear.begin(), linear.end(),
                                        std::to_string(info.fingers.size())) != linear.end();
       finger.device_rate = fingers.number(7);
+      const std::string number = std::to_string(info.fingers.size());
+      if (const auto unit = servo_units.find(number); unit != servo_units.end()) {
+        finger.servo_unit = unit->second;
+      }
+      if (const auto step = servo_steps.find(number); step != servo_steps.end()) {
+        finger.servo_step = step->second;
+      }
+      if (!(finger.servo_step > 0.0)) throw SqliteFailure{true};
       info.fingers.push_back(std::move(finger));
     }
     SqliteStatement files(connection, "select path, content from files order by path");
@@ -265,16 +285,17 @@ bool RecordingReader::next(TickRecord& r) {
     if (servo_us.size() > FormedCommand::kMaxServos) throw SqliteFailure{true};
     r.command.servos = static_cast<int>(servo_us.size());
     r.command.targets.fill(0);
+    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
+    const double step = info_.fingers[static_cast<std::size_t>(r.finger)].servo_step;
     for (Eigen::Index i = 0; i < servo_us.size(); ++i) {
-      if (!(servo_us[i] >= 0.0 && servo_us[i] < 16384.0)) throw SqliteFailure{true};
+      if (!(std::abs(servo_us[i] / step) < kMostSteps)) throw SqliteFailure{true};
       r.command.targets[static_cast<std::size_t>(i)] =
-          static_cast<std::int32_t>(std::lround(servo_us[i] * 4.0));
+          static_cast<std::int32_t>(std::lround(servo_us[i] / step));
     }
     r.command.state = state_of(row.bytes(column++));
     r.hash = static_cast<std::uint64_t>(row.integer(column++));
     r.cpu_time = row.number(column++);
     r.latency = row.number(column++);
-    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
     return true;
   } catch (const SqliteFailure&) {
     fail();

@@ -124,6 +124,11 @@ struct RecordingWriter::Database {
       if (finger.linear_joints) {
         meta(recording_layout::kLinearJointsKey + std::to_string(i), "1");
       }
+      servo_steps.push_back(finger.servo_step);
+      if (finger.servo_unit != RecordingInfo::Finger{}.servo_unit) {
+        meta(recording_layout::kServoUnitKey + std::to_string(i), finger.servo_unit);
+        meta(recording_layout::kServoStepKey + std::to_string(i), finger.servo_step);
+      }
     }
   }
 
@@ -181,7 +186,8 @@ struct RecordingWriter::Database {
     bind_numbers(s, column++, r.command.joints);
     Configuration servo_us(r.command.servos);
     for (int i = 0; i < r.command.servos; ++i) {
-      servo_us[i] = r.command.targets[static_cast<std::size_t>(i)] / 4.0;
+      servo_us[i] = r.command.targets[static_cast<std::size_t>(i)] *
+                    servo_steps[static_cast<std::size_t>(r.finger)];
     }
     bind_numbers(s, column++, servo_us);
     s.bind(column++, state_name(r.command.state));
@@ -204,6 +210,7 @@ struct RecordingWriter::Database {
   }
 
   SqliteDatabase connection;
+  std::vector<double> servo_steps;  ///< of the fingers
   std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_state;
   bool in_transaction = true;
   Clock::time_point began = Clock::now();

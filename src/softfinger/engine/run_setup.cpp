@@ -186,6 +186,10 @@ RecordingInfo recording_info(const RunSetup& setup) {
       finger.joints = device->joint_count();
       finger.linear_joints = device->joint_limits().linear;
       finger.device_rate = device_rate(*device);
+      if (const auto& transport = device->settings().transport) {
+        finger.servo_unit = transport->unit;
+        finger.servo_step = transport->servos.front().step / transport->unit_scale;
+      }
       for (const ConfigurationAxis& axis : device->axes()) {
         finger.configuration_names.push_back(axis.name);
       }
