@@ -26,8 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto written = std::span<const std::uint8_t>(bytes).first(length);
     if (reading->frame_length(written) != static_cast<int>(length)) __builtin_trap();
     const ServoFrame again = reading->decode(written);
-    if (again.id != frame.id || again.code != frame.code ||
-        again.parameters != frame.parameters || again.size != frame.size) {
+    if (again.id != frame.id || again.code != frame.code || again.parameters != frame.parameters ||
+        again.size != frame.size) {
       __builtin_trap();
     }
     if (const auto status = reading->status(frame)) (void)register_value(status->data);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate_command.hpp"
 #include "commands.hpp"
 #include "device_json.hpp"
 #include "softfinger/base/config_file.hpp"
@@ -203,6 +204,7 @@ void add_device_command(CLI::App& app) {
   posing->add_option("--joints-mm", flags->joints_mm, "Lengths a,b,c of joints that are linear")
       ->delimiter(',');
   add_device_action(*command, "workspace", "How far it goes within all limits", flags, workspace);
+  add_calibrate_action(*command);
   CLI::App* describing = command->add_subcommand("schema", "JSON Schema of the files of a kind");
   describing->add_option("KIND", flags->device, "Kind or device file; without, of all kinds");
   describing->add_flag("--json", flags->json, "Changes nothing: it is JSON as it is");

@@ -100,19 +100,39 @@ class LeverPlatform : public Device {
     transport.kind = shape.kind;
     transport.port = shape.port;
     transport.rate = shape.rate;
-    for (int i = 0; i < 3; ++i) {
-      transport.servos.push_back(shape.kind == "maestro" ? maestro_servo(shape, i)
-                                                         : bus_servo(shape, i));
-    }
-    if (shape.kind != "maestro") {
+    if (shape.kind != "maestro") transport.unit_scale = 1.0;
+    if (shape.kind == "dynamixel" || shape.kind == "feetech") {
       transport.baud = 1000000;
       transport.unit = "ticks";
-      transport.unit_scale = 1.0;
+    }
+    transport.follows_travel = shape.kind == "weart";
+    for (int i = 0; i < (transport.follows_travel ? 1 : 3); ++i) {
+      transport.servos.push_back(servo(shape, i));
     }
     settings.transport = transport;
     return settings;
   }
 
+  static ServoSettings servo(const Shape& shape, int i) {
+    if (shape.kind == "maestro") return maestro_servo(shape, i);
+    if (shape.kind == "osc") {
+      return {.zero = 0.0,
+              .per_radian = 1.0 / deg,
+              .min = -25.0,
+              .max = 95.0,
+              .step = 1e-6,
+              .address = "/lever/" + std::to_string(i)};
+    }
+    if (shape.kind == "weart") {
+      return {.zero = 0.0,
+              .per_radian = 0.1 / mm,
+              .min = 0.0,
+              .max = 0.9,
+              .step = 1e-6,
+              .address = "RIGHT:INDEX"};
+    }
+    return bus_servo(shape, i);
+  }
   static ServoSettings maestro_servo(const Shape& shape, int i) {
     const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
     return {.channel = 2 * i,

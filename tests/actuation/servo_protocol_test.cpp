@@ -178,9 +178,8 @@ TEST_P(EveryServoProtocol, FindsFramesAfterNoiseAndHalfFrames) {
     // What looks like a long frame is given up once it is complete, and wrong.
     for (std::size_t k = 0; k < ServoProtocol::kMostBytes; ++k) bytes.push_back(0x11);
     const auto frames = frames_in(*protocol_, bytes);
-    found += std::any_of(frames.begin(), frames.end(), [&](const ServoFrame& one) {
-      return same_frame(one, frame);
-    });
+    found += std::any_of(frames.begin(), frames.end(),
+                         [&](const ServoFrame& one) { return same_frame(one, frame); });
   }
   // Noise that begins like a frame has a right checksum of 8 bits once in 256 times.
   EXPECT_GE(found, 485);

@@ -13,6 +13,7 @@
 #include "softfinger/actuation/servo_line.hpp"
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/device/device.hpp"
 #include "softfinger/device/travel_ceiling.hpp"
 
@@ -23,37 +24,63 @@ constexpr std::string_view kEmulator = "emulator";
 constexpr double kDefaultRate = 30.0;
 /// Emulated servos are somewhat faster than they are asked to be, as real ones are chosen.
 constexpr double kServoReserve = 1.25;
+/// Of emulated devices that follow the travel, m/s.
+constexpr double kFastestTravel = 0.1;
 /// A retraction that takes longer (s) is given up.
 constexpr double kLongestRetraction = 30.0;
+
+/// Of what servos follow, a second.
+double largest_rate(const Device& device) {
+  return device.settings().transport->follows_travel ? kFastestTravel
+                                                     : device.joint_limits().max_rate;
+}
+
+/// What the one servo of a device follows that follows the travel.
+JointAngles travel_of_home(const Device& device) {
+  return JointAngles::Constant(1, device.home()[device.approach_axis()]);
+}
 
 std::vector<EmulatedServo> emulated_servos(const Device& device) {
   JointAngles home;
   if (!device.inverse_kinematics(device.home(), home)) device.clamped_joints(device.home(), home);
   std::vector<EmulatedServo> servos;
+  if (device.settings().transport->follows_travel) home = travel_of_home(device);
   Eigen::Index joint = 0;
   for (const ServoSettings& settings : device.settings().transport->servos) {
-    servos.push_back(
-        {.channel = settings.channel,
-         .initial_setpoint = ServoMap(settings).setpoint(home[joint++]),
-         .rate = kServoReserve * device.joint_limits().max_rate * std::abs(settings.per_radian),
-         .step = settings.step});
+    servos.push_back({.channel = settings.channel,
+                      .initial_setpoint = ServoMap(settings).setpoint(home[joint++]),
+                      .rate = kServoReserve * largest_rate(device) * std::abs(settings.per_radian),
+                      .step = settings.step});
   }
   return servos;
 }
 
-std::vector<ServoSettings> servo_settings(const Device& device) {
-  const auto& transport = device.settings().transport;
-  return transport ? transport->servos : std::vector<ServoSettings>();
-}
-
 void check_servos(const Device& device) {
   const TransportSettings& transport = *device.settings().transport;
+  if (transport.follows_travel) {
+    const int axis = device.approach_axis();
+    if (axis < 0 || device.axes()[static_cast<std::size_t>(axis)].unit != mm) {
+      throw InputError(fmt::format(
+          "transport.kind: \"{}\" follows a device's travel towards the finger, and this one has "
+          "none in mm; use a device that has, such as a platform, or another transport",
+          transport.kind));
+    }
+    return;
+  }
   if (static_cast<int>(transport.servos.size()) != device.joint_count() ||
       device.joint_count() > FormedCommand::kMaxServos) {
     throw InputError(fmt::format(
         "transport.servo: {} servos for {} joints; a device needs one for each, at most {}",
         transport.servos.size(), device.joint_count(), FormedCommand::kMaxServos));
   }
+}
+
+/// Checked to be what MotionGuard takes.
+std::vector<ServoSettings> servo_settings(const Device& device) {
+  const auto& transport = device.settings().transport;
+  if (!transport) return {};
+  check_servos(device);
+  return transport->servos;
 }
 
 [[noreturn]] void refuse_port(const ActuatorOptions& options, const std::string& port,
@@ -108,7 +135,6 @@ void Actuator::Impl::open() {
   form(device->home(), 0.0);
   if (!device->settings().transport) return;
   const TransportSettings& transport = *device->settings().transport;
-  check_servos(*device);
   std::unique_ptr<ServoBus> bus = make_servo_bus(transport);
   port = options.port.empty() ? transport.port : options.port;
   period = 1.0 / transport.rate;
@@ -233,10 +259,18 @@ bool Actuator::read_servo_joints(JointAngles& joints) const noexcept {
   const Impl& self = *impl_;
   if (!self.emulated && !self.simulated) return self.line && self.line->read_joints(joints);
   const auto servos = self.guard.servos();
+  const auto setpoint = [&](std::size_t servo) {
+    return self.emulated ? self.emulated->emulator().setpoint(servo)
+                         : self.simulated->setpoint(servo);
+  };
+  if (self.device->settings().transport->follows_travel) {
+    Configuration q = self.guard.configuration();
+    q[self.device->approach_axis()] = servos[0].joint(setpoint(0));
+    return self.device->inverse_kinematics(q, joints);
+  }
   joints.resize(static_cast<Eigen::Index>(servos.size()));
   for (std::size_t i = 0; i < servos.size(); ++i) {
-    joints[static_cast<Eigen::Index>(i)] = servos[i].joint(
-        self.emulated ? self.emulated->emulator().setpoint(i) : self.simulated->setpoint(i));
+    joints[static_cast<Eigen::Index>(i)] = servos[i].joint(setpoint(i));
   }
   return true;
 }

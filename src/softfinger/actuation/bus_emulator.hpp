@@ -12,7 +12,6 @@ namespace softfinger {
 /// times give the same positions, bit for bit.
 ///
 /// One thread calls receive(), take_replies() and advance_to(); any thread may ask the rest.
-/// Allocates nothing after construction.
 class BusEmulator {
  public:
   BusEmulator() = default;

@@ -15,6 +15,10 @@ namespace softfinger {
 [[nodiscard]] std::unique_ptr<BusEmulator> make_bus_emulator(const TransportSettings& transport,
                                                              std::span<const EmulatedServo> servos);
 
+/// The port of such an emulator; it must outlive the port.
+[[nodiscard]] std::unique_ptr<EmulatorPort> make_emulator_port(const TransportSettings& transport,
+                                                               BusEmulator& emulator);
+
 /// An emulator behind a port of its own: what `port = "emulator"` speaks to in wall time.
 class EmulatedBus {
  public:

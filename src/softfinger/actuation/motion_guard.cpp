@@ -82,6 +82,8 @@ MotionGuard::MotionGuard(std::shared_ptr<const Device> device,
     : device_(std::move(device)),
       servos_(servos.begin(), servos.end()),
       ceiling_(std::move(ceiling)) {
+  const auto& transport = device_->settings().transport;
+  if (transport && transport->follows_travel) travel_axis_ = device_->approach_axis();
   reset(device_->home());
 }
 
@@ -124,7 +126,7 @@ Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
 
 double MotionGuard::allowed_travel(int joint, double dt) const {
   const double travel = device_->joint_limits().max_rate * dt;
-  if (servos_.empty()) return travel;
+  if (servos_.empty() || travel_axis_ >= 0) return travel;
   // Each rounding moves a joint by at most one step of the wire.
   const double rounding = 2.0 * servos_[static_cast<std::size_t>(joint)].resolution();
   return travel - std::min(rounding, 0.5 * travel);
@@ -158,6 +160,11 @@ bool MotionGuard::form(const Configuration& q, Command& command) const {
   command.q = q;
   if (!allowed(q) || !device_->inverse_kinematics(q, command.joints)) return false;
   if (servos_.empty()) return true;
+  if (travel_axis_ >= 0) {
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    command.targets[0] = servos_[0].target(q[travel_axis_], -kAny, kAny);
+    return true;
+  }
   const JointLimits& limits = device_->joint_limits();
   JointAngles sent = command.joints;
   for (int i = 0; i < sent.size(); ++i) {

@@ -29,8 +29,9 @@ namespace softfinger {
 /// Allocates nothing after construction, throws nothing.
 class MotionGuard {
  public:
-  /// Stands at the device's home. One servo per joint, or none (targets are then not formed).
-  /// `ceiling`: null: none.
+  /// Stands at the device's home. One servo per joint, or none (targets are then not formed), or
+  /// the one that follows the device's travel (TransportSettings::follows_travel), which no
+  /// rounding to the wire holds back. `ceiling`: null: none.
   MotionGuard(std::shared_ptr<const Device> device, std::span<const ServoSettings> servos,
               std::shared_ptr<const TravelCeiling> ceiling = nullptr);
 
@@ -75,6 +76,7 @@ class MotionGuard {
   std::shared_ptr<const Device> device_;
   std::vector<ServoMap> servos_;
   std::shared_ptr<const TravelCeiling> ceiling_;
+  int travel_axis_ = -1;      ///< of q, that the one servo follows; -1: servos follow joints
   double most_excess_ = 0.0;  ///< over the ceiling, that is no reason to refuse; SI
   Command now_;
   bool by_home_ = false;

@@ -13,11 +13,10 @@ namespace softfinger {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kAnswerTime{40};
-constexpr int kTries = 3;
+constexpr std::chrono::milliseconds kStatusTime{100};
 /// Every so many questions are about the torque.
 constexpr unsigned kTorqueEvery = 8;
-/// So many questions in a row without all answers are a lost bus.
+/// So many questions in a row without all answers, and for half a second, are a lost bus.
 constexpr unsigned kMostUnanswered = 20;
 /// Start and stop bit and eight between them.
 constexpr double kBitsPerByte = 10.0;
@@ -31,6 +30,7 @@ ServoTableBus::ServoTableBus(std::unique_ptr<const ServoProtocol> protocol,
                              std::vector<std::vector<Preset>> presets)
     : protocol_(std::move(protocol)),
       baud_(static_cast<unsigned>(transport.baud)),
+      most_unanswered_(std::max(kMostUnanswered, static_cast<unsigned>(transport.rate / 2.0))),
       presets_(std::move(presets)),
       reader_(*protocol_) {
   for (const ServoSettings& servo : transport.servos) {
@@ -67,12 +67,12 @@ bool ServoTableBus::send(const ServoFrame& frame) noexcept {
   return port_.write(std::span(bytes).first(size)) == SerialPort::Result::kSent;
 }
 
-ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request) {
+ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, int tries) {
   Reply reply;
-  for (int i = 0; i < kTries && !reply.came && port_.is_open(); ++i) {
+  for (int i = 0; i < tries && !reply.came && port_.is_open(); ++i) {
     reader_.reset();
     if (!send(request)) continue;
-    const Clock::time_point until = Clock::now() + kAnswerTime;
+    const Clock::time_point until = Clock::now() + kStatusTime;
     while (!reply.came && port_.is_open() && Clock::now() < until) {
       std::array<std::uint8_t, 64> bytes;
       const std::size_t got = port_.read(bytes);
@@ -93,7 +93,9 @@ std::string ServoTableBus::find_servos() {
   const std::uint64_t frames = reader_.frames();
   std::vector<int> silent;
   for (const std::uint8_t id : ids_) {
-    if (!exchange(ping_request(id)).came) silent.push_back(id);
+    // Where nobody has answered so far nobody will: no more patience for the rest.
+    const bool hope = silent.size() < 2 || reader_.frames() != frames;
+    if (!exchange(ping_request(id), hope ? kTries : 1).came) silent.push_back(id);
     if (!port_.is_open()) return "it vanished";
   }
   if (silent.empty()) return {};
@@ -185,7 +187,7 @@ bool ServoTableBus::ask() noexcept {
     return true;
   }
   ++asked_;
-  if (++unanswered_ > kMostUnanswered) {
+  if (++unanswered_ > most_unanswered_) {
     port_.close();
     return true;
   }

@@ -49,9 +49,11 @@ class ServoTableBus : public ServoBus {
     std::uint32_t value = 0;
   };
 
+  static constexpr int kTries = 3;
+
   void check_speed(const TransportSettings& transport) const;
   bool send(const ServoFrame& frame) noexcept;
-  Reply exchange(const ServoFrame& request);
+  Reply exchange(const ServoFrame& request, int tries = kTries);
   /// Empty, or why not.
   [[nodiscard]] std::string find_servos();
   [[nodiscard]] std::string prepare(std::size_t servo);
@@ -61,6 +63,7 @@ class ServoTableBus : public ServoBus {
 
   std::unique_ptr<const ServoProtocol> protocol_;
   unsigned baud_;
+  unsigned most_unanswered_;
   std::vector<std::uint8_t> ids_;
   std::vector<std::vector<Preset>> presets_;
   SerialPort port_;

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "softfinger/actuation/emulated_bus.hpp"
+#include "softfinger/actuation/servo_bus.hpp"
+#include "softfinger/actuation/servo_map.hpp"
+#include "softfinger/device/device.hpp"
+
+namespace softfinger {
+
+/// What a person sees of one servo while it is calibrated; rad, or m where joints are lengths.
+struct ServoSighting {
+  double told = 0.0;   ///< how far the joint should have moved by the map so far, not 0
+  double at = 0.0;     ///< where the joint really stood before
+  double moved = 0.0;  ///< how far it really moved, with its sign
+};
+
+/// The map of a servo that stood at `setpoint` when it was looked at; its least and largest set
+/// point stay. Throws InputError for a joint that did not move, or moved not half or more than
+/// twice as far as it was told.
+[[nodiscard]] ServoSettings calibrated(const ServoSettings& servo, double setpoint,
+                                       const ServoSighting& seen);
+
+/// Joint range that a servo's least and largest set point allow.
+struct JointRange {
+  double min = 0.0, max = 0.0;
+};
+[[nodiscard]] JointRange joint_range(const ServoSettings& servo);
+
+/// Moves the servos of a device one by one, slowly, from the home of the map so far. Set points
+/// stay within the file's, joints within their limits.
+class ServoCalibration {
+ public:
+  /// Opens the port (empty: the file's) and goes home. Throws InputError where it cannot be opened,
+  /// or where servos follow no joints.
+  ServoCalibration(std::shared_ptr<const Device> device, const std::string& port);
+
+  [[nodiscard]] int servos() const { return static_cast<int>(maps_.size()); }
+  /// Joint angle of a servo at home, by the map so far.
+  [[nodiscard]] double home(int servo) const { return home_[servo]; }
+  /// Moves one joint away from home, as far as allowed and at most kStep (rad or a tenth of a mm a
+  /// degree); returns how far by the map so far.
+  double move_away(int servo);
+  /// And back home.
+  void move_back();
+  [[nodiscard]] ServoSettings calibrated_servo(int servo, const ServoSighting& seen) const;
+
+ private:
+  /// Moves all joints to these angles by the map so far.
+  void go(const JointAngles& joints);
+
+  std::shared_ptr<const Device> device_;
+  std::vector<ServoMap> maps_;
+  std::unique_ptr<EmulatedBus> emulated_;
+  std::unique_ptr<ServoBus> bus_;
+  JointAngles home_;
+  JointAngles now_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,171 @@
+// WEART's middleware: its messages, and the way from the loop to an emulated TouchDIVER.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include "lever_platform.hpp"
+#include "softfinger/actuation/actuator.hpp"
+#include "softfinger/actuation/emulator_socket.hpp"
+#include "softfinger/actuation/servo_map.hpp"
+#include "softfinger/actuation/weart_emulator.hpp"
+#include "softfinger/actuation/weart_protocol.hpp"
+#include "softfinger/base/error.hpp"
+
+namespace softfinger {
+namespace {
+
+std::string force_text(double force, std::string_view address) {
+  std::array<char, 128> text{};
+  return {text.data(), encode_weart_force(force, address, text)};
+}
+
+std::vector<WeartRequest> requests_in(WeartReader& reader, std::string_view text) {
+  std::vector<WeartRequest> requests;
+  for (const char letter : text) {
+    if (auto request = reader.push(static_cast<std::uint8_t>(letter))) {
+      requests.push_back(*request);
+    }
+  }
+  return requests;
+}
+
+// Messages as WEART's SDK writes them.
+TEST(WeartProtocol, SaysTheMessagesOfTheSdk) {
+  EXPECT_EQ(force_text(0.8, "RIGHT:INDEX"), "force:0.800000:0.000000:0.000000:RIGHT:INDEX~");
+  std::array<char, 64> text{};
+  const std::size_t size = encode_weart_stop_force("LEFT:THUMB", text);
+  EXPECT_EQ(std::string_view(text.data(), size), "stopForce:LEFT:THUMB~");
+  EXPECT_THAT(weart_start(), testing::MatchesRegex("StartFromClient:[a-z]+:[0-9.]+:TrackType1~"));
+  // What does not fit is not sent in part.
+  EXPECT_EQ(encode_weart_force(0.5, "RIGHT:INDEX", std::span(text).first(20)), 0u);
+}
+
+TEST(WeartProtocol, ReadsWhatItWrites) {
+  WeartReader reader;
+  for (int k = 0; k <= 1000; ++k) {
+    const auto requests = requests_in(reader, force_text(k * 1e-3, "LEFT:PALM"));
+    ASSERT_EQ(requests.size(), 1u);
+    EXPECT_EQ(requests[0].kind, WeartRequest::Kind::kForce);
+    EXPECT_NEAR(requests[0].force, k * 1e-3, 5e-7);
+    EXPECT_EQ(requests[0].address, "LEFT:PALM");
+  }
+  EXPECT_EQ(reader.malformed(), 0u);
+}
+
+TEST(WeartProtocol, RefusesWhatIsNoMessage) {
+  for (const std::string bad :
+       {"force:1.5:0:0:RIGHT:INDEX~", "force:-0.1:0:0:RIGHT:INDEX~", "force:nan:0:0:RIGHT:INDEX~",
+        "force:0.5:0:0:RIGHT~", "force:0.5:0:0:UP:INDEX~", "force:0.5:0:0:RIGHT:NOSE~", "~",
+        "stopForce:RIGHT~", "a:b:c:d:e:f:g:h:i~", "force:0.5x:0:0:RIGHT:INDEX~"}) {
+    WeartReader reader;
+    EXPECT_TRUE(requests_in(reader, bad).empty()) << bad;
+    EXPECT_EQ(reader.malformed(), 1u) << bad;
+    EXPECT_EQ(requests_in(reader, "stopForce:RIGHT:INDEX~").size(), 1u);
+  }
+  WeartReader reader;
+  EXPECT_TRUE(requests_in(reader, std::string(100000, 'x') + "~").empty());
+  EXPECT_EQ(requests_in(reader, "StopFromClient~").size(), 1u);
+}
+
+bool sooner_or_later(const std::function<bool()>& done) {
+  for (int i = 0; i < 2000; ++i) {
+    if (done()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+EmulatedServo cap() { return {.initial_setpoint = 0.0, .rate = 20.0, .step = 1e-6}; }
+
+TEST(WeartBus, TravelBecomesForceAndTheEndLetsGo) {
+  const auto device = lever_platform({.rate = 100.0, .kind = "weart"});
+  const ServoMap map(device->settings().transport->servos.front());
+  WeartEmulator emulator(*device->settings().transport, cap());
+  EmulatorSocket socket(emulator, EmulatorSocket::Kind::kTcp);
+  {
+    Actuator actuator(device, {.port = socket.port()});
+    EXPECT_TRUE(actuator.connected());
+    double time = 0.0;
+    for (const double travel : {2.0 * mm, 4.0 * mm}) {
+      const Configuration wanted = Eigen::Vector3d(3 * deg, 0.0, travel);
+      EXPECT_TRUE(sooner_or_later([&] {
+        actuator.command({.configuration = wanted, .touching = true}, time += 0.01);
+        return std::abs(emulator.setpoint(0) - map.setpoint(travel)) < 0.005;
+      })) << travel;
+      EXPECT_NEAR(map.setpoint(travel), 0.1 * travel / mm, 1e-9);
+    }
+    // Whatever is wanted, the force stays below its cut.
+    for (int k = 0; k < 50; ++k) {
+      actuator.command({.configuration = Eigen::Vector3d(0, 0, k % 2 == 0 ? 1e30 : 0.1)},
+                       time += 0.01);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  EXPECT_LE(emulator.largest(), 0.9 + 1e-9);
+  EXPECT_TRUE(sooner_or_later([&] { return !emulator.started(); }));
+  EXPECT_GT(emulator.stops(), 0u);
+  EXPECT_EQ(emulator.refused(), 0u);
+  EXPECT_TRUE(sooner_or_later([&] { return emulator.setpoint(0) < 0.001; }));
+}
+
+TEST(WeartBus, EmbeddedEmulatorFollows) {
+  const auto device = lever_platform({.rate = 100.0, .kind = "weart"});
+  for (const bool simulated : {false, true}) {
+    Actuator actuator(device, {.simulated_time = simulated});
+    const Configuration wanted = Eigen::Vector3d(0.0, 0.0, 4.0 * mm);
+    double time = 0.0;
+    EXPECT_TRUE(sooner_or_later([&] {
+      actuator.command({.configuration = wanted, .touching = true}, time += 0.01);
+      JointAngles joints;
+      Configuration q;
+      return actuator.read_servo_joints(joints) && device->forward_kinematics(joints, q) &&
+             std::abs(q[2] - wanted[2]) < 0.05 * mm;
+    })) << simulated;
+  }
+}
+
+TEST(WeartBus, MiddlewareGoesAndComesBack) {
+  const auto device = lever_platform({.rate = 100.0, .kind = "weart"});
+  WeartEmulator emulator(*device->settings().transport, cap());
+  auto socket = std::make_unique<EmulatorSocket>(emulator, EmulatorSocket::Kind::kTcp);
+  Actuator actuator(device, {.port = socket->port()});
+  double time = 0.0;
+  const auto drive = [&] {
+    actuator.command({.configuration = device->home(), .touching = true}, time += 0.01);
+  };
+  EXPECT_TRUE(sooner_or_later([&] {
+    drive();
+    return emulator.commands() > 3;
+  }));
+  socket->vanish();
+  EXPECT_TRUE(sooner_or_later([&] {
+    drive();
+    return !actuator.connected();
+  }));
+  EXPECT_EQ(actuator.take_event(), ActuatorEvent::kPortLost);
+  EXPECT_EQ(actuator.state(), DeviceState::kDisconnected);
+}
+
+TEST(WeartBus, SaysThatNobodyListens) {
+  const auto device = lever_platform({.kind = "weart"});
+  std::string port;
+  {
+    WeartEmulator emulator(*device->settings().transport, cap());
+    EmulatorSocket socket(emulator, EmulatorSocket::Kind::kTcp);
+    port = socket.port();
+  }
+  try {
+    Actuator actuator(device, {.port = port});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr(port), testing::HasSubstr("WEART middleware")));
+  }
+}
+
+}  // namespace
+}  // namespace softfinger
