@@ -14,6 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusTime{100};
+constexpr int kPingTries = 5;
 /// Every so many questions are about the torque.
 constexpr unsigned kTorqueEvery = 8;
 /// So many questions in a row without all answers, and for half a second, are a lost bus.
@@ -95,7 +96,7 @@ std::string ServoTableBus::find_servos() {
   for (const std::uint8_t id : ids_) {
     // Where nobody has answered so far nobody will: no more patience for the rest.
     const bool hope = silent.size() < 2 || reader_.frames() != frames;
-    if (!exchange(ping_request(id), hope ? kTries : 1).came) silent.push_back(id);
+    if (!exchange(ping_request(id), hope ? kPingTries : 1).came) silent.push_back(id);
     if (!port_.is_open()) return "it vanished";
   }
   if (silent.empty()) return {};
@@ -123,7 +124,8 @@ std::string ServoTableBus::write_presets(std::size_t servo) {
       torque_off = true;
     }
     const Reply reply = exchange(write_request(*protocol_, id, preset.at, preset.value));
-    if (!reply.came || reply.error != 0) {
+    if (!reply.came) return fmt::format("servo {} answers no more", id);
+    if (reply.error != 0) {
       return fmt::format("servo {} does not take {} at address {} of its control table (error {})",
                          id, preset.value, preset.at.address, reply.error);
     }
@@ -142,7 +144,8 @@ std::string ServoTableBus::prepare(std::size_t servo) {
   // and where the servo itself takes the present position as its goal this is not needed.
   exchange(write_request(*protocol_, id, table.goal, present.value));
   const Reply torque = exchange(write_request(*protocol_, id, table.torque, 1));
-  if (!torque.came || torque.error != 0) {
+  if (!torque.came) return fmt::format("servo {} answers no more", id);
+  if (torque.error != 0) {
     return fmt::format("servo {} does not turn its torque on (error {}); does it protect itself?",
                        id, torque.error);
   }

@@ -49,7 +49,7 @@ class ServoTableBus : public ServoBus {
     std::uint32_t value = 0;
   };
 
-  static constexpr int kTries = 3;
+  static constexpr int kTries = 10;  ///< of a servo that has answered before
 
   void check_speed(const TransportSettings& transport) const;
   bool send(const ServoFrame& frame) noexcept;
