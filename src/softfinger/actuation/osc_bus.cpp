@@ -14,12 +14,11 @@ OscBus::OscBus(const TransportSettings& transport) : servos_(transport.servos) {
 
 std::string OscBus::open(const std::string& port) {
   close_socket();
-  sockaddr_in address{};
+  SocketAddress address;
   std::string reason = find_socket_address(port, address);
   if (!reason.empty()) return reason;
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (socket_ >= 0 &&
-      ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+  if (socket_ >= 0 && connect_socket(socket_, address) == 0) {
     return {};
   }
   close_socket();

@@ -1,6 +1,7 @@
 #include "softfinger/actuation/socket_address.hpp"
 
 #include <netdb.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <charconv>
@@ -9,7 +10,7 @@
 
 namespace softfinger {
 
-std::string find_socket_address(const std::string& host_and_port, sockaddr_in& address) {
+std::string find_socket_address(const std::string& host_and_port, SocketAddress& address) {
   const std::size_t colon = host_and_port.rfind(':');
   unsigned port = 0;
   const char* end = host_and_port.data() + host_and_port.size();
@@ -26,10 +27,20 @@ std::string find_socket_address(const std::string& host_and_port, sockaddr_in& a
   if (::getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0 || found == nullptr) {
     return "no machine of the name " + host + " is known";
   }
-  std::memcpy(&address, found->ai_addr, sizeof address);
+  sockaddr_in internet{};
+  std::memcpy(&internet, found->ai_addr, sizeof internet);
   ::freeaddrinfo(found);
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.host = internet.sin_addr.s_addr;
+  address.port = htons(static_cast<std::uint16_t>(port));
   return {};
+}
+
+int connect_socket(int socket, const SocketAddress& address) {
+  sockaddr_in internet{};
+  internet.sin_family = AF_INET;
+  internet.sin_addr.s_addr = address.host;
+  internet.sin_port = address.port;
+  return ::connect(socket, reinterpret_cast<const sockaddr*>(&internet), sizeof internet);
 }
 
 }  // namespace softfinger

@@ -1,5 +1,6 @@
 #include "softfinger/actuation/weart_bus.hpp"
 
+#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -22,7 +23,7 @@ WeartBus::WeartBus(const TransportSettings& transport) : point_(transport.servos
 
 std::string WeartBus::open(const std::string& port) {
   close_socket();
-  sockaddr_in address{};
+  SocketAddress address;
   std::string reason = find_socket_address(port, address);
   if (!reason.empty()) return reason;
   socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -30,7 +31,7 @@ std::string WeartBus::open(const std::string& port) {
   const int one = 1;
   ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
   int error = 0;
-  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+  if (connect_socket(socket_, address) != 0) {
     error = errno;
     if (error == EINPROGRESS) {
       pollfd event{.fd = socket_, .events = POLLOUT, .revents = 0};
