@@ -68,9 +68,13 @@ bool ServoTableBus::send(const ServoFrame& frame) noexcept {
   return port_.write(std::span(bytes).first(size)) == SerialPort::Result::kSent;
 }
 
-ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, int tries) {
+ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, std::optional<int> size,
+                                             int tries) {
   Reply reply;
   for (int i = 0; i < tries && !reply.came && port_.is_open(); ++i) {
+    // An answer that came too late must not be taken for that to the next question.
+    if (i > 0) std::this_thread::sleep_for(kStatusTime);
+    port_.discard_input();
     reader_.reset();
     if (!send(request)) continue;
     const Clock::time_point until = Clock::now() + kStatusTime;
@@ -79,7 +83,9 @@ ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, int trie
       const std::size_t got = port_.read(bytes);
       reader_.push(std::span(bytes).first(got), [&](const ServoFrame& frame) {
         const auto status = protocol_->status(frame);
-        if (status && status->id == request.id) {
+        if (!status || status->id != request.id) return;
+        const bool fits = !size || static_cast<int>(status->data.size()) == *size;
+        if (fits || status->error != 0) {
           reply = {true, status->error, register_value(status->data)};
         }
       });
@@ -89,6 +95,14 @@ ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, int trie
   return reply;
 }
 
+ServoTableBus::Reply ServoTableBus::read(std::uint8_t id, ServoRegister from) {
+  return exchange(read_request(*protocol_, id, from), from.size);
+}
+
+ServoTableBus::Reply ServoTableBus::write(std::uint8_t id, ServoRegister to, std::uint32_t value) {
+  return exchange(write_request(*protocol_, id, to, value), 0);
+}
+
 std::string ServoTableBus::find_servos() {
   const std::uint64_t bytes = reader_.bytes();
   const std::uint64_t frames = reader_.frames();
@@ -96,7 +110,7 @@ std::string ServoTableBus::find_servos() {
   for (const std::uint8_t id : ids_) {
     // Where nobody has answered so far nobody will: no more patience for the rest.
     const bool hope = silent.size() < 2 || reader_.frames() != frames;
-    if (!exchange(ping_request(id), hope ? kPingTries : 1).came) silent.push_back(id);
+    if (!exchange(ping_request(id), std::nullopt, hope ? kPingTries : 1).came) silent.push_back(id);
     if (!port_.is_open()) return "it vanished";
   }
   if (silent.empty()) return {};
@@ -117,13 +131,13 @@ std::string ServoTableBus::write_presets(std::size_t servo) {
   const std::uint8_t id = ids_[servo];
   bool torque_off = false;
   for (const Preset& preset : presets_[servo]) {
-    const Reply now = exchange(read_request(*protocol_, id, preset.at));
+    const Reply now = read(id, preset.at);
     if (now.came && now.error == 0 && now.value == preset.value) continue;
     if (preset.torque_off && !torque_off) {
-      exchange(write_request(*protocol_, id, protocol_->table().torque, 0));
+      write(id, protocol_->table().torque, 0);
       torque_off = true;
     }
-    const Reply reply = exchange(write_request(*protocol_, id, preset.at, preset.value));
+    const Reply reply = write(id, preset.at, preset.value);
     if (!reply.came) return fmt::format("servo {} answers no more", id);
     if (reply.error != 0) {
       return fmt::format("servo {} does not take {} at address {} of its control table (error {})",
@@ -138,12 +152,13 @@ std::string ServoTableBus::prepare(std::size_t servo) {
   const ControlTable& table = protocol_->table();
   std::string reason = write_presets(servo);
   if (!reason.empty()) return reason;
-  const Reply present = exchange(read_request(*protocol_, id, table.present));
-  if (!present.came) return fmt::format("servo {} does not say where it is", id);
+  const Reply present = read(id, table.present);
+  if (!present.came || present.error != 0)
+    return fmt::format("servo {} does not say where it is", id);
   // The servo must stay where it is when its torque comes. A goal out of its limits is refused,
   // and where the servo itself takes the present position as its goal this is not needed.
-  exchange(write_request(*protocol_, id, table.goal, present.value));
-  const Reply torque = exchange(write_request(*protocol_, id, table.torque, 1));
+  write(id, table.goal, present.value);
+  const Reply torque = write(id, table.torque, 1);
   if (!torque.came) return fmt::format("servo {} answers no more", id);
   if (torque.error != 0) {
     return fmt::format("servo {} does not turn its torque on (error {}); does it protect itself?",

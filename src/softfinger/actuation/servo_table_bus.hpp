@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,10 @@ class ServoTableBus : public ServoBus {
 
   void check_speed(const TransportSettings& transport) const;
   bool send(const ServoFrame& frame) noexcept;
-  Reply exchange(const ServoFrame& request, int tries = kTries);
+  /// The answer of the servo asked; `size`: of its data in bytes, where known.
+  Reply exchange(const ServoFrame& request, std::optional<int> size, int tries = kTries);
+  Reply read(std::uint8_t id, ServoRegister from);
+  Reply write(std::uint8_t id, ServoRegister to, std::uint32_t value);
   /// Empty, or why not.
   [[nodiscard]] std::string find_servos();
   [[nodiscard]] std::string prepare(std::size_t servo);
