@@ -33,8 +33,8 @@ TEST(CalibrateCommand, WritesASectionThatIsRead) {
     const std::string calibrated = text_of(out);
     EXPECT_THAT(calibrated, HasSubstr("per_deg = -1"));
     const std::string joined = place.path(name + "-new.toml");
-    std::ofstream(joined) << whole.substr(0, whole.find("[transport]"))
-                          << calibrated.substr(calibrated.find("[transport]"));
+    std::ofstream(joined) << whole.substr(0, whole.find("\n[transport]"))
+                          << calibrated.substr(calibrated.find("\n[transport]"));
     const auto shown = run_program({"device", "show", joined});
     // Either it is read, or what it says is that the servo now does not reach the joint's limits.
     if (shown.status != 0) {
