@@ -6,6 +6,7 @@
 // a callback that does the work. A callback throws InputError (status 2) or OperationError (status
 // 1), or CLI::RuntimeError(status) to end with a status after it has spoken.
 void add_device_command(CLI::App& app);
+void add_emulate_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_finger_command(CLI::App& app);

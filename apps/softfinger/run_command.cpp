@@ -122,10 +122,9 @@ void add_run_command(CLI::App& app) {
                    "device file instead of the scene's; NAME=FILE for one of several fingers")
       ->allow_extra_args(false);
   command
-      ->add_option(
-          "--tracker", options.trackers,
-          "tracker instead of the scene's: script, csv:FILE, page, webxr, udp:PORT or osc:PORT; "
-          "NAME=SPEC for one of several fingers")
+      ->add_option("--tracker", options.trackers,
+                   "tracker instead of the scene's: script, csv:FILE, page, webxr, udp:PORT, "
+                   "osc:PORT or natnet:HOST,body=NAME; NAME=SPEC for one of several fingers")
       ->allow_extra_args(false);
   command->add_option(
       "--wearer", flags->wearer,

@@ -41,7 +41,7 @@ TEST(Help, ListsTheCommands) {
   std::set<std::string> names = commands_in(help_of({}));
   names.erase("help");
   EXPECT_EQ(names, (std::set<std::string>{"run", "press", "match", "evaluate", "device", "finger",
-                                          "scene", "replay", "export"}));
+                                          "scene", "replay", "export", "emulate"}));
 }
 
 TEST(Help, EveryCommandListedExists) {
@@ -57,6 +57,7 @@ TEST(Help, PartsOfCommands) {
             (std::set<std::string>{"show", "solve", "pose", "workspace", "schema"}));
   EXPECT_EQ(commands_in(help_of({"finger"})), (std::set<std::string>{"fit", "show"}));
   EXPECT_EQ(commands_in(help_of({"scene"})), std::set<std::string>{"check"});
+  EXPECT_EQ(commands_in(help_of({"emulate"})), (std::set<std::string>{"natnet", "udp", "osc"}));
 }
 
 TEST(Help, AsACommand) {

@@ -76,6 +76,8 @@ bool RunningProgram::says(const std::string& text, double seconds) {
   return false;
 }
 
+std::string RunningProgram::output() const { return content(output_file_); }
+
 ProgramRun RunningProgram::stop(int signal) {
   if (!reaped_) {
     if (signal != 0) kill(process_, signal);

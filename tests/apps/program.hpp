@@ -25,6 +25,8 @@ class RunningProgram {
   /// Waits until it has written `text` to stdout or stderr; false after `seconds` or when it has
   /// ended without.
   [[nodiscard]] bool says(const std::string& text, double seconds);
+  /// What it has written to stdout so far.
+  [[nodiscard]] std::string output() const;
   /// Sends the signal (0: none) and waits for the end.
   ProgramRun stop(int signal);
 

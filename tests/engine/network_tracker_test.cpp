@@ -14,6 +14,7 @@
 #include "softfinger/engine/live_session.hpp"
 #include "softfinger/engine/recording_reader.hpp"
 #include "softfinger/engine/replay.hpp"
+#include "softfinger/tracking/natnet_emulator.hpp"
 #include "softfinger/tracking/osc_pose.hpp"
 #include "softfinger/tracking/pose_datagram.hpp"
 #include "softfinger/tracking/udp_socket.hpp"
@@ -51,6 +52,7 @@ class NetworkTracker : public testing::Test {
         send(reached, count);
         std::this_thread::sleep_for(std::chrono::milliseconds(4));
       }
+      send(1.5, 1u << 20);  // the last
     });
     const std::atomic<bool> stop{false};
     session.run(stop, observer);
@@ -115,6 +117,39 @@ TEST_F(NetworkTracker, OscDrivesALiveRun) {
     sender.send({kLoopback, port}, encode_osc_pose(press_on_ball(time), false));
   });
   expect_driven();
+}
+
+TEST_F(NetworkTracker, NatNetDrivesALiveRunThroughLossAndJumps) {
+  std::atomic<double> reached{0.0};
+  NatNetEmulator emulator({.loss = 0.3, .duplication = 0.1, .reordering = 0.2}, [&](double) {
+    return TrackedPose{.X_WFt = press_on_ball(reached), .valid = reached < 1.5};
+  });
+  run("natnet:" + text_of(emulator.address()) + ",body=index",
+      [&](double time, std::uint32_t) { reached = time; });
+  expect_driven();
+}
+
+// A glitch of the tracker moves neither finger nor device faster than a hand would.
+TEST_F(NetworkTracker, JumpsOfATrackerAreSlowedDown) {
+  std::atomic<double> reached{0.0};
+  NatNetEmulator emulator({.jump = 0.05}, [&](double) {
+    return TrackedPose{.X_WFt = press_on_ball(0.0), .valid = reached < 1.5};
+  });
+  run("natnet:" + text_of(emulator.address()) + ",body=index",
+      [&](double time, std::uint32_t) { reached = time; });
+  RecordingReader reader(directory_ / "run.db");
+  StepRecord step;
+  std::optional<Vector3> last;
+  double farthest_pose = 0.0, fastest = 0.0;
+  while (reader.next(step)) {
+    const Vector3 p = step.X_WF.translation;
+    if (last) fastest = std::max(fastest, (p - *last).norm() * 1000.0);
+    if (step.step > 0) last = p;
+    farthest_pose = std::max(
+        farthest_pose, (step.tracked.X_WFt.translation - press_on_ball(0.0).translation).norm());
+  }
+  EXPECT_GT(farthest_pose, 0.19) << "there were jumps";
+  EXPECT_LT(fastest, 1.5) << "m/s of the bone, which may overshoot a little";
 }
 
 TEST_F(NetworkTracker, ARunAsFastAsPossibleIsRefused) {

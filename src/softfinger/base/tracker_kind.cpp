@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 
 namespace softfinger {
 namespace {
+
+constexpr std::uint16_t kNatnetCommandPort = 1510;
+constexpr std::size_t kLongestName = 255;  // of hosts and bodies
 
 bool parse_port(std::string_view text, std::uint16_t& port) {
   const char* const end = text.data() + text.size();
@@ -53,6 +57,63 @@ HandPart read_hand(std::string_view text, std::string_view argument) {
                   text));
 }
 
+void read_natnet_option(std::string_view text, std::string_view option, TrackerSpec& spec) {
+  const std::size_t equals = option.find('=');
+  const std::string_view key = option.substr(0, equals);
+  const std::string_view value =
+      equals == std::string_view::npos ? std::string_view() : option.substr(equals + 1);
+  const auto refuse = [&](std::string_view what) {
+    throw InputError(fmt::format("tracker '{}': {}", text, what));
+  };
+  if (key == "body") {
+    if (value.empty() || value.size() > kLongestName) refuse("body= needs a rigid body's name");
+    spec.body = value;
+  } else if (key == "up") {
+    if (value != "y" && value != "z") refuse("up= must be y or z, as in the streaming settings");
+    spec.up = value == "z" ? UpAxis::kZ : UpAxis::kY;
+  } else if (key == "scale") {
+    const char* const end = value.data() + value.size();
+    const auto [stop, error] = std::from_chars(value.data(), end, spec.scale);
+    if (error != std::errc() || stop != end || !(spec.scale >= 1e-6 && spec.scale <= 1e6)) {
+      refuse("scale= must be a number of 1e-6 to 1e6, metres per unit streamed");
+    }
+  } else if (option == "multicast" || option == "unicast") {
+    spec.multicast = option == "multicast";
+  } else {
+    const std::string nearest = nearest_word(key, {"body", "up", "scale", "multicast", "unicast"});
+    refuse(
+        fmt::format("unknown option '{}'; {}known are body=NAME, up=y|z, scale=S, multicast and "
+                    "unicast",
+                    option, nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
+  }
+}
+
+/// "HOST[:PORT],body=NAME[,up=y|z][,scale=S][,multicast|unicast]".
+void read_natnet(std::string_view text, std::string_view argument, TrackerSpec& spec) {
+  std::size_t comma = argument.find(',');
+  std::string_view host = argument.substr(0, comma);
+  spec.port = kNatnetCommandPort;
+  const std::size_t colon = host.find(':');
+  const bool port_is_good =
+      colon == std::string_view::npos || parse_port(host.substr(colon + 1), spec.port);
+  host = host.substr(0, colon);
+  if (!port_is_good || host.empty() || host.size() > kLongestName) {
+    throw InputError(fmt::format(
+        "tracker '{}': expected natnet:HOST[:PORT],body=NAME with a port of 1 to 65535", text));
+  }
+  spec.address = host;
+  while (comma != std::string_view::npos) {
+    argument.remove_prefix(comma + 1);
+    comma = argument.find(',');
+    read_natnet_option(text, argument.substr(0, comma), spec);
+  }
+  if (spec.body.empty()) {
+    throw InputError(fmt::format(
+        "tracker '{}': which rigid body? add ,body=NAME with its name in the tracker's program",
+        text));
+  }
+}
+
 }  // namespace
 
 TrackerSpec parse_tracker_spec(std::string_view text) {
@@ -76,12 +137,15 @@ TrackerSpec parse_tracker_spec(std::string_view text) {
   } else if (kind == "udp" || kind == "osc") {
     spec.kind = kind == "udp" ? TrackerKind::kUdp : TrackerKind::kOsc;
     read_listener(text, argument, spec);
+  } else if (kind == "natnet") {
+    spec.kind = TrackerKind::kNatnet;
+    read_natnet(text, argument, spec);
   } else {
     const std::string nearest =
-        nearest_word(kind, {"script", "csv", "page", "webxr", "udp", "osc"});
+        nearest_word(kind, {"script", "csv", "page", "webxr", "udp", "osc", "natnet"});
     throw InputError(
-        fmt::format("unknown tracker '{}'; {}known are script, csv:FILE, page, webxr, udp:PORT "
-                    "and osc:PORT",
+        fmt::format("unknown tracker '{}'; {}known are script, csv:FILE, page, webxr, udp:PORT, "
+                    "osc:PORT and natnet:HOST,body=NAME",
                     text, nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
   }
   return spec;
@@ -99,7 +163,7 @@ std::string tracker_of_finger(std::string_view text, std::string_view finger_nam
 }
 
 bool is_network_tracker(TrackerKind kind) {
-  return kind == TrackerKind::kUdp || kind == TrackerKind::kOsc;
+  return kind == TrackerKind::kUdp || kind == TrackerKind::kOsc || kind == TrackerKind::kNatnet;
 }
 
 }  // namespace softfinger

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,16 +10,24 @@
 namespace softfinger {
 
 /// Where tracked poses may come from.
-enum class TrackerKind { kScript, kCsv, kPage, kWebXr, kUdp, kOsc };
+enum class TrackerKind { kScript, kCsv, kPage, kWebXr, kUdp, kOsc, kNatnet };
+
+/// Which way is up in a tracker's own frame.
+enum class UpAxis { kY, kZ };
 
 /// A tracker as a scene file or `--tracker` names it: "script", "csv:FILE", "page",
-/// "webxr[:HAND]" (see parse_hand_part), "udp:[ADDRESS:]PORT", "osc:[ADDRESS:]PORT".
+/// "webxr[:HAND]" (see parse_hand_part), "udp:[ADDRESS:]PORT", "osc:[ADDRESS:]PORT",
+/// "natnet:HOST[:PORT],body=NAME[,...]".
 struct TrackerSpec {
   TrackerKind kind = TrackerKind::kScript;
   std::string file;                   ///< kCsv: as written
   HandPart hand = {};                 ///< kWebXr
-  std::string address = "127.0.0.1";  ///< kUdp, kOsc: own IPv4 address
-  std::uint16_t port = 0;             ///< kUdp, kOsc: own
+  std::string address = "127.0.0.1";  ///< kUdp, kOsc: own IPv4 address; kNatnet: the server's name
+  std::uint16_t port = 0;             ///< kUdp, kOsc: own; kNatnet: the server's command port
+  std::string body;                   ///< kNatnet: name of the rigid body
+  UpAxis up = UpAxis::kY;             ///< kNatnet
+  double scale = 1.0;                 ///< kNatnet: metres per unit of what it streams
+  std::optional<bool> multicast;      ///< kNatnet: empty: as the server says
 };
 
 /// Throws InputError, without a place, that says what is wrong or lists the known kinds.

@@ -428,6 +428,9 @@ RunSummary SceneRun::finish() {
 
 std::optional<std::string> SceneRun::take_message() {
   for (const auto& finger : fingers_) {
+    if (finger->tracker) {
+      if (auto message = finger->tracker->take_message()) return message;
+    }
     if (!finger->device) continue;
     if (const auto event = finger->device->actuator().take_event()) {
       return finger->device->actuator().message(*event);

@@ -70,7 +70,8 @@ class SceneRun {
 
   /// Live only; one reader thread.
   [[nodiscard]] Mailbox<Snapshot>& snapshots() { return *snapshots_; }
-  /// What a person should know while the run goes on: a device lost or back, rows not recorded;
+  /// What a person should know while the run goes on: a tracker or a device lost or back, rows not
+  /// recorded;
   /// one line, each told once. One thread.
   [[nodiscard]] std::optional<std::string> take_message();
 

@@ -80,12 +80,12 @@ class ByteWriter {
   void f64(double value) { u64(std::bit_cast<std::uint64_t>(value)); }
   void zeros(std::size_t count) { bytes_.resize(bytes_.size() + count); }
   void append(std::span<const std::uint8_t> bytes) {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    for (const std::uint8_t byte : bytes) bytes_.push_back(byte);
   }
   /// With its NUL.
   void text(std::string_view text) {
-    bytes_.insert(bytes_.end(), text.begin(), text.end());
-    bytes_.push_back(0);
+    for (const char character : text) u8(static_cast<std::uint8_t>(character));
+    u8(0);
   }
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "softfinger/geometry/pose.hpp"
 
@@ -25,6 +26,9 @@ class Tracker {
   [[nodiscard]] virtual TrackedPose sample(double time) = 0;
   /// When the run should end (s); empty if the source has no end.
   [[nodiscard]] virtual std::optional<double> end_time() const = 0;
+  /// What a person should know while poses are sampled, one line, each told once; not from the
+  /// thread that samples.
+  [[nodiscard]] virtual std::optional<std::string> take_message() { return std::nullopt; }
 };
 
 }  // namespace softfinger

@@ -6,6 +6,7 @@
 #include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/tracking/csv_tracker.hpp"
+#include "softfinger/tracking/natnet_tracker.hpp"
 #include "softfinger/tracking/osc_pose.hpp"
 #include "softfinger/tracking/page_tracker.hpp"
 #include "softfinger/tracking/pose_datagram.hpp"
@@ -36,6 +37,7 @@ std::unique_ptr<Tracker> make_tracker(std::string_view spec,
       throw InputError(fmt::format("tracker {}: {}", spec, error.what()));
     }
   }
+  if (parsed.kind == TrackerKind::kNatnet) return std::make_unique<NatNetTracker>(parsed);
   if (parsed.kind == TrackerKind::kPage) {
     return std::make_unique<PageTracker>(start_pose(waypoints));
   }
