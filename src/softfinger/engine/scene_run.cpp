@@ -416,7 +416,8 @@ RunSummary SceneRun::finish() {
     summary.fingers.emplace_back(setup_->scene.fingers[i].name, one);
     // A viewer may keep this run a little longer; the ports must be free for the next.
     finger.device.reset();
-    if (finger.page_tracker == nullptr) finger.tracker.reset();
+    // What the page moves it may still offer poses to.
+    if (finger.page_tracker == nullptr && finger.webxr_tracker == nullptr) finger.tracker.reset();
   }
   if (recording_) {
     summary.recording = recording_->file();
