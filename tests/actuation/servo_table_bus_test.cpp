@@ -318,9 +318,11 @@ TEST(DynamixelBus, WritesLimitsIntoTheServos) {
   const std::array<EmulatedServo, 1> servos{
       EmulatedServo{.channel = 7, .initial_setpoint = 2000.0, .rate = 4000.0, .step = 1.0}};
   ServoTableEmulator emulator(std::make_unique<DynamixelProtocol>(), servos);
-  EmulatorTerminal terminal(emulator);
+  auto terminal = std::make_unique<EmulatorTerminal>(emulator);
   const auto bus = make_servo_bus(transport);
-  ASSERT_EQ(bus->open(terminal.port()), "");
+  ASSERT_EQ(bus->open(terminal->port()), "");
+  bus->close();
+  terminal->vanish();  // now the servo is still
   EXPECT_EQ(emulator.value(0, dynamixel::kOperatingMode), dynamixel::kCurrentBasedPositionMode);
   EXPECT_EQ(emulator.value(0, dynamixel::kMinPosition), 1000u);
   EXPECT_EQ(emulator.value(0, dynamixel::kMaxPosition), 3000u);
@@ -331,8 +333,8 @@ TEST(DynamixelBus, WritesLimitsIntoTheServos) {
   // What is right already is not written again: that memory wears out.
   const auto writes = emulator.lasting_writes();
   EXPECT_GT(writes, 0u);
-  bus->close();
-  ASSERT_EQ(bus->open(terminal.port()), "");
+  terminal = std::make_unique<EmulatorTerminal>(emulator);
+  ASSERT_EQ(bus->open(terminal->port()), "");
   EXPECT_EQ(emulator.lasting_writes(), writes);
 }
 
