@@ -55,7 +55,7 @@ bool AccessToken::matches(std::string_view guess) const {
   unsigned difference = guess.size() == text_.size() ? 0U : 1U;
   for (std::size_t i = 0; i < text_.size(); ++i) {
     const char c = i < guess.size() ? guess[i] : '\0';
-    if (c != text_[i]) ++difference;
+    difference |= static_cast<unsigned char>(c ^ text_[i]);
   }
   return difference == 0;
 }

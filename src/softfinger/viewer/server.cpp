@@ -68,8 +68,8 @@ struct Hub {
   std::string_view scheme;  ///< http or https
   std::uint16_t port = 0;
   std::size_t connections = 0;
-  const void* mover =
-      nullptr;  ///< the one page that moves fingers: the first that did, while there
+  /// The one page that moves fingers: the first that did, while it is there.
+  const void* mover = nullptr;
   std::shared_ptr<const SceneDescription> description = nullptr;
   Text scene = nullptr;      ///< message of `description`
   Bytes snapshot = nullptr;  ///< newest one of that scene, may be null
