@@ -21,8 +21,8 @@ TEST(PageTracker, IsWhereThePageWantsItWhileThePageSaysSo) {
   EXPECT_TRUE(first.valid);
   EXPECT_EQ(first.time, 1.0);
   EXPECT_EQ(first.X_WFt.translation.z(), 20 * mm) << "the newest";
-  EXPECT_TRUE(tracker.sample(1.0 + PageTracker::kLostAfter).valid);
-  const TrackedPose lost = tracker.sample(1.01 + PageTracker::kLostAfter);
+  EXPECT_TRUE(tracker.sample(1.0 + kLostAfter).valid);
+  const TrackedPose lost = tracker.sample(1.01 + kLostAfter);
   EXPECT_FALSE(lost.valid);
   EXPECT_EQ(lost.X_WFt.translation.z(), 20 * mm) << "the last pose is held";
   tracker.offer(at(20 * mm));

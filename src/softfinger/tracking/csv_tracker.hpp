@@ -24,9 +24,6 @@ struct PoseSample {
 /// kLostAfter and then not until the next row. Not valid before the first row. Ends with the last.
 class CsvTracker final : public Tracker {
  public:
-  /// The longest gap between rows that is bridged, s.
-  static constexpr double kLostAfter = 0.2;
-
   /// At least one row, times strictly increasing.
   explicit CsvTracker(std::vector<PoseSample> rows);
   [[nodiscard]] TrackedPose sample(double time) override;

@@ -11,8 +11,6 @@ namespace softfinger {
 /// start.
 class PageTracker final : public Tracker {
  public:
-  static constexpr double kLostAfter = 0.2;  ///< s
-
   /// `start`: X_WFt until the page offers one.
   explicit PageTracker(const Pose& start);
   /// X_WFt, finite and rigid; any one thread. Wait-free.
