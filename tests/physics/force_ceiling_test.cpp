@@ -30,7 +30,8 @@ std::shared_ptr<const FingerModel> stiffer(const FingerModel& model, double fact
 
 struct LimitedDevice {
   const char* file;
-  double force;  ///< N
+  double force;    ///< N
+  double reached;  ///< part of it that some pose comes to, at least
 };
 void PrintTo(const LimitedDevice& device, std::ostream* out) { *out << device.file; }
 
@@ -77,15 +78,15 @@ TEST_P(ForceCeilingOf, KeepsAStifferWearerBelowTheLimit) {
             << highest << " N of " << limit << " N\n";
   // It limits, and not more than it has to.
   EXPECT_GT(lowered, 0);
-  EXPECT_GE(highest, 0.75 * limit);
+  EXPECT_GE(highest, GetParam().reached * limit);
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, ForceCeilingOf,
-                         ::testing::Values(LimitedDevice{"thimble-3rrs", 1.5},
-                                           LimitedDevice{"thimble-3rrs", 4.7},
-                                           LimitedDevice{"cable-prattichizzo", 1.5},
-                                           LimitedDevice{"delta-schorr", 0.5},
-                                           LimitedDevice{"pins-wagner-6x6", 0.5}),
+                         ::testing::Values(LimitedDevice{"thimble-3rrs", 1.5, 0.9},
+                                           LimitedDevice{"thimble-3rrs", 4.7, 0.9},
+                                           LimitedDevice{"cable-prattichizzo", 1.5, 0.9},
+                                           LimitedDevice{"delta-schorr", 0.5, 0.75},
+                                           LimitedDevice{"pins-wagner-6x6", 0.5, 0.85}),
                          [](const auto& each) {
                            std::string name = each.param.file;
                            std::erase(name, '-');
