@@ -33,8 +33,8 @@ struct RunFlags {
   bool no_twin = false;
   bool json = false;
   std::uint16_t port = 8080;
-  std::string listen = "127.0.0.1";
-  std::string token;
+  std::optional<std::string> listen;  ///< this machine alone where not given
+  std::optional<std::string> token;
   Certificate certificate;
 };
 
@@ -60,16 +60,23 @@ void check(const RunFlags& flags) {
   if (flags.no_twin && flags.headless) {
     throw InputError("--no-twin: a headless run has no twin; leave it out");
   }
+  if (flags.headless && (flags.listen || flags.token || !flags.certificate.chain.empty())) {
+    throw InputError(fmt::format("{}: a headless run serves no page; leave it out",
+                                 flags.listen  ? "--listen"
+                                 : flags.token ? "--token"
+                                               : "--certificate"));
+  }
 }
 
 RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
                     const RunObserver& observer) {
-  LiveSession session(flags.options, flags.repeat);
   ServerOptions server_options;
   server_options.port = flags.port;
-  server_options.address = flags.listen;
-  if (!flags.token.empty()) server_options.token = AccessToken::read(flags.token);
+  if (flags.listen) server_options.address = *flags.listen;
+  // Before the session: it opens the devices.
+  if (flags.token) server_options.token = AccessToken::read(*flags.token);
   server_options.certificate = flags.certificate;
+  LiveSession session(flags.options, flags.repeat);
   const Server server(session, server_options);
   fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
   std::fflush(stdout);
@@ -133,10 +140,9 @@ void add_run_command(CLI::App& app) {
   command->add_option("--record", flags->recording, "record into this new file");
   command->add_flag("--record-state", options.record_state,
                     "record all nodes and samples of every step as well");
-  command
-      ->add_option("--listen", flags->listen,
-                   "address that the page is served at; others than this machine's need --token")
-      ->capture_default_str();
+  command->add_option("--listen", flags->listen,
+                      "address that the page is served at, 127.0.0.1 where not given; others than "
+                      "this machine's need --token");
   command->add_option("--token", flags->token,
                       "file with a secret that visitors of the page must know");
   command->add_option("--certificate", flags->certificate.chain,
