@@ -1,5 +1,4 @@
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -8,10 +7,12 @@
 namespace softfinger {
 namespace {
 
+using Decomposition = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>;
+
 constexpr int kMostSteps = 200;
 constexpr double kLongestStep = 0.3;   // rad, or of the linkage's length
 constexpr double kRounding = 1e-15;    // of the linkage's length
-constexpr double kIndependent = 1e-6;  // least singular value of independent equations, relative
+constexpr double kIndependent = 1e-6;  // least pivot of independent equations, relative
 
 /// Equations by the coordinates, angles in units of the linkage's length.
 Eigen::MatrixXd scaled_derivatives(const Linkage& linkage, const LinkagePlacement& placement) {
@@ -42,7 +43,7 @@ LinkageAssembly assemble(const Linkage& linkage, const LinkageCoordinates& guess
     rows = scaled_derivatives(linkage, placement);
     assembly.worst_residual = residual.cwiseAbs().maxCoeff(&assembly.worst_equation);
     if (assembly.worst_residual < kRounding * linkage.length()) break;
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+    Decomposition decomposition;
     decomposition.setThreshold(kIndependent);
     decomposition.compute(rows);
     Eigen::VectorXd step = -decomposition.solve(residual) / linkage.length();
@@ -57,11 +58,12 @@ LinkageAssembly assemble(const Linkage& linkage, const LinkageCoordinates& guess
   }
   if (assembly.worst_residual < 1e-9 * linkage.length()) assembly.worst_residual = 0.0;
 
-  const Eigen::VectorXd singular_values = Eigen::JacobiSVD<Eigen::MatrixXd>(rows).singularValues();
-  const double least = kIndependent * std::max(singular_values[0], 1e-300);
-  const auto rank = static_cast<int>((singular_values.array() > least).count());
+  // Columns are equations here: the pivots tell which of them are independent.
+  Decomposition pivoted;
+  pivoted.setThreshold(kIndependent);
+  pivoted.compute(rows.transpose());
+  const auto rank = static_cast<int>(pivoted.rank());
   assembly.degrees_of_freedom = coordinates - rank;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(rows.transpose());
   for (int k = 0; k < rank; ++k) {
     assembly.independent_equations.push_back(pivoted.colsPermutation().indices()[k]);
   }
