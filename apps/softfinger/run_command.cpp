@@ -91,6 +91,7 @@ void run(RunFlags flags) {
   flags.options.twin = !flags.no_twin;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
   const std::atomic<bool>& stop = stop_on_signals();
+  flags.options.emergency_stop = &emergency_stop_on_signal();
 
   ProgressBar bar;
   flags.options.load_observer = load_observer(bar);

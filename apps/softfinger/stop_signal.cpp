@@ -2,12 +2,28 @@
 
 #include <signal.h>
 
-const std::atomic<bool>& stop_on_signals() {
-  static std::atomic<bool> stop_asked{false};
-  static_assert(std::atomic<bool>::is_always_lock_free);
+namespace {
+
+static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<bool> stop_asked{false};
+std::atomic<bool> emergency{false};
+
+void on_signal(int signal, void (*handler)(int)) {
   struct sigaction action {};
-  action.sa_handler = [](int) { stop_asked.store(true); };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = handler;
+  sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+const std::atomic<bool>& stop_on_signals() {
+  const auto stop = [](int) { stop_asked.store(true); };
+  on_signal(SIGINT, stop);
+  on_signal(SIGTERM, stop);
   return stop_asked;
+}
+
+const std::atomic<bool>& emergency_stop_on_signal() {
+  on_signal(SIGUSR1, [](int) { emergency.store(true); });
+  return emergency;
 }

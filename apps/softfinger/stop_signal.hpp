@@ -5,3 +5,6 @@
 /// From now on Ctrl-C and the terminate signal no longer end the program but set this flag. More
 /// than one does not hurry the end: a device retracts, which takes about a second.
 [[nodiscard]] const std::atomic<bool>& stop_on_signals();
+
+/// From now on SIGUSR1 sets this flag: the emergency stop, for a pedal or a script.
+[[nodiscard]] const std::atomic<bool>& emergency_stop_on_signal();

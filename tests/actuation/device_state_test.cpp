@@ -33,6 +33,23 @@ TEST(DeviceState, LostTrackingHoldsThenRetractsThenHomes) {
   EXPECT_EQ(machine.advance({.time = k * kPeriod, .arrived = true}), DeviceState::kReady);
 }
 
+TEST(DeviceState, EmergencyStopRetractsAtOnceUntilItIsReleased) {
+  DeviceStateMachine machine;
+  machine.advance({.time = 0.0, .touching = true, .arrived = true});
+  machine.advance({.time = kPeriod, .touching = true, .arrived = true});
+  int k = 2;
+  for (; k < 40; ++k) {
+    EXPECT_EQ(machine.advance(
+                  {.time = k * kPeriod, .touching = true, .emergency = true, .arrived = k > 10}),
+              DeviceState::kRetracting)
+        << k;
+  }
+  EXPECT_EQ(machine.advance({.time = k * kPeriod, .touching = true, .arrived = true}),
+            DeviceState::kHoming);
+  EXPECT_EQ(machine.advance({.time = (k + 1) * kPeriod, .touching = true, .arrived = true}),
+            DeviceState::kRendering);
+}
+
 TEST(DeviceState, EndRepeatsTheRetractedPoseFor300Milliseconds) {
   DeviceStateMachine machine;
   machine.advance({.time = 0.0, .arrived = true});

@@ -8,6 +8,7 @@
 #include "scenes_without_force_limit.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/engine/csv_export.hpp"
+#include "softfinger/engine/device_loop.hpp"
 #include "softfinger/engine/live_session.hpp"
 #include "softfinger/engine/recording_reader.hpp"
 #include "softfinger/engine/replay.hpp"
@@ -256,6 +257,33 @@ TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
   EXPECT_TRUE(held);
   EXPECT_TRUE(retracted);
   EXPECT_TRUE(resumed);
+}
+
+TEST(Run, EmergencyStopRetractsFromTheNextTickOn) {
+  const ScenesWithoutForceLimit scenes;
+  const TemporaryDirectory directory;
+  std::atomic<bool> emergency{false};
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.duration = 3.0;
+  options.as_fast_as_possible = true;
+  options.recording = directory / "run.db";
+  options.emergency_stop = &emergency;
+  SceneRun::Hooks hooks;
+  hooks.on_tick = [&](std::size_t, const FingerLoop&, const DeviceLoop& device) {
+    if (device.record().time > 2.0) emergency = true;
+  };
+  const std::atomic<bool> stop{false};
+  (void)run_headless(options, stop, {}, hooks);
+  int retracting = 0;
+  int followed = 0;
+  for (const TickRecord& tick : ticks_of(directory / "run.db")) {
+    EXPECT_EQ(tick.command.state == DeviceState::kRetracting, tick.emergency) << tick.time;
+    (tick.emergency ? retracting : followed) += 1;
+  }
+  EXPECT_GT(followed, 55);
+  EXPECT_GT(retracting, 25);
+  EXPECT_TRUE(replay({.recording = directory / "run.db", .scene = {}}).agree);
 }
 
 class SceneOfItsOwn : public testing::Test {

@@ -22,6 +22,10 @@ TEST(PageRequest, ReadsEachKind) {
             LiveRequest::Kind::kResume);
   EXPECT_EQ(parse_page_request(R"({"request":"restart"})", kScenes)->kind,
             LiveRequest::Kind::kRestart);
+  EXPECT_EQ(parse_page_request(R"({"request":"stop"})", kScenes)->kind,
+            LiveRequest::Kind::kEmergencyStop);
+  EXPECT_EQ(parse_page_request(R"({"request":"release"})", kScenes)->kind,
+            LiveRequest::Kind::kRelease);
   const auto scene = parse_page_request(R"({"scene":"edge","request":"scene"})", kScenes);
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->kind, LiveRequest::Kind::kScene);

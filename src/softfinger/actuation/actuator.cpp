@@ -196,6 +196,7 @@ const FormedCommand& Actuator::command(const WantedMotion& wanted, double time) 
   self.formed.state = self.machine.advance({.time = self.last_time,
                                             .tracked = wanted.tracked,
                                             .touching = wanted.touching,
+                                            .emergency = wanted.emergency,
                                             .arrived = self.guard.arrived()});
   switch (self.formed.state) {
     case DeviceState::kRetracting:

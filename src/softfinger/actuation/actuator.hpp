@@ -39,6 +39,7 @@ struct WantedMotion {
   Configuration configuration;  ///< q in the device's order; anything, NaN and infinity included
   bool tracked = true;          ///< false while the tracker has lost the finger
   bool touching = false;        ///< contact set not empty (only names the state)
+  bool emergency = false;       ///< emergency stop: retract at once, whatever is wanted
 };
 
 /// What is sent for it: within joint, rate, tilt and workspace limits whatever was wanted.

@@ -41,7 +41,7 @@ DeviceState DeviceStateMachine::advance(const Tick& tick) {
   lost_ = !tick.tracked;
 
   const bool lost_long = lost_ && tick.time - lost_since_ >= kHoldTime - kTimeRounding;
-  if (tick.ending || tick.stalled || lost_long) {
+  if (tick.ending || tick.stalled || tick.emergency || lost_long) {
     if (tick.ending && retracted_ &&
         tick.time - retracted_since_ > kRetractedRepeatTime + kTimeRounding) {
       return state_ = DeviceState::kStopped;

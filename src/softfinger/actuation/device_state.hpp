@@ -31,12 +31,13 @@ class DeviceStateMachine {
  public:
   /// What the loop says at one device tick.
   struct Tick {
-    double time = 0.0;      ///< s, never decreasing
-    bool tracked = true;    ///< the tracker knows where the finger is
-    bool touching = false;  ///< something is in contact
-    bool ending = false;    ///< the run ends: retract and stop
-    bool stalled = false;   ///< the loop gave no fresh command for kStallTime
-    bool arrived = false;   ///< the last command was the pose the present state moves to
+    double time = 0.0;       ///< s, never decreasing
+    bool tracked = true;     ///< the tracker knows where the finger is
+    bool touching = false;   ///< something is in contact
+    bool ending = false;     ///< the run ends: retract and stop
+    bool emergency = false;  ///< emergency stop: retract at once, until it is released
+    bool stalled = false;    ///< the loop gave no fresh command for kStallTime
+    bool arrived = false;    ///< the last command was the pose the present state moves to
   };
 
   /// Returns the state for this tick's command.

@@ -80,13 +80,16 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   record_.step = input.step;
   record_.time = input.time;
   record_.tracked = input.tracked;
+  record_.emergency = input.emergency;
   record_.reading = reading_;
   record_.wanted = surface.configuration;
   record_.deviation = surface.deviation;
   record_.iterations = surface.iterations;
-  record_.command = actuator_.command(
-      {.configuration = corrected, .tracked = input.tracked, .touching = contact.contact_count > 0},
-      input.time);
+  record_.command = actuator_.command({.configuration = corrected,
+                                       .tracked = input.tracked,
+                                       .touching = contact.contact_count > 0,
+                                       .emergency = input.emergency},
+                                      input.time);
   record_.latency =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - input.arrival).count();
   record_.hash = hash_of(record_);

@@ -22,6 +22,7 @@ struct TickInput {
   std::int64_t step = 0;
   double time = 0.0;                              ///< s, end of that step
   bool tracked = true;                            ///< the tracker knows where the finger is
+  bool emergency = false;                         ///< somebody asked for an emergency stop
   std::chrono::steady_clock::time_point arrival;  ///< of the pose the step used
 };
 

@@ -96,6 +96,7 @@ struct Snapshot {
   std::uint64_t step = 0;
   double time = 0.0;  ///< s, simulated
   bool paused = false;
+  bool emergency = false;  ///< devices retract, or are retracted, since somebody said stop
   bool finished = false;
   double step_cpu_time = 0.0;   ///< s, of the last step
   double match_cpu_time = 0.0;  ///< s, of the last match
@@ -106,7 +107,7 @@ struct Snapshot {
 
 /// What the page may ask of a live run.
 struct LiveRequest {
-  enum class Kind { kPause, kResume, kRestart, kScene, kPose };
+  enum class Kind { kPause, kResume, kRestart, kScene, kPose, kEmergencyStop, kRelease };
   Kind kind = Kind::kPause;
   std::string scene;       ///< for kScene: one of SceneDescription::scene_names
   std::size_t finger = 0;  ///< for kPose: which of the scene's

@@ -93,6 +93,7 @@ void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
   description->duration = run->duration().value_or(0.0);
   description->fingers[0].twin = options_.twin && setup_->devices[0];
   const std::lock_guard lock(mutex_);
+  run->set_emergency(emergency_);  // a restart is no release
   run_ = std::move(run);
   description_ = std::move(description);
 }
@@ -131,7 +132,9 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& ob
             next = other_scene(request.scene, observer);
             break;
           case LiveRequest::Kind::kPose:
-            break;  // went straight to the finger
+          case LiveRequest::Kind::kEmergencyStop:
+          case LiveRequest::Kind::kRelease:
+            break;  // went straight to the run
         }
       }
       if (next) run_->stop();
@@ -186,6 +189,12 @@ void LiveSession::request(const LiveRequest& request) {
     return;
   }
   const std::lock_guard lock(mutex_);
+  if (request.kind == LiveRequest::Kind::kEmergencyStop ||
+      request.kind == LiveRequest::Kind::kRelease) {
+    emergency_ = request.kind == LiveRequest::Kind::kEmergencyStop;
+    run_->set_emergency(emergency_);
+    return;
+  }
   if (requests_.size() < kMostRequests) requests_.push_back(request);
 }
 

@@ -67,6 +67,7 @@ class LiveSession final : public LiveFeed {
   std::shared_ptr<SceneRun> run_;
   std::shared_ptr<const SceneDescription> description_;
   std::vector<LiveRequest> requests_;
+  bool emergency_ = false;  ///< the page said stop, and has not released it
   // Viewer's thread only: keeps the mailbox alive that latest() points into.
   std::shared_ptr<SceneRun> viewed_;
 };

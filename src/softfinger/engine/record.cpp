@@ -39,7 +39,7 @@ bool same(const Configuration& a, const Configuration& b) {
 
 std::uint64_t hash_of(const TickRecord& tick) {
   Hash hash;
-  hash.add(tick.tick).add(tick.step).add(tick.tracked);
+  hash.add(tick.tick).add(tick.step).add(tick.tracked).add(tick.emergency);
   add(hash, tick.reading.configuration);
   hash.add(tick.reading.normal_force).add(tick.travel_offset);
   add(hash, tick.wanted);
@@ -81,7 +81,7 @@ const char* first_difference(const StepRecord& a, const StepRecord& b) {
 
 const char* first_difference(const TickRecord& a, const TickRecord& b) {
   if (a.step != b.step || a.finger != b.finger || a.tick != b.tick || a.tracked != b.tracked ||
-      !same(a.reading.configuration, b.reading.configuration) ||
+      a.emergency != b.emergency || !same(a.reading.configuration, b.reading.configuration) ||
       !same(a.reading.normal_force, b.reading.normal_force)) {
     return "device tick";
   }

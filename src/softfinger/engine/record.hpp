@@ -85,6 +85,7 @@ struct TickRecord {
   std::int64_t step = 0;  ///< whose contact set was rendered
   double time = 0.0;      ///< s, of that step
   bool tracked = true;
+  bool emergency = false;  ///< the device was to retract
   /// What the device's force sensor said last, an input of the tick; no configuration: nothing.
   ForceReading reading;
   // What the tick computed; compared bit by bit by a replay.

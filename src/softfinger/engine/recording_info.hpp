@@ -8,7 +8,7 @@
 namespace softfinger {
 
 /// The recording's layout; a program reads the versions it knows.
-inline constexpr std::int64_t kRecordingFormatVersion = 2;
+inline constexpr std::int64_t kRecordingFormatVersion = 3;
 
 /// What a recording says of its run as a whole.
 struct RecordingInfo {

@@ -27,7 +27,7 @@ create table steps(step integer not null, finger integer not null, time_s real n
   tick integer not null, hash integer not null, cpu_s real, wall_s real,
   primary key(step, finger)) without rowid;
 create table ticks(step integer not null, finger integer not null, tick integer not null,
-  time_s real not null, tracked integer not null,
+  time_s real not null, tracked integer not null, emergency integer not null,
   measured_force_N real, measured_at blob not null,
   wanted blob not null, deviation_m2 real, iterations integer not null,
   travel_offset_m real, ceiling real,
@@ -51,7 +51,7 @@ inline const std::string kServoUnitKey = "servo_unit:";
 inline const std::string kServoStepKey = "servo_step:";
 
 inline constexpr int kStepColumns = 39;
-inline constexpr int kTickColumns = 19;
+inline constexpr int kTickColumns = 20;
 
 /// "insert into TABLE values (?,?,...)".
 inline std::string insert_into(const char* table, int columns) {

@@ -272,6 +272,7 @@ bool RecordingReader::next(TickRecord& r) {
     r.tick = row.integer(column++);
     r.time = row.number(column++);
     r.tracked = row.integer(column++) != 0;
+    r.emergency = row.integer(column++) != 0;
     r.reading.normal_force = row.number(column++);
     r.reading.configuration = read_numbers(row, column++);
     r.wanted = read_numbers(row, column++);

@@ -175,6 +175,7 @@ struct RecordingWriter::Database {
     s.bind(column++, r.tick);
     s.bind(column++, r.time);
     s.bind(column++, std::int64_t{r.tracked});
+    s.bind(column++, std::int64_t{r.emergency});
     s.bind(column++, r.reading.normal_force);
     bind_numbers(s, column++, r.reading.configuration);
     bind_numbers(s, column++, r.wanted);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -37,6 +38,8 @@ struct RunOptions {
   /// Live only: a second finger is pressed by the first one's device, for the page, which shows the
   /// first.
   bool twin = true;
+  /// Where it is true, all devices retract at once, until the end; null: it never is.
+  const std::atomic<bool>* emergency_stop = nullptr;
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
   LoadObserver load_observer;

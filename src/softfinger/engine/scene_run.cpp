@@ -129,7 +129,8 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       hooks_(std::move(hooks)),
       generation_(generation),
       snapshot_interval_(
-          std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))) {
+          std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))),
+      emergency_stop_(options.emergency_stop) {
   if (options.threads > 1) {
     team_ = std::make_unique<ThreadTeam>(options.threads, [this] {
       if (paced_) prefer_this_thread(LoopThread::kSimulation);
@@ -218,6 +219,11 @@ void SceneRun::offer_hand(const XrHand& hand) noexcept {
   }
 }
 
+bool SceneRun::emergency() const noexcept {
+  return emergency_.load(std::memory_order_relaxed) ||
+         (emergency_stop_ != nullptr && emergency_stop_->load(std::memory_order_relaxed));
+}
+
 void SceneRun::simulate() {
   if (paced_) prefer_this_thread(LoopThread::kSimulation);
   for (const auto& finger : fingers_) {
@@ -270,7 +276,7 @@ void SceneRun::conclude_step(Finger& finger, std::int64_t step) {
   const double time = static_cast<double>(step) / rate_;
   if (finger.device) {
     const bool due = finger.clock.ticks(step);
-    const TickInput input{step, time, finger.tracked.valid, finger.arrival};
+    const TickInput input{step, time, finger.tracked.valid, emergency(), finger.arrival};
     if (mode_ == Mode::kHeadless) {
       if (due) tick_here(finger, input);
     } else {
@@ -317,6 +323,7 @@ void SceneRun::send_to_device(Finger& finger, const TickInput& input) {
 // Without fresh commands a device takes the loop for stalled and retracts. These are ticks like all
 // others, of the step where time stands, so that a replay takes them too.
 void SceneRun::keep_devices_alive() {
+  if (emergency()) return;  // and then it retracts
   for (const auto& finger : fingers_) {
     if (!finger->device || finger->last_sent.step == 0) continue;
     const auto period = std::chrono::duration<double>(1.0 / device_rate(finger->device->device()));
@@ -358,6 +365,7 @@ void SceneRun::publish_snapshot(std::int64_t step, bool finished) {
   draft.step = static_cast<std::uint64_t>(step);
   draft.time = static_cast<double>(step) / rate_;
   draft.paused = paused_.load(std::memory_order_relaxed);
+  draft.emergency = emergency();
   draft.finished = finished;
   draft.step_cpu_time = 0.0;
   draft.match_cpu_time = 0.0;

@@ -53,6 +53,8 @@ class SceneRun {
   void stop() noexcept { stopping_.store(true); }
   /// Live only. Simulated time stands still; the device keeps its pose.
   void set_paused(bool paused) noexcept { paused_.store(paused); }
+  /// Emergency stop: every device retracts at once, and stays so until it is released.
+  void set_emergency(bool emergency) noexcept { emergency_.store(emergency); }
   /// Live only: X_WFt of a finger whose tracker is the page; others are not moved. One thread.
   void offer_pose(std::size_t finger, const Pose& X_WFt) noexcept;
   /// Live only: a hand for every finger whose tracker is a headset. The same thread.
@@ -85,6 +87,7 @@ class SceneRun {
   void conclude_step(Finger& finger, std::int64_t step);
   void tick_here(Finger& finger, const TickInput& context);
   void send_to_device(Finger& finger, const TickInput& context);
+  [[nodiscard]] bool emergency() const noexcept;
   void keep_devices_alive();
   void serve_device(Finger& finger);
   void publish_snapshot(std::int64_t step, bool finished);
@@ -109,6 +112,8 @@ class SceneRun {
   std::thread thread_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> paused_{false};
+  std::atomic<bool> emergency_{false};
+  const std::atomic<bool>* emergency_stop_;  ///< see RunOptions
   std::atomic<bool> ended_{false};
   std::atomic<bool> devices_ending_{false};
   std::atomic<std::int64_t> step_{0};

@@ -80,6 +80,10 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
     plain.kind = Kind::kResume;
   } else if (word == "restart") {
     plain.kind = Kind::kRestart;
+  } else if (word == "stop") {
+    plain.kind = Kind::kEmergencyStop;
+  } else if (word == "release") {
+    plain.kind = Kind::kRelease;
   } else {
     return {};
   }

@@ -113,7 +113,8 @@ void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& sc
   out.put(kSnapshotMagic);
   out.put(static_cast<std::uint32_t>(snapshot.generation));
   out.put(static_cast<std::uint32_t>(snapshot.step));
-  out.put(static_cast<std::uint32_t>((snapshot.paused ? 1U : 0U) | (snapshot.finished ? 2U : 0U)));
+  out.put(static_cast<std::uint32_t>((snapshot.paused ? 1U : 0U) | (snapshot.finished ? 2U : 0U) |
+                                     (snapshot.emergency ? 4U : 0U)));
   out.put(snapshot.time);
   out.real(snapshot.step_cpu_time / ms);
   out.real(snapshot.match_cpu_time / ms);

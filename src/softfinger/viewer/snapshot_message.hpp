@@ -16,7 +16,7 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x33534653;  ///< "SFS3"
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
 ///     u32 magic "SFS3"        u32 generation (low bits)
-///     u32 step (low bits)     u32 flags: 1 paused, 2 finished
+///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
 ///     u32 deadline_misses     u32 objects         u32 fingers    u32 0

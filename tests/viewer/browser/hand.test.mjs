@@ -22,6 +22,12 @@ test("keys and pointer bring the finger to the sphere and away", { timeout: 300_
     await touching();
     await page.keyboard.up("s");
     await page.waitForFunction(() => document.body.dataset.device === "rendering");
+    // Whatever it touches, it leaves when somebody says stop, and stays away until released.
+    await page.keyboard.press("Escape");
+    await page.waitForFunction(() => document.body.dataset.device === "retracting");
+    assert.equal(await page.locator("#stop-label").textContent(), "Release");
+    await page.locator("#stop").click();
+    await page.waitForFunction(() => document.body.dataset.device === "rendering");
     await page.keyboard.down("w");
     await free();
     await page.keyboard.up("w");

@@ -17,6 +17,7 @@ export class Panel {
   private scene: Scene | null = null;
   private finger = 0; // shown, of the scene's
   private paused = false;
+  private stopped = false;
   private received = 0;
   private readonly history: { at: number; step: number }[] = [];
 
@@ -28,9 +29,12 @@ export class Panel {
     },
   ) {
     element("pause").onclick = () => this.togglePause();
+    element("stop").onclick = () => actions.send({ request: this.stopped ? "release" : "stop" });
     element("restart").onclick = () => actions.send({ request: "restart" });
     element("reset-view").onclick = () => actions.resetView();
     window.addEventListener("keydown", (event) => {
+      // Nothing keeps this key from stopping, and it never releases.
+      if (event.key === "Escape") return actions.send({ request: "stop" });
       if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
       if (event.target instanceof HTMLButtonElement && event.key === " ") return;
       if (event.key === " ") this.togglePause();
@@ -96,9 +100,12 @@ export class Panel {
     this.paused = snapshot.paused;
     const state = snapshot.finished ? "finished" : snapshot.paused ? "paused" : "running";
     document.body.dataset.state = state;
+    this.stopped = snapshot.stopped;
+    document.body.dataset.stopped = String(snapshot.stopped);
+    element("stop-label").textContent = snapshot.stopped ? "Release" : "Stop device";
     element("pause-label").textContent = snapshot.paused ? "Resume" : "Pause";
     element("notice").textContent =
-      state === "paused" ? "Paused" : state === "finished" ? "End of the script" : "";
+      snapshot.stopped ? "Device stopped" : state === "paused" ? "Paused" : state === "finished" ? "End of the script" : "";
 
     if (!finger) return;
     element("device-state").textContent = finger.device_state || "no device";

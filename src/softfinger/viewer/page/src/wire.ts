@@ -98,6 +98,8 @@ export interface Snapshot {
   generation: number;
   step: number;
   paused: boolean;
+  /** Somebody said stop: devices are retracted until they are released. */
+  stopped: boolean;
   finished: boolean;
   time_s: number;
   step_ms: number;
@@ -176,6 +178,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
   return {
     generation, step, time_s, step_ms, match_ms, deadline_misses,
     paused: (flags & 1) !== 0,
+    stopped: (flags & 4) !== 0,
     finished: (flags & 2) !== 0,
     X_WO: Array.from({ length: objects }, pose),
     fingers: Array.from({ length: fingers }, readFinger),
@@ -186,5 +189,7 @@ export type Request =
   | { request: "pause" }
   | { request: "resume" }
   | { request: "restart" }
+  | { request: "stop" }
+  | { request: "release" }
   | { request: "scene"; scene: string }
   | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] }; // w, x, y, z
