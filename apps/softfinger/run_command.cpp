@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,19 @@ struct RunFlags {
   std::optional<std::string> token;
   Certificate certificate;
 };
+
+/// Beside this program.
+std::filesystem::path guard_program() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path guard = program.parent_path() / "softfinger-guard";
+  if (!std::filesystem::exists(guard, error)) {
+    throw OperationError(fmt::format(
+        "{}: is not there; it belongs beside softfinger and owns the ports of devices",
+        guard.string()));
+  }
+  return guard;
+}
 
 void check(const RunFlags& flags) {
   if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
@@ -90,6 +104,7 @@ void run(RunFlags flags) {
   if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
   flags.options.twin = !flags.no_twin;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
+  flags.options.guard_program = guard_program();
   const std::atomic<bool>& stop = stop_on_signals();
   flags.options.emergency_stop = &emergency_stop_on_signal();
 

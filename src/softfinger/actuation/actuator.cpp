@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "softfinger/actuation/emulated_bus.hpp"
+#include "softfinger/actuation/guard_process.hpp"
+#include "softfinger/actuation/line_thread.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
-#include "softfinger/actuation/servo_line.hpp"
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -123,19 +124,20 @@ struct Actuator::Impl {
   // simulated time, or a line, to an emulator in wall time or to a real port.
   std::unique_ptr<SimulatedServos> simulated;
   std::unique_ptr<EmulatedBus> emulated;
-  std::unique_ptr<ServoLine> line;
+  std::unique_ptr<LineEnd> line;
   std::uint64_t sent_to_simulated = 0;
 
   std::uint32_t losses_told = 0;
   std::uint32_t connections_told = 0;
   std::uint32_t stalls_told = 0;
+  bool guard_loss_told = false;
 };
 
 void Actuator::Impl::open() {
   form(device->home(), 0.0);
   if (!device->settings().transport) return;
   const TransportSettings& transport = *device->settings().transport;
-  std::unique_ptr<ServoBus> bus = make_servo_bus(transport);
+  (void)make_servo_bus(transport);  // refuses what cannot be driven, before a port is opened
   port = options.port.empty() ? transport.port : options.port;
   period = 1.0 / transport.rate;
   std::string line_port = port;
@@ -147,14 +149,20 @@ void Actuator::Impl::open() {
     emulated = std::make_unique<EmulatedBus>(transport, emulated_servos(*device));
     line_port = emulated->port();
   }
-  line = std::make_unique<ServoLine>(device, std::move(bus),
-                                     ServoLine::Options{.port = line_port,
-                                                        .rate = transport.rate,
-                                                        .unpaced = options.simulated_time,
-                                                        .ceiling = options.ceiling});
-  const std::string reason = line->open();
+  const ServoLine::Options line_options{.port = line_port,
+                                        .rate = transport.rate,
+                                        .unpaced = options.simulated_time,
+                                        .ceiling = options.ceiling};
+  if (options.guard_program.empty() || options.device_file.empty()) {
+    line = std::make_unique<LineThread>(device, line_options);
+  } else {
+    line = std::make_unique<GuardProcess>(
+        options.guard_program, device->home(),
+        GuardSetup{.device_file = std::filesystem::absolute(options.device_file),
+                   .line = line_options});
+  }
+  const std::string reason = line->start(options.wait_for_device);
   if (!reason.empty() && !options.wait_for_device) refuse_port(options, port, reason);
-  line->start();
 }
 
 void Actuator::Impl::form(const Configuration& goal, double dt) {
@@ -239,10 +247,13 @@ void Actuator::finish() noexcept {
 bool Actuator::finished() const noexcept { return impl_->finished; }
 
 DeviceState Actuator::state() const noexcept {
-  return impl_->line ? impl_->line->state() : impl_->formed.state;
+  return impl_->line ? impl_->line->channel().state.load(std::memory_order_relaxed)
+                     : impl_->formed.state;
 }
 
-bool Actuator::connected() const noexcept { return !impl_->line || impl_->line->connected(); }
+bool Actuator::connected() const noexcept {
+  return !impl_->line || impl_->line->channel().connected.load(std::memory_order_acquire);
+}
 
 bool Actuator::wait_until_connected(std::chrono::milliseconds timeout) const {
   const auto until = std::chrono::steady_clock::now() + timeout;
@@ -253,7 +264,8 @@ bool Actuator::wait_until_connected(std::chrono::milliseconds timeout) const {
 }
 
 std::uint64_t Actuator::commands_sent() const noexcept {
-  return impl_->line ? impl_->line->commands_sent() : impl_->sent_to_simulated;
+  return impl_->line ? impl_->line->channel().commands_sent.load(std::memory_order_relaxed)
+                     : impl_->sent_to_simulated;
 }
 
 bool Actuator::read_servo_joints(JointAngles& joints) const noexcept {
@@ -281,18 +293,23 @@ const std::string& Actuator::port() const noexcept { return impl_->port; }
 std::optional<ActuatorEvent> Actuator::take_event() noexcept {
   Impl& self = *impl_;
   if (!self.line) return std::nullopt;
+  const LineChannel& line = self.line->channel();
   // One event for any number of losses since the last look, and in the order they happen.
-  if (self.line->times_lost() != self.losses_told && self.losses_told <= self.connections_told) {
+  if (line.times_lost != self.losses_told && self.losses_told <= self.connections_told) {
     ++self.losses_told;
     return ActuatorEvent::kPortLost;
   }
-  if (self.line->times_connected() != self.connections_told) {
+  if (line.times_connected != self.connections_told) {
     ++self.connections_told;
     return ActuatorEvent::kPortConnected;
   }
-  if (self.line->times_stalled() != self.stalls_told) {
-    self.stalls_told = self.line->times_stalled();
+  if (line.times_stalled != self.stalls_told) {
+    self.stalls_told = line.times_stalled;
     return ActuatorEvent::kLoopStalled;
+  }
+  if (!self.guard_loss_told && !self.finished && !self.line->is_served()) {
+    self.guard_loss_told = true;
+    return ActuatorEvent::kGuardLost;
   }
   return std::nullopt;
 }
@@ -304,6 +321,9 @@ std::string Actuator::message(ActuatorEvent event) const {
                          impl_->port);
     case ActuatorEvent::kPortConnected:
       return fmt::format("port {} is open", impl_->port);
+    case ActuatorEvent::kGuardLost:
+      return fmt::format("the process that guards port {} has died; the device no longer moves",
+                         impl_->port);
     case ActuatorEvent::kLoopStalled:
       break;
   }

@@ -30,6 +30,10 @@ struct ActuatorOptions {
   /// served in wall time all the same: it gets the newest command at the device's own rate, since
   /// motors know no other time.
   bool simulated_time = false;
+  /// A program that calls serve_guarded_line(): it owns the port, in a process of its own, so that
+  /// the device is retracted even where this process is killed. Needs device_file. Empty: a thread
+  /// of this process owns the port.
+  std::filesystem::path guard_program = {};
   /// No command advances the device further. Null: no limit of force.
   std::shared_ptr<const TravelCeiling> ceiling = nullptr;
 };
@@ -55,7 +59,12 @@ struct FormedCommand {
 };
 
 /// Something worth one line to the user while a run goes on.
-enum class ActuatorEvent : std::uint8_t { kPortLost, kPortConnected, kLoopStalled };
+enum class ActuatorEvent : std::uint8_t {
+  kPortLost,
+  kPortConnected,
+  kLoopStalled,
+  kGuardLost  ///< the process that owned the port has died: nothing more is sent
+};
 
 /// The way from a wanted configuration to the motors of one device: state machine, limits, servo
 /// map, protocol, port or embedded emulator, watchdog.
@@ -63,7 +72,8 @@ enum class ActuatorEvent : std::uint8_t { kPortLost, kPortConnected, kLoopStalle
 /// Two guards of one kind stand in a row. The first bounds what the loop wants, on simulated time:
 /// the same input gives the same FormedCommand in a live run, a headless run and a replay. The
 /// second is the last function before the wire: in wall time, it starts from what was really sent
-/// last, so a stall, a vanished port or a hung loop cannot make a jump. Its thread owns the port.
+/// last, so a stall, a vanished port or a hung loop cannot make a jump. What it runs in, a thread
+/// or a guard process, owns the port.
 class Actuator {
  public:
   /// Opens the port (or the emulator). Throws InputError naming file, key and port when it cannot

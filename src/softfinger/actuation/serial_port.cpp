@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -47,6 +48,10 @@ std::string SerialPort::open(const std::string& port, unsigned baud) {
     }
   }
   if (::isatty(line_->port.native_handle()) == 0) return refuse("it is no serial port");
+  // Two that move one device would move it against each other.
+  if (::flock(line_->port.native_handle(), LOCK_EX | LOCK_NB) != 0) {
+    return refuse("another program uses it");
+  }
   line_->port.set_option(Options::character_size(8), error);
   if (!error) line_->port.set_option(Options::parity(Options::parity::none), error);
   if (!error) line_->port.set_option(Options::stop_bits(Options::stop_bits::one), error);

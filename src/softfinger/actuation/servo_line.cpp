@@ -1,16 +1,14 @@
 #include "softfinger/actuation/servo_line.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
+#include <cstdint>
+#include <thread>
 #include <utility>
 
-#include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_priority.hpp"
 
 namespace softfinger {
@@ -32,35 +30,29 @@ double to_seconds(std::chrono::steady_clock::duration duration) {
 
 }  // namespace
 
-ServoLine::ServoLine(std::shared_ptr<const Device> device, std::unique_ptr<ServoBus> bus,
-                     Options options)
+ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, LineChannel& channel,
+                     int wake, int loop)
     : device_(std::move(device)),
       options_(std::move(options)),
+      channel_(channel),
+      wake_(wake),
+      loop_(loop),
       period_(seconds(1.0 / options_.rate)),
-      bus_(std::move(bus)),
-      guard_(device_, device_->settings().transport->servos, options_.ceiling),
-      wanted_(Wanted{device_->home(), DeviceState::kHoming}),
-      report_(Report{device_->home(), false}),
-      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (wake_ < 0) throw OperationError("the system has no more event descriptors");
-}
+      bus_(make_servo_bus(*device_->settings().transport)),
+      guard_(device_, device_->settings().transport->servos, options_.ceiling) {}
 
-ServoLine::~ServoLine() {
-  finish();
-  ::close(wake_);
-}
-
-void ServoLine::wake() noexcept {
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t put = ::write(wake_, &one, sizeof one);
-}
+bool ServoLine::ending() const { return loop_gone_ || channel_.ending.load(); }
 
 void ServoLine::wait_until(Clock::time_point due) {
   const auto left = std::chrono::nanoseconds(due - Clock::now()).count();
   const timespec timeout{.tv_sec = std::max<std::int64_t>(left, 0) / 1'000'000'000,
                          .tv_nsec = std::max<std::int64_t>(left, 0) % 1'000'000'000};
-  pollfd event{.fd = wake_, .events = POLLIN, .revents = 0};
-  if (::ppoll(&event, 1, &timeout, nullptr) <= 0) return;
+  std::array<pollfd, 2> events = {
+      pollfd{.fd = wake_, .events = POLLIN, .revents = 0},
+      pollfd{.fd = loop_gone_ ? -1 : loop_, .events = POLLIN, .revents = 0}};
+  if (::ppoll(events.data(), events.size(), &timeout, nullptr) <= 0) return;
+  loop_gone_ = loop_gone_ || events[1].revents != 0;  // it says nothing, so this is its end
+  if (events[0].revents == 0) return;
   std::uint64_t count = 0;
   [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
 }
@@ -70,40 +62,9 @@ std::string ServoLine::open() {
   if (!reason.empty()) return reason;
   positions_unknown_ = !learn_positions();
   machine_ = DeviceStateMachine();
-  connected_.store(true, std::memory_order_release);
-  state_ = DeviceState::kHoming;
+  channel_.connected.store(true, std::memory_order_release);
+  channel_.state = DeviceState::kHoming;
   return {};
-}
-
-void ServoLine::start() {
-  start_ = Clock::now();
-  last_sent_ = start_ - period_;
-  thread_ = std::thread([this] { serve(); });
-}
-
-void ServoLine::submit(const Configuration& q, DeviceState state) noexcept {
-  Wanted& draft = wanted_.draft();
-  draft.q = q;
-  draft.state = state;
-  wanted_.publish();
-  wake();
-}
-
-void ServoLine::finish() noexcept {
-  if (!thread_.joinable()) return;
-  ending_ = true;
-  wake();
-  thread_.join();
-  bus_->close();
-  connected_ = false;
-  state_ = DeviceState::kStopped;
-}
-
-bool ServoLine::read_joints(JointAngles& joints) noexcept {
-  report_.refresh();
-  if (!report_.latest().known) return false;
-  joints = report_.latest().joints;
-  return true;
 }
 
 bool ServoLine::take_positions(JointAngles& joints) {
@@ -133,28 +94,37 @@ bool ServoLine::learn_positions() {
   joints = joints.cwiseMax(limits.min).cwiseMin(limits.max);
   if (!device_->forward_kinematics(joints, q)) return false;
   guard_.reset(q);
-  report_.draft() = Report{joints, true};
-  report_.publish();
+  channel_.report.draft() = LineChannel::Report{joints, true};
+  channel_.report.publish();
   return true;
 }
 
 void ServoLine::note_loss() {
-  connected_.store(false, std::memory_order_release);
-  state_ = DeviceState::kDisconnected;
-  lost_.fetch_add(1, std::memory_order_release);
+  channel_.connected.store(false, std::memory_order_release);
+  channel_.state = DeviceState::kDisconnected;
+  channel_.times_lost.fetch_add(1, std::memory_order_release);
   next_attempt_ = Clock::now() + kAttemptEvery;
 }
 
 void ServoLine::try_to_connect(Clock::time_point now) {
   if (now < next_attempt_) return;
   if (open().empty()) {
-    connections_.fetch_add(1, std::memory_order_release);
+    channel_.times_connected.fetch_add(1, std::memory_order_release);
   } else {
     next_attempt_ = Clock::now() + kAttemptEvery;
   }
 }
 
 void ServoLine::serve() {
+  start_ = Clock::now();
+  last_sent_ = start_ - period_;
+  follow();
+  bus_->close();
+  channel_.connected = false;
+  channel_.state = DeviceState::kStopped;
+}
+
+void ServoLine::follow() {
   if (!options_.unpaced) prefer_this_thread(LoopThread::kTransport);
   // Before a fresh command is late, and between repeats.
   const Clock::duration patience = period_ + period_ / 2;
@@ -165,13 +135,13 @@ void ServoLine::serve() {
     wait_until(due);
     if (bus_->is_open()) std::this_thread::sleep_until(last_sent_ + spacing);
     const Clock::time_point now = Clock::now();
-    if (wanted_.refresh()) {
+    if (channel_.wanted.refresh()) {
       last_fresh_ = now;
       fresh_ever_ = true;
     }
     if (!bus_->is_open()) {
-      if (connected()) note_loss();
-      if (ending_) return;
+      if (channel_.connected.load()) note_loss();
+      if (ending()) return;
       try_to_connect(now);
       if (!bus_->is_open()) {
         due = now + std::min<Clock::duration>(period_, kAttemptEvery);
@@ -179,26 +149,27 @@ void ServoLine::serve() {
       }
     }
     if (!fresh_ever_) {
-      if (ending_) return;
+      if (ending()) return;
       bus_->drain();  // nothing to say yet
       due = now + period_;
       continue;
     }
     if (!tick(now)) return;
-    due = last_sent_ + (stalled_ || ending_ ? period_ : patience);
+    due = last_sent_ + (stalled_ || ending() ? period_ : patience);
   }
 }
 
 bool ServoLine::tick(Clock::time_point now) {
   const Clock::duration stall_time = std::max(seconds(kStallTime), 3 * period_);
   const bool stalled = now - last_fresh_ >= stall_time;
-  if (stalled && !stalled_ && !ending_) stalls_.fetch_add(1, std::memory_order_release);
+  if (stalled && !stalled_ && !ending())
+    channel_.times_stalled.fetch_add(1, std::memory_order_release);
   stalled_ = stalled;
 
   if (answers_) {
-    Report& report = report_.draft();
+    LineChannel::Report& report = channel_.report.draft();
     report.known = take_positions(report.joints);
-    if (report.known) report_.publish();
+    if (report.known) channel_.report.publish();
   } else {
     bus_->drain();
   }
@@ -210,11 +181,11 @@ bool ServoLine::tick(Clock::time_point now) {
     positions_unknown_ = false;
   }
 
-  const Wanted& wanted = wanted_.latest();
+  const LineChannel::Wanted& wanted = channel_.wanted.latest();
   DeviceState state = machine_.advance({.time = to_seconds(now - start_),
                                         .touching = wanted.state == DeviceState::kRendering,
-                                        .ending = ending_,
-                                        .stalled = stalled && !ending_,
+                                        .ending = ending(),
+                                        .stalled = stalled && !ending(),
                                         .arrived = guard_.arrived() && now >= homing_until_});
   if (state == DeviceState::kStopped) return false;
   const bool retracting = state == DeviceState::kRetracting;
@@ -227,8 +198,8 @@ bool ServoLine::tick(Clock::time_point now) {
 
   last_sent_ = now;
   if (bus_->write(guard_.targets())) {
-    sent_.fetch_add(1, std::memory_order_relaxed);
-    state_.store(state, std::memory_order_relaxed);
+    channel_.commands_sent.fetch_add(1, std::memory_order_relaxed);
+    channel_.state.store(state, std::memory_order_relaxed);
   }
   if (answers_) bus_->ask();
   if (!bus_->is_open()) note_loss();

@@ -29,6 +29,12 @@ TravelCeiling::TravelCeiling(std::shared_ptr<const Device> device,
   skin_.z = z_;
 }
 
+std::vector<Vector3> TravelCeiling::rest_skin() const {
+  std::vector<Vector3> points;
+  for (std::size_t k = 0; k < x_.size(); ++k) points.emplace_back(x_[k], y_[k], z_[k]);
+  return points;
+}
+
 double TravelCeiling::depth(const Configuration& q) const {
   return device_->approach_axis() < 0 ? q.maxCoeff() : -device_->least_distance(q, skin_);
 }

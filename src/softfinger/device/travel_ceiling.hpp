@@ -39,6 +39,11 @@ class TravelCeiling {
   /// The ceiling of what advances, other axes as in q; SI.
   [[nodiscard]] double travel(const Configuration& q) const;
 
+  // What it was made of.
+  [[nodiscard]] std::vector<Vector3> rest_skin() const;
+  [[nodiscard]] const std::vector<GridAxis>& grid() const { return grid_; }
+  [[nodiscard]] const std::vector<double>& depths() const { return depths_; }
+
  private:
   [[nodiscard]] double limit(const Configuration& q) const;
 

@@ -31,6 +31,8 @@ struct RunOptions {
   std::optional<Objective> objective;
   /// Finger file of whom the device is on, as far as it is emulated; empty: the simulated finger.
   std::optional<std::filesystem::path> wearer;
+  /// Owns each device's port in a process of its own, see ActuatorOptions; empty: a thread does.
+  std::filesystem::path guard_program;
   std::string port;  ///< of every device, instead of its file's; empty: the file's
   /// That step several fingers side by side, or one with a large mesh; the bits do not depend on
   /// it.

@@ -86,6 +86,7 @@ struct SceneRun::Finger {
     if (scene_finger.device) actuator.device_file = *scene_finger.device;
     actuator.wait_for_device = options.wait_for_device;
     actuator.port = options.port;
+    actuator.guard_program = options.guard_program;
     actuator.simulated_time = mode == Mode::kHeadless && options.as_fast_as_possible;
     actuator.ceiling = setup.ceilings[i];
     device = std::make_unique<DeviceLoop>(index, setup.devices[i], setup.models[i], device_options);

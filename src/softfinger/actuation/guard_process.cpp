@@ -1,0 +1,171 @@
+#include "softfinger/actuation/guard_process.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "softfinger/actuation/guard_socket.hpp"
+#include "softfinger/base/error.hpp"
+
+namespace softfinger {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// To start, to load the device and to open the port.
+constexpr milliseconds kStartTime{10'000};
+/// A guard that is not done so long after it was told to end is ended.
+constexpr milliseconds kLongestEnd{35'000};
+constexpr milliseconds kLookEvery{2};
+
+/// Descriptors go to the guard by low numbers; none of their sources may be one of those.
+constexpr int kAboveGuardDescriptors = 64;
+
+class SpawnPlan {
+ public:
+  SpawnPlan() {
+    posix_spawn_file_actions_init(&actions_);
+    posix_spawnattr_init(&attributes_);
+  }
+  ~SpawnPlan() {
+    posix_spawn_file_actions_destroy(&actions_);
+    posix_spawnattr_destroy(&attributes_);
+    for (const int descriptor : copies_) {
+      if (descriptor >= 0) ::close(descriptor);
+    }
+  }
+  SpawnPlan(const SpawnPlan&) = delete;
+  SpawnPlan& operator=(const SpawnPlan&) = delete;
+
+  /// A session and signals of its own: Ctrl-C in the terminal is not for the guard. And none of our
+  /// standard streams: who waits for their end must not wait for the guard.
+  void separate() {
+    sigset_t none;
+    sigset_t all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setsigdefault(&attributes_, &all);
+    posix_spawnattr_setflags(&attributes_,
+                             POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&actions_, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  }
+  void hand_over(int descriptor, int as) {
+    const int copy = ::fcntl(descriptor, F_DUPFD_CLOEXEC, kAboveGuardDescriptors);
+    copies_[count_++] = copy;
+    posix_spawn_file_actions_adddup2(&actions_, copy, as);
+  }
+  /// 0 or an error number.
+  int spawn(pid_t& process, const std::string& program) {
+    std::string name = program;
+    std::array<char*, 2> arguments = {name.data(), nullptr};
+    return ::posix_spawn(&process, program.c_str(), &actions_, &attributes_, arguments.data(),
+                         environ);
+  }
+
+ private:
+  posix_spawn_file_actions_t actions_{};
+  posix_spawnattr_t attributes_{};
+  std::array<int, 3> copies_{-1, -1, -1};
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+GuardProcess::GuardProcess(std::filesystem::path program, const Configuration& home,
+                           GuardSetup setup)
+    : program_(std::move(program)),
+      setup_(std::move(setup)),
+      memory_(::memfd_create("softfinger-line", MFD_CLOEXEC)) {
+  void* bytes = MAP_FAILED;
+  if (memory_ >= 0 && ::ftruncate(memory_, sizeof(LineChannel)) == 0) {
+    bytes = ::mmap(nullptr, sizeof(LineChannel), PROT_READ | PROT_WRITE, MAP_SHARED, memory_, 0);
+  }
+  if (bytes == MAP_FAILED) {
+    if (memory_ >= 0) ::close(memory_);
+    throw OperationError("the system has no memory to share with a guard process");
+  }
+  channel_ = new (bytes) LineChannel(home);
+}
+
+GuardProcess::~GuardProcess() {
+  finish();
+  ::munmap(channel_, sizeof(LineChannel));
+  ::close(memory_);
+}
+
+void GuardProcess::spawn() {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    throw OperationError("the system has no more sockets");
+  }
+  socket_ = ends[0];
+  SpawnPlan plan;
+  plan.separate();
+  plan.hand_over(ends[1], guard_socket::kSocket);
+  plan.hand_over(memory_, guard_socket::kMemory);
+  plan.hand_over(wake_descriptor(), guard_socket::kWake);
+  const int error = plan.spawn(process_, program_.string());
+  ::close(ends[1]);
+  if (error == 0) return;
+  process_ = -1;
+  ::close(socket_);
+  socket_ = -1;
+  throw OperationError(fmt::format("{}: the guard of the device's port cannot be started: {}",
+                                   program_.string(), std::strerror(error)));
+}
+
+std::string GuardProcess::tell_and_ask() {
+  std::string answer;
+  if (!guard_socket::send(socket_, to_text(setup_)) ||
+      !guard_socket::receive(socket_, answer, kStartTime)) {
+    return "its guard process does not answer";
+  }
+  return answer;
+}
+
+std::string GuardProcess::start(bool wait_for_device) {
+  setup_.wait_for_device = wait_for_device;
+  spawn();
+  std::string reason = tell_and_ask();
+  if (!reason.empty() && !wait_for_device) finish();
+  return reason;
+}
+
+bool GuardProcess::is_served() noexcept {
+  if (process_ < 0) return false;
+  if (::waitpid(process_, nullptr, WNOHANG) != process_) return true;
+  process_ = -1;
+  channel_->connected = false;
+  channel_->state = DeviceState::kStopped;
+  return false;
+}
+
+void GuardProcess::finish() noexcept {
+  channel_->ending = true;
+  wake();
+  const auto until = std::chrono::steady_clock::now() + kLongestEnd;
+  while (is_served()) {
+    if (std::chrono::steady_clock::now() > until) ::kill(process_, SIGKILL);
+    std::this_thread::sleep_for(kLookEvery);
+  }
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "softfinger/actuation/device_state.hpp"
+#include "softfinger/base/mailbox.hpp"
+#include "softfinger/device/configuration.hpp"
+
+namespace softfinger {
+
+/// What passes between a loop and the line that serves its device's port: newest values only, and
+/// wait-free both ways. Loop and line may live in two processes that share these bytes, so nothing
+/// in here points anywhere.
+struct LineChannel {
+  struct Wanted {
+    Configuration q;
+    DeviceState state = DeviceState::kHoming;  ///< of the loop that wants it
+  };
+  /// Where the servos said they are.
+  struct Report {
+    JointAngles joints;
+    bool known = false;
+  };
+
+  explicit LineChannel(const Configuration& home)
+      : wanted(Wanted{home, DeviceState::kHoming}), report(Report{home, false}) {}
+
+  Mailbox<Wanted> wanted;           ///< from the loop
+  Mailbox<Report> report;           ///< from the line
+  std::atomic<bool> ending{false};  ///< the loop wants the line to retract the device and to end
+
+  // What the line says of itself.
+  std::atomic<bool> connected{false};
+  std::atomic<DeviceState> state{DeviceState::kDisconnected};
+  std::atomic<std::uint64_t> commands_sent{0};
+  std::atomic<std::uint32_t> times_lost{0};
+  std::atomic<std::uint32_t> times_connected{0};  ///< after the first time
+  std::atomic<std::uint32_t> times_stalled{0};
+};
+
+static_assert(std::atomic<bool>::is_always_lock_free &&
+              std::atomic<DeviceState>::is_always_lock_free &&
+              std::atomic<std::uint64_t>::is_always_lock_free);
+
+}  // namespace softfinger

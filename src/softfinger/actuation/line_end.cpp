@@ -1,0 +1,36 @@
+#include "softfinger/actuation/line_end.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "softfinger/base/error.hpp"
+
+namespace softfinger {
+
+LineEnd::LineEnd() : wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (wake_ < 0) throw OperationError("the system has no more event descriptors");
+}
+
+LineEnd::~LineEnd() { ::close(wake_); }
+
+void LineEnd::wake() noexcept {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t put = ::write(wake_, &one, sizeof one);
+}
+
+void LineEnd::submit(const Configuration& q, DeviceState state) noexcept {
+  LineChannel::Wanted& draft = channel_->wanted.draft();
+  draft.q = q;
+  draft.state = state;
+  channel_->wanted.publish();
+  wake();
+}
+
+bool LineEnd::read_joints(JointAngles& joints) noexcept {
+  channel_->report.refresh();
+  if (!channel_->report.latest().known) return false;
+  joints = channel_->report.latest().joints;
+  return true;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "softfinger/actuation/line_channel.hpp"
+
+namespace softfinger {
+
+/// The loop's end of a servo line, wherever the line itself is served.
+class LineEnd {
+ public:
+  /// Throws OperationError where the system has no more event descriptors.
+  LineEnd();
+  virtual ~LineEnd();
+  LineEnd(const LineEnd&) = delete;
+  LineEnd& operator=(const LineEnd&) = delete;
+
+  /// Has the port opened and the line served. Returns an empty text or, in few words, why the port
+  /// cannot be opened; the line is then served only if `wait_for_device`.
+  [[nodiscard]] virtual std::string start(bool wait_for_device) = 0;
+  /// Retracts the device, repeats the command, ends the line. Nothing is sent if nothing was ever
+  /// submitted. Blocks as long.
+  virtual void finish() noexcept = 0;
+  /// Whether somebody still serves the line.
+  [[nodiscard]] virtual bool is_served() noexcept = 0;
+
+  /// Newest wanted q and the state of the loop that wants it. From one thread; wait-free.
+  void submit(const Configuration& q, DeviceState state) noexcept;
+  /// Joint angles by the positions the servos report; false where they never answered. From the
+  /// thread that submits.
+  bool read_joints(JointAngles& joints) noexcept;
+  /// What the line says of itself.
+  [[nodiscard]] const LineChannel& channel() const { return *channel_; }
+
+ protected:
+  void wake() noexcept;
+  [[nodiscard]] int wake_descriptor() const { return wake_; }
+
+  LineChannel* channel_ = nullptr;  ///< set by the constructor of whoever has the bytes
+
+ private:
+  int wake_ = -1;  ///< event descriptor: counting up never blocks and needs no lock
+};
+
+}  // namespace softfinger

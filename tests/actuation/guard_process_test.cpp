@@ -1,0 +1,176 @@
+#include "softfinger/actuation/guard_process.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <signal.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <thread>
+
+#include "softfinger/actuation/actuator.hpp"
+#include "softfinger/actuation/emulator_terminal.hpp"
+#include "softfinger/actuation/servo_map.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "softfinger/device/travel_ceiling.hpp"
+
+namespace softfinger {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::filesystem::path kThimble =
+    std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / "thimble-3rrs.toml";
+
+TEST(GuardSetup, SaysAllAndKeepsEveryBit) {
+  const auto device = load_device(kThimble);
+  GuardSetup setup{.device_file = kThimble,
+                   .line = {.port = "/dev/no\"port\n", .rate = 1.0 / 3.0, .unpaced = true},
+                   .wait_for_device = true};
+  const std::vector<Vector3> skin = {{0.1, -0.2, 1.0 / 7.0}, {1e-300, 0.0, -1e-3}};
+  setup.line.ceiling = std::make_shared<const TravelCeiling>(
+      device, skin, std::vector<TravelCeiling::GridAxis>{{0, -0.4, 0.4, 2}},
+      std::vector<double>{1.0 / 3.0, 2e-3});
+  const GuardedDevice told = read_guard_setup(to_text(setup));
+  EXPECT_EQ(told.setup.device_file, setup.device_file);
+  EXPECT_EQ(told.setup.line.port, setup.line.port);
+  EXPECT_EQ(told.setup.line.rate, setup.line.rate);
+  EXPECT_TRUE(told.setup.line.unpaced);
+  EXPECT_TRUE(told.setup.wait_for_device);
+  EXPECT_EQ(told.setup.line.ceiling->rest_skin(), skin);
+  EXPECT_EQ(told.setup.line.ceiling->depths(), setup.line.ceiling->depths());
+  EXPECT_EQ(told.setup.line.ceiling->grid().front().max, 0.4);
+  EXPECT_EQ(told.device->joint_count(), device->joint_count());
+}
+
+TEST(GuardSetup, WhatIsNoneIsRefused) {
+  for (const char* text : {"", "{}", "[1,2]", R"({"device_file":1})"}) {
+    EXPECT_THROW((void)read_guard_setup(text), InputError) << text;
+  }
+}
+
+class GuardedThimble : public ::testing::Test {
+ protected:
+  static std::vector<EmulatedServo> servos_of(const Device& device, const Configuration& q) {
+    std::vector<EmulatedServo> servos;
+    const JointAngles joints = joints_of(device, q);
+    for (const ServoSettings& settings : device.settings().transport->servos) {
+      const ServoMap map(settings);
+      servos.push_back({.channel = map.channel(),
+                        .initial_pulse = map.setpoint(joints[Eigen::Index(servos.size())])});
+    }
+    return servos;
+  }
+  static JointAngles joints_of(const Device& device, const Configuration& q) {
+    JointAngles joints;
+    EXPECT_TRUE(device.inverse_kinematics(q, joints));
+    return joints;
+  }
+  /// How far the emulated servos are from where q has them, rad.
+  double away_from(const Configuration& q) const {
+    const JointAngles joints = joints_of(*device, q);
+    double farthest = 0.0;
+    for (Eigen::Index i = 0; i < joints.size(); ++i) {
+      const ServoMap map(device->settings().transport->servos[static_cast<std::size_t>(i)]);
+      const double servo = map.joint(terminal.emulator().servo_pulse(map.channel()));
+      farthest = std::max(farthest, std::abs(servo - joints[i]));
+    }
+    return farthest;
+  }
+  ActuatorOptions options() const {
+    return {.port = terminal.port(), .device_file = kThimble, .guard_program = SOFTFINGER_GUARD};
+  }
+  /// Commands q at every tick until `done`; false where it never is.
+  static bool follow(Actuator& actuator, const Configuration& q,
+                     const std::function<bool()>& done) {
+    for (int k = 0; k < 300; ++k) {
+      actuator.command({.configuration = q, .touching = true}, time_ += 1.0 / 30.0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(33));
+      if (done()) return true;
+    }
+    return false;
+  }
+  static bool soon(const std::function<bool()>& done) {
+    for (int i = 0; i < 2000; ++i) {
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
+
+  std::shared_ptr<const Device> device = load_device(kThimble);
+  EmulatorTerminal terminal{servos_of(*device, device->home())};
+  Configuration wanted = [this] {
+    Configuration q = device->home();
+    q[0] += 0.1;
+    return q;
+  }();
+  static inline double time_ = 0.0;
+};
+
+constexpr double kNear = 0.01;  // rad
+
+TEST_F(GuardedThimble, FollowsAndRetractsAtTheEnd) {
+  Actuator actuator(device, options());
+  EXPECT_TRUE(actuator.connected());
+  EXPECT_TRUE(follow(actuator, wanted, [&] { return away_from(wanted) < kNear; }));
+  EXPECT_EQ(actuator.state(), DeviceState::kRendering);
+  JointAngles read;
+  EXPECT_TRUE(actuator.read_servo_joints(read));
+  actuator.finish();
+  EXPECT_LT(away_from(device->retracted()), kNear);
+  EXPECT_EQ(actuator.state(), DeviceState::kStopped);
+  EXPECT_EQ(actuator.take_event(), std::nullopt);
+}
+
+TEST_F(GuardedThimble, RetractsWhileTheLoopIsSilent) {
+  Actuator actuator(device, options());
+  ASSERT_TRUE(follow(actuator, wanted, [&] { return away_from(wanted) < kNear; }));
+  EXPECT_TRUE(soon([&] { return away_from(device->retracted()) < kNear; }));
+  EXPECT_EQ(actuator.take_event(), ActuatorEvent::kLoopStalled);
+  EXPECT_TRUE(follow(actuator, wanted, [&] { return away_from(wanted) < kNear; }));
+}
+
+TEST_F(GuardedThimble, SaysWhyAPortCannotBeOpened) {
+  ActuatorOptions absent = options();
+  absent.port = "/dev/softfinger-no-such-port";
+  try {
+    const Actuator actuator(device, absent);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("there is no such port"));
+  }
+  absent.guard_program = "/no/such/program";
+  EXPECT_THROW(Actuator(device, absent), OperationError);
+}
+
+TEST_F(GuardedThimble, NobodyElseGetsThePort) {
+  const Actuator first(device, options());
+  for (const char* guard : {SOFTFINGER_GUARD, ""}) {
+    ActuatorOptions second = options();
+    second.guard_program = guard;
+    try {
+      const Actuator actuator(device, second);
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("another program uses it"));
+    }
+  }
+}
+
+TEST_F(GuardedThimble, TellsOnceThatItsProcessDied) {
+  GuardProcess guard(SOFTFINGER_GUARD, device->home(),
+                     {.device_file = kThimble, .line = {.port = terminal.port()}});
+  ASSERT_EQ(guard.start(false), "");
+  EXPECT_TRUE(guard.is_served());
+  ASSERT_EQ(::kill(guard.process(), SIGKILL), 0);
+  EXPECT_TRUE(soon([&] { return !guard.is_served(); }));
+  EXPECT_FALSE(guard.channel().connected);
+  guard.finish();
+}
+
+}  // namespace
+}  // namespace softfinger

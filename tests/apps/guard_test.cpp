@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <thread>
+
+#include "program.hpp"
+#include "softfinger/actuation/emulator_terminal.hpp"
+#include "softfinger/actuation/servo_map.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "workplace.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A program that renders the sphere with a thimble on a pseudo-terminal of ours, as with a real
+/// one: what it leaves behind when it is killed is what a wearer would be left with.
+class KilledProgram : public ::testing::Test {
+ protected:
+  KilledProgram() {
+    place.replace_line("devices/thimble-3rrs.toml", "port =", "port = \"" + terminal.port() + "\"");
+  }
+
+  std::vector<EmulatedServo> servos_at_home() const {
+    std::vector<EmulatedServo> servos;
+    for (const ServoSettings& settings : device->settings().transport->servos) {
+      const ServoMap map(settings);
+      servos.push_back(
+          {.channel = map.channel(),
+           .initial_pulse = map.setpoint(joints_of(device->home())[Eigen::Index(servos.size())])});
+    }
+    return servos;
+  }
+  JointAngles joints_of(const Configuration& q) const {
+    JointAngles joints;
+    EXPECT_TRUE(device->inverse_kinematics(q, joints));
+    return joints;
+  }
+  /// The farthest of the emulated servos from where q has it, rad.
+  double away_from(const Configuration& q) const {
+    const JointAngles joints = joints_of(q);
+    double farthest = 0.0;
+    for (Eigen::Index i = 0; i < joints.size(); ++i) {
+      const ServoMap map(device->settings().transport->servos[static_cast<std::size_t>(i)]);
+      const double servo = map.joint(terminal.emulator().servo_pulse(map.channel()));
+      farthest = std::max(farthest, std::abs(servo - joints[i]));
+    }
+    return farthest;
+  }
+  /// Of the process that has our terminal open and is not this one.
+  std::optional<fs::path> owner_of_port() const {
+    std::error_code ignored;
+    for (const fs::directory_entry& process : fs::directory_iterator("/proc", ignored)) {
+      if (process.path().filename() == std::to_string(::getpid())) continue;
+      for (const fs::directory_entry& file :
+           fs::directory_iterator(process.path() / "fd", ignored)) {
+        if (fs::read_symlink(file.path(), ignored) == terminal.port()) return process.path();
+      }
+    }
+    return std::nullopt;
+  }
+  static bool soon(const std::function<bool()>& done) {
+    for (int i = 0; i < 4000; ++i) {
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
+
+  Workplace place;
+  std::shared_ptr<const Device> device = load_device(place.path("devices/thimble-3rrs.toml"));
+  EmulatorTerminal terminal{servos_at_home()};
+};
+
+TEST_F(KilledProgram, LeavesTheDeviceRetracted) {
+  RunningProgram program({"run", place.path("scenes/sphere.toml"), "--headless"});
+  ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.05; }));
+  const std::optional<fs::path> guard = owner_of_port();
+  ASSERT_TRUE(guard);
+  for (const char* stream : {"0", "1", "2"}) {
+    EXPECT_EQ(fs::read_symlink(*guard / "fd" / stream), "/dev/null");
+  }
+  EXPECT_GT(away_from(device->retracted()), 0.05);
+  (void)program.stop(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_LT(away_from(device->retracted()), 0.01);
+  // And then nothing is left that could move it.
+  EXPECT_TRUE(soon([&] { return !owner_of_port(); }));
+}
+
+TEST_F(KilledProgram, SharesItsPortWithNobodyAndGivesItBack) {
+  RunningProgram program({"run", place.path("scenes/sphere.toml"), "--headless"});
+  ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.05; }));
+  const ProgramRun second =
+      run_program({"run", place.path("scenes/sphere.toml"), "--headless", "--duration-s", "1"});
+  EXPECT_EQ(second.status, 2);
+  EXPECT_NE(second.errors.find("another program uses it"), std::string::npos) << second.errors;
+  (void)program.stop(SIGKILL);
+  ASSERT_TRUE(soon([&] { return !owner_of_port(); }));
+  const ProgramRun third =
+      run_program({"run", place.path("scenes/sphere.toml"), "--headless", "--duration-s", "0.5"});
+  EXPECT_EQ(third.status, 0) << third.errors;
+}
+
+}  // namespace
+}  // namespace softfinger
