@@ -284,6 +284,8 @@ void SyntheticFeed::request(const LiveRequest& request) {
     case LiveRequest::Kind::kScene:
       start_scene(request.scene);
       break;
+    case LiveRequest::Kind::kEmergencyStop:
+    case LiveRequest::Kind::kRelease:
     case LiveRequest::Kind::kPose:
       break;  // it bobs by itself
   }
