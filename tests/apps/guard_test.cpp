@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -59,7 +60,9 @@ class KilledProgram : public ::testing::Test {
   std::optional<fs::path> owner_of_port() const {
     std::error_code ignored;
     for (const fs::directory_entry& process : fs::directory_iterator("/proc", ignored)) {
-      if (process.path().filename() == std::to_string(::getpid())) continue;
+      const std::string name = process.path().filename();
+      const bool is_process = std::all_of(name.begin(), name.end(), ::isdigit);
+      if (!is_process || name == std::to_string(::getpid())) continue;
       for (const fs::directory_entry& file :
            fs::directory_iterator(process.path() / "fd", ignored)) {
         if (fs::read_symlink(file.path(), ignored) == terminal.port()) return process.path();

@@ -96,7 +96,10 @@ TEST(RunCommand, KilledRecordingIsWhole) {
   const Workplace place;
   RunningProgram program(
       {"run", place.path("scenes/plane.toml"), "--headless", "--record", place.path("run.db")});
-  std::this_thread::sleep_for(std::chrono::milliseconds(2000));
+  for (int i = 0; i < 2000 && !std::filesystem::exists(place.path("run.db")); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   EXPECT_EQ(program.stop(SIGKILL).status, 128 + SIGKILL);
   const json replay = parse(run_program({"replay", place.path("run.db"), "--json"}));
   EXPECT_TRUE(replay.at("agree"));

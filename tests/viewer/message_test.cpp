@@ -70,7 +70,7 @@ TEST(PageRequest, RefusesPosesThatAreNone) {
 
 TEST(PageRequest, RefusesEverythingElse) {
   for (const char* message :
-       {"", "pause", "{}", "[]", "null", R"("pause")", R"({"request":"stop"})", R"({"request":1})",
+       {"", "pause", "{}", "[]", "null", R"("pause")", R"({"request":"fly"})", R"({"request":1})",
         R"({"request":"pause","more":1})", R"({"request":"scene"})",
         R"({"request":"scene","scene":"../edge"})", R"({"request":"scene","scene":2})",
         R"({"request":"scene","scene":"edge","more":1})",
