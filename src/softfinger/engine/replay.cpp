@@ -62,8 +62,11 @@ class Replayer {
     finger.device->replay_reading(recorded.reading);
     const FingerSimulation& simulation = finger.loop->simulation();
     const TickRecord& tick = finger.device->tick(
-        {recorded.step, recorded.time, recorded.tracked, recorded.emergency,
-         std::chrono::steady_clock::now()},
+        {.step = recorded.step,
+         .time = recorded.time,
+         .tracked = recorded.tracked,
+         .emergency = recorded.emergency,
+         .arrival = std::chrono::steady_clock::now()},
         {finger.loop->contact(), simulation.positions(), simulation.bone_pose()});
     finger.tick_hashes[tick.tick] = tick.hash;
     return first_difference(recorded, tick);

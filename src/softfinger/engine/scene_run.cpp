@@ -277,7 +277,11 @@ void SceneRun::conclude_step(Finger& finger, std::int64_t step) {
   const double time = static_cast<double>(step) / rate_;
   if (finger.device) {
     const bool due = finger.clock.ticks(step);
-    const TickInput input{step, time, finger.tracked.valid, emergency(), finger.arrival};
+    const TickInput input{.step = step,
+                          .time = time,
+                          .tracked = finger.tracked.valid,
+                          .emergency = emergency(),
+                          .arrival = finger.arrival};
     if (mode_ == Mode::kHeadless) {
       if (due) tick_here(finger, input);
     } else {
