@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -21,7 +22,8 @@ class LeverPlatform : public Device {
     double rate = 30.0;
     bool wedge = false;  ///< pitch in (5, 10) degrees is forbidden where roll > -5 degrees
     bool reversed_servo = false;
-    std::string kind = "maestro";  ///< of transport
+    double acceleration = std::numeric_limits<double>::infinity();  ///< rad/s^2
+    std::string kind = "maestro";                                   ///< of transport
   };
   static constexpr double kMaxTilt = 30.0 * deg;
   static constexpr double kGain = 40.0;    ///< rad/m
@@ -95,7 +97,7 @@ class LeverPlatform : public Device {
     settings.retracted = Configuration::Zero(3);
     settings.retracted[2] = -8.0 * mm;
     settings.joint_limits = {JointAngles::Constant(3, -20.0 * deg),
-                             JointAngles::Constant(3, 90.0 * deg), 400.0 * deg};
+                             JointAngles::Constant(3, 90.0 * deg), 400.0 * deg, shape.acceleration};
     TransportSettings transport;
     transport.kind = shape.kind;
     transport.port = shape.port;

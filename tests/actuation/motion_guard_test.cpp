@@ -70,6 +70,50 @@ TEST(MotionGuard, MovesAtTheRateLimitAndNoSlower) {
   EXPECT_GE(travel, 0.99 * 400 * deg * kGuardTick);
 }
 
+/// A lever platform whose joints need 80 ms to get to full speed.
+std::shared_ptr<const Device> lazy_platform() {
+  return lever_platform({.acceleration = 400.0 * deg / 0.08});
+}
+
+TEST(MotionGuard, NoJointGetsFasterThanItMay) {
+  const auto device = lazy_platform();
+  const JointLimits& limits = device->joint_limits();
+  MotionGuard guard(device, device->settings().transport->servos);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::uniform_real_distribution<double> tick(0.005, kGuardTick);
+  JointAngles joints = guard.joints();
+  JointAngles rates = JointAngles::Zero(3);
+  Configuration wanted = q_of(0, 0, 0);
+  double fastest = 0.0;
+  for (int k = 0; k < 5000; ++k) {
+    if (k % 7 == 0) wanted = q_of(30 * unit(random), 30 * unit(random), 6 * unit(random));
+    const double dt = tick(random);
+    guard.step(wanted, dt);
+    for (int i = 0; i < 3; ++i) {
+      const double rate = (guard.joints()[i] - joints[i]) / dt;
+      const double before = std::max(0.0, rate > 0.0 ? rates[i] : -rates[i]);
+      ASSERT_LE(std::abs(rate), before + limits.max_acceleration * dt + 1e-9) << k;
+      rates[i] = rate;
+      fastest = std::max(fastest, std::abs(rate));
+    }
+    joints = guard.joints();
+  }
+  EXPECT_GT(fastest, 0.5 * limits.max_rate);
+}
+
+TEST(MotionGuard, ReachesWhatIsAllowedHoweverLazy) {
+  const auto device = lazy_platform();
+  MotionGuard guard(device, device->settings().transport->servos);
+  const Configuration wanted = q_of(10, -10, 4);
+  int ticks = 0;
+  while (!guard.arrived() || ticks == 0) {
+    guard.step(wanted, kGuardTick);
+    ASSERT_LT(++ticks, 30);
+  }
+  EXPECT_EQ(guard.configuration(), wanted);
+}
+
 TEST(MotionGuard, StopsAtTheEdgeOfTheWorkspaceAndSlidesAlongIt) {
   const auto device = lever_platform();
   MotionGuard guard(device, device->settings().transport->servos);

@@ -91,7 +91,12 @@ bool MotionGuard::allowed(const Configuration& q) const {
   return device_->reachable(q) && (!ceiling_ || ceiling_->excess(q) <= most_excess_);
 }
 
-void MotionGuard::take(const Command& command) {
+void MotionGuard::take(const Command& command, double dt) {
+  if (dt > 0.0) {
+    rates_ = (command.joints - now_.joints) / dt;
+  } else {
+    rates_.setZero(command.joints.size());
+  }
   now_ = command;
   most_excess_ = kOnCeiling;
   if (ceiling_) most_excess_ = std::max(most_excess_, ceiling_->excess(now_.q));
@@ -108,7 +113,7 @@ void MotionGuard::reset(const Configuration& q) {
       if (form(between(q, device_->home(), kPullBack * i), command)) break;
     }
   }
-  take(command);
+  take(command, 0.0);
 }
 
 Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
@@ -124,8 +129,10 @@ Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
   return fraction == 1.0 ? goal : between(home, goal, fraction);
 }
 
-double MotionGuard::allowed_travel(int joint, double dt) const {
-  const double travel = device_->joint_limits().max_rate * dt;
+double MotionGuard::allowed_travel(Eigen::Index joint, double sign, double dt) const {
+  const JointLimits& limits = device_->joint_limits();
+  const double faster = std::max(0.0, sign * rates_[joint]) + limits.max_acceleration * dt;
+  const double travel = std::min(limits.max_rate, faster) * dt;
   if (servos_.empty() || travel_axis_ >= 0) return travel;
   // Each rounding moves a joint by at most one step of the wire.
   const double rounding = 2.0 * servos_[static_cast<std::size_t>(joint)].resolution();
@@ -133,8 +140,9 @@ double MotionGuard::allowed_travel(int joint, double dt) const {
 }
 
 bool MotionGuard::within_travel(const JointAngles& joints, double dt) const {
-  for (int i = 0; i < joints.size(); ++i) {
-    if (!(std::abs(joints[i] - now_.joints[i]) <= allowed_travel(i, dt))) return false;
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
+    const double travel = joints[i] - now_.joints[i];
+    if (!(std::abs(travel) <= allowed_travel(i, travel < 0.0 ? -1.0 : 1.0, dt))) return false;
   }
   return true;
 }
@@ -179,7 +187,11 @@ bool MotionGuard::form(const Configuration& q, Command& command) const {
 
 void MotionGuard::step(const Configuration& wanted, double dt) {
   arrived_ = false;
-  if (wanted.size() != now_.q.size() || !wanted.allFinite() || !(dt > 0.0)) return;
+  if (!(dt > 0.0)) return;
+  if (wanted.size() != now_.q.size() || !wanted.allFinite()) {
+    rates_.setZero();
+    return;
+  }
   const Configuration goal = allowed_goal(wanted);
   if (by_home_ && way_is_clear(goal)) by_home_ = false;
 
@@ -188,8 +200,9 @@ void MotionGuard::step(const Configuration& wanted, double dt) {
   if (fraction < 1.0 && !by_home_ && !way_is_clear(goal)) {
     JointAngles reached;
     const bool closes = device_->inverse_kinematics(between(now_.q, stage, fraction), reached);
+    const JointLimits& limits = device_->joint_limits();
     const double travel = closes ? (reached - now_.joints).cwiseAbs().maxCoeff() : 0.0;
-    if (travel < kBlocked * device_->joint_limits().max_rate * dt) {
+    if (travel < kBlocked * std::min(limits.max_rate, limits.max_acceleration * dt) * dt) {
       by_home_ = true;
       stage = device_->home();
       fraction = allowed_fraction(stage, dt);
@@ -201,11 +214,12 @@ void MotionGuard::step(const Configuration& wanted, double dt) {
   for (int i = 0; i <= kPullBacks; ++i) {
     const Configuration q = i == 0 ? next : between(next, device_->home(), kPullBack * i);
     if (form(q, command) && within_travel(command.joints, dt)) {
-      take(command);
+      take(command, dt);
       arrived_ = fraction == 1.0 && !by_home_;
       return;
     }
   }
+  rates_.setZero();
 }
 
 }  // namespace softfinger

@@ -17,7 +17,8 @@ namespace softfinger {
 /// - is not advanced further than the ceiling, if there is one (where it already stands higher, as
 ///   after reset(), it only comes down),
 /// - is at most max_rate * dt in every joint away from what it gave before,
-/// both of the targets as sent, after rounding to whole steps of the wire.
+/// - makes no joint faster than it was by more than max_acceleration * dt (a joint may always
+/// stop), both of the targets as sent, after rounding to whole steps of the wire.
 ///
 /// It moves on straight lines between configurations, not between joint angles: the tilt limit is
 /// convex in q and not in the joints, so an interpolation of joint angles between two allowed poses
@@ -60,8 +61,8 @@ class MotionGuard {
 
   /// In the workspace and below the ceiling.
   [[nodiscard]] bool allowed(const Configuration& q) const;
-  /// Takes a command as the present one.
-  void take(const Command& command);
+  /// Takes a command as the present one, dt (s) after the one before; 0: it stands there.
+  void take(const Command& command, double dt);
   /// wanted, made finite and brought into the workspace, below the ceiling.
   [[nodiscard]] Configuration allowed_goal(const Configuration& wanted) const;
   /// Largest fraction of the way from the present q to `goal` that may be gone in one step.
@@ -69,8 +70,9 @@ class MotionGuard {
   [[nodiscard]] bool way_is_clear(const Configuration& goal) const;
   /// Forms the command for q; false where it would break a limit once rounded.
   bool form(const Configuration& q, Command& command) const;
-  /// Joint travel allowed in dt, less what rounding of two commands may add.
-  [[nodiscard]] double allowed_travel(int joint, double dt) const;
+  /// Joint travel allowed in dt towards larger (sign 1) or smaller (-1) values, less what rounding
+  /// of two commands may add.
+  [[nodiscard]] double allowed_travel(Eigen::Index joint, double sign, double dt) const;
   [[nodiscard]] bool within_travel(const JointAngles& joints, double dt) const;
 
   std::shared_ptr<const Device> device_;
@@ -79,6 +81,7 @@ class MotionGuard {
   int travel_axis_ = -1;      ///< of q, that the one servo follows; -1: servos follow joints
   double most_excess_ = 0.0;  ///< over the ceiling, that is no reason to refuse; SI
   Command now_;
+  JointAngles rates_;  ///< of the last step, per s
   bool by_home_ = false;
   bool arrived_ = true;
 };

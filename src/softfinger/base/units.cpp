@@ -7,7 +7,7 @@ namespace softfinger {
 
 double unit_scale(std::string_view key) {
   // Longer suffixes first: "_N_per_mm" ends in "_mm" as well.
-  static constexpr std::array<std::pair<std::string_view, double>, 25> kSuffixes{{
+  static constexpr std::array<std::pair<std::string_view, double>, 27> kSuffixes{{
       {"_N_mm_s_per_rad", 1e-3},
       {"_N_mm_per_rad", 1e-3},
       {"_N_s_per_mm", 1e3},
@@ -17,6 +17,8 @@ double unit_scale(std::string_view key) {
       {"_us_per_mm", us / mm},
       {"_per_deg", 1.0 / deg},
       {"_per_mm", 1.0 / mm},
+      {"_deg_per_s2", deg},
+      {"_mm_per_s2", mm},
       {"_deg_per_s", deg},
       {"_mm_per_s", mm},
       {"_mm2", mm2},

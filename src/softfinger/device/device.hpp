@@ -29,7 +29,9 @@ struct ConfigurationAxis {
 struct JointLimits {
   JointAngles min, max;   ///< rad, or m for linear joints
   double max_rate = 0.0;  ///< rad/s or m/s, all joints
-  bool linear = false;    ///< joints are lengths
+  /// How fast a joint may get faster, rad/s^2 or m/s^2; it may always stop at once.
+  double max_acceleration = std::numeric_limits<double>::infinity();
+  bool linear = false;  ///< joints are lengths
 };
 
 /// `[matching]` of a device file.

@@ -57,8 +57,9 @@ ForceSensorSettings read_force_sensor(const ConfigTable& table) {
 JointLimits read_joint_limits(const ConfigTable& limits, int joints) {
   const Eigen::VectorXd joint = limits.numbers("joint_deg", 2, Range::between(-180.0, 180.0));
   if (joint[0] >= joint[1]) limits.fail("joint_deg", "must be [least, largest]");
-  return {JointAngles::Constant(joints, joint[0]), JointAngles::Constant(joints, joint[1]),
-          limits.number("joint_rate_deg_per_s", Range::positive())};
+  return {.min = JointAngles::Constant(joints, joint[0]),
+          .max = JointAngles::Constant(joints, joint[1]),
+          .max_rate = limits.number("joint_rate_deg_per_s", Range::positive())};
 }
 
 Interval read_interval(const ConfigTable& limits, std::string_view name, Range range) {
@@ -92,6 +93,12 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
   settings.retracted = read_configuration(root.table_or_empty("retract"), settings);
   settings.max_force =
       root.table_or_empty("limits").optional_number("max_force_N", Range::positive()).value_or(0.0);
+  JointLimits& joints = settings.joint_limits;
+  const char* acceleration =
+      joints.linear ? "joint_acceleration_mm_per_s2" : "joint_acceleration_deg_per_s2";
+  joints.max_acceleration = root.table_or_empty("limits")
+                                .optional_number(acceleration, Range::positive())
+                                .value_or(joints.max_acceleration);
   settings.matching = read_matching(root.table_or_empty("matching"));
   if (const auto transport = root.optional_table("transport")) {
     settings.transport = read_transport(*transport, settings.joint_limits);
