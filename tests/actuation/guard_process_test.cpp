@@ -10,8 +10,8 @@
 #include <functional>
 #include <thread>
 
+#include "maestro_terminal.hpp"
 #include "softfinger/actuation/actuator.hpp"
-#include "softfinger/actuation/emulator_terminal.hpp"
 #include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -60,7 +60,7 @@ class GuardedThimble : public ::testing::Test {
     for (const ServoSettings& settings : device.settings().transport->servos) {
       const ServoMap map(settings);
       servos.push_back({.channel = map.channel(),
-                        .initial_pulse = map.setpoint(joints[Eigen::Index(servos.size())])});
+                        .initial_setpoint = map.setpoint(joints[Eigen::Index(servos.size())])});
     }
     return servos;
   }
@@ -102,7 +102,7 @@ class GuardedThimble : public ::testing::Test {
   }
 
   std::shared_ptr<const Device> device = load_device(kThimble);
-  EmulatorTerminal terminal{servos_of(*device, device->home())};
+  MaestroTerminal terminal{servos_of(*device, device->home())};
   Configuration wanted = [this] {
     Configuration q = device->home();
     q[0] += 0.1;

@@ -13,6 +13,7 @@
 
 #include "program.hpp"
 #include "softfinger/actuation/emulator_terminal.hpp"
+#include "softfinger/actuation/maestro_emulator.hpp"
 #include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "workplace.hpp"
@@ -34,9 +35,9 @@ class KilledProgram : public ::testing::Test {
     std::vector<EmulatedServo> servos;
     for (const ServoSettings& settings : device->settings().transport->servos) {
       const ServoMap map(settings);
-      servos.push_back(
-          {.channel = map.channel(),
-           .initial_pulse = map.setpoint(joints_of(device->home())[Eigen::Index(servos.size())])});
+      servos.push_back({.channel = map.channel(),
+                        .initial_setpoint =
+                            map.setpoint(joints_of(device->home())[Eigen::Index(servos.size())])});
     }
     return servos;
   }
@@ -51,7 +52,7 @@ class KilledProgram : public ::testing::Test {
     double farthest = 0.0;
     for (Eigen::Index i = 0; i < joints.size(); ++i) {
       const ServoMap map(device->settings().transport->servos[static_cast<std::size_t>(i)]);
-      const double servo = map.joint(terminal.emulator().servo_pulse(map.channel()));
+      const double servo = map.joint(emulator.servo_pulse(map.channel()));
       farthest = std::max(farthest, std::abs(servo - joints[i]));
     }
     return farthest;
@@ -80,7 +81,8 @@ class KilledProgram : public ::testing::Test {
 
   Workplace place;
   std::shared_ptr<const Device> device = load_device(place.path("devices/thimble-3rrs.toml"));
-  EmulatorTerminal terminal{servos_at_home()};
+  MaestroEmulator emulator{servos_at_home()};
+  EmulatorTerminal terminal{emulator};
 };
 
 TEST_F(KilledProgram, LeavesTheDeviceRetracted) {
