@@ -13,6 +13,7 @@
 #include "run_report.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/engine/live_session.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "stop_signal.hpp"
@@ -20,12 +21,15 @@
 namespace {
 
 constexpr int kMostThreads = 64;
+constexpr double kMostPrediction = 50.0;  // ms, on top of what poses are old
 
 using namespace softfinger;
 
 struct RunFlags {
   RunOptions options;
   std::optional<double> duration_s;
+  std::optional<double> predict_ms;
+  bool filter = false;
   std::string recording;
   std::string wearer;
   std::string simd;
@@ -45,9 +49,9 @@ std::filesystem::path guard_program() {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::filesystem::path guard = program.parent_path() / "softfinger-guard";
   if (!std::filesystem::exists(guard, error)) {
-    throw OperationError(fmt::format(
-        "{}: is not there; it belongs beside softfinger and owns the ports of devices",
-        guard.string()));
+    throw OperationError(
+        fmt::format("{}: is not there; it belongs beside softfinger and owns the ports of devices",
+                    guard.string()));
   }
   return guard;
 }
@@ -56,6 +60,10 @@ void check(const RunFlags& flags) {
   if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
     throw InputError(
         fmt::format("--duration-s {}: must be a time above 0 in seconds", *flags.duration_s));
+  }
+  if (flags.predict_ms && !(*flags.predict_ms >= 0.0 && *flags.predict_ms <= kMostPrediction)) {
+    throw InputError(fmt::format("--predict-ms {}: must be a time of 0 to {} in milliseconds",
+                                 *flags.predict_ms, kMostPrediction));
   }
   if (flags.options.threads < 1 || flags.options.threads > kMostThreads) {
     throw InputError(
@@ -101,6 +109,8 @@ void run(RunFlags flags) {
   check(flags);
   if (!flags.simd.empty()) choose_instruction_set(flags.simd);
   flags.options.duration = flags.duration_s;
+  if (flags.filter) flags.options.conditioning.filter.emplace();
+  if (flags.predict_ms) flags.options.conditioning.lead = *flags.predict_ms * ms;
   if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
   flags.options.twin = !flags.no_twin;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
@@ -149,6 +159,10 @@ void add_run_command(CLI::App& app) {
                    "tracker instead of the scene's: script, csv:FILE, page, webxr, udp:PORT, "
                    "osc:PORT or natnet:HOST,body=NAME; NAME=SPEC for one of several fingers")
       ->allow_extra_args(false);
+  command->add_flag("--filter", flags->filter,
+                    "smooth tracked poses: little jitter at rest, little lag in motion");
+  command->add_option("--predict-ms", flags->predict_ms,
+                      "carry tracked poses on over their age and this time more, ms");
   command->add_option(
       "--wearer", flags->wearer,
       "finger file of whom an emulated force sensor, and the page's twin, are on; the "

@@ -144,6 +144,8 @@ TEST(RunCommand, RefusesWhatDoesNotFitTogether) {
                                              {"--token", "/no/such/token"},
                                              {"--headless", "--duration-s", "-1"},
                                              {"--headless", "--duration-s", "nan"},
+                                             {"--headless", "--predict-ms", "-1"},
+                                             {"--headless", "--predict-ms", "51"},
                                              {"--headless", "--simd", "mmx"},
                                              {"--headless", "--tracker", "crystal-ball"},
                                              {"--headless", "--device", "/no/such/device.toml"},

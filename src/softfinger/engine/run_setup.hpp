@@ -14,6 +14,7 @@
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/matching/objective.hpp"
 #include "softfinger/scene/scene.hpp"
+#include "softfinger/tracking/conditioned_tracker.hpp"
 
 namespace softfinger {
 
@@ -24,6 +25,7 @@ struct RunOptions {
   /// where the text before the first = is the name of a finger in the scene.
   std::vector<std::string> devices;
   std::vector<std::string> trackers;
+  PoseConditioning conditioning;     ///< of all tracked poses
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
   bool wait_for_device = false;      ///< an absent port is no error

@@ -77,6 +77,9 @@ struct SceneRun::Finger {
           fmt::format("finger {}: tracker {} is a person at the live page; a headless run has none",
                       scene_finger.name, scene_finger.tracker));
     }
+    if (options.conditioning.changes_poses()) {
+      tracker = std::make_unique<ConditionedTracker>(std::move(tracker), options.conditioning);
+    }
     if (!setup.devices[i]) return;
     clock = DeviceClock(setup.scene.simulation_rate, device_rate(*setup.devices[i]));
     DeviceLoopOptions device_options;

@@ -1,0 +1,181 @@
+#include "softfinger/tracking/conditioned_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <random>
+
+#include "softfinger/base/units.hpp"
+
+namespace softfinger {
+namespace {
+
+/// A finger that rests, then explores: still for a second, then strokes of up to 0.1 m/s with a
+/// nod.
+Pose true_pose(double time) {
+  const double moving = std::max(0.0, time - 1.0);
+  const double reach = std::min(1.0, moving);
+  return {exp_rotation({0.0, 0.3 * reach * std::sin(5.0 * moving), 0.0}),
+          {20 * mm * reach * std::sin(5.0 * moving), 0.0, 5 * mm * reach * std::cos(9.0 * moving)}};
+}
+
+/// It as a camera system sees it: 120 poses a second, 15 ms old when they come, each off by noise.
+class NoisyTracker final : public Tracker {
+ public:
+  static constexpr double kPeriod = 1.0 / 120.0;
+  static constexpr double kAge = 15 * ms;
+  explicit NoisyTracker(double noise) : noise_(noise) {}
+
+  TrackedPose sample(double time) override {
+    const double taken = std::floor((time - kAge) / kPeriod) * kPeriod;
+    if (taken < 0.0) return {};
+    if (!pose_.valid || taken > pose_.time) {
+      std::normal_distribution<double> error(0.0, noise_);
+      pose_ = {.time = taken, .X_WFt = true_pose(taken), .valid = true};
+      for (int k = 0; k < 3; ++k) pose_.X_WFt.translation[k] += error(random_);
+    }
+    TrackedPose seen = pose_;
+    seen.valid = time < lost_from || time > lost_to;
+    return seen;
+  }
+  std::optional<double> end_time() const override { return std::nullopt; }
+
+  double lost_from = 1e9, lost_to = 1e9;
+
+ private:
+  double noise_;
+  TrackedPose pose_;
+  std::mt19937 random_{3};
+};
+
+/// Root of the mean squared distance, m, and turn, rad, from the truth over [from, to] of run time.
+struct Error {
+  double distance = 0.0, turn = 0.0;
+};
+Error error_of(Tracker& tracker, double from, double to, double ahead = 0.0) {
+  Error sum;
+  int count = 0;
+  for (int step = 0; step < to * 1000; ++step) {
+    const double time = step / 1000.0;
+    const Pose pose = tracker.sample(time).X_WFt;
+    if (time < from) continue;
+    const Pose truth = true_pose(time + ahead);
+    sum.distance += (pose.translation - truth.translation).squaredNorm();
+    sum.turn += log_rotation(truth.rotation.transpose() * pose.rotation).squaredNorm();
+    ++count;
+  }
+  return {std::sqrt(sum.distance / count), std::sqrt(sum.turn / count)};
+}
+
+ConditionedTracker conditioned(double noise, const PoseConditioning& conditioning) {
+  return {std::make_unique<NoisyTracker>(noise), conditioning};
+}
+
+TEST(ConditionedTracker, WithNothingAskedGivesWhatCame) {
+  NoisyTracker plain(0.1 * mm);
+  ConditionedTracker tracker = conditioned(0.1 * mm, {});
+  for (int step = 0; step < 3000; ++step) {
+    const TrackedPose expected = plain.sample(step / 1000.0);
+    const TrackedPose pose = tracker.sample(step / 1000.0);
+    ASSERT_EQ(pose.valid, expected.valid);
+    if (!pose.valid) continue;
+    ASSERT_EQ(pose.X_WFt.translation, expected.X_WFt.translation) << step;
+  }
+}
+
+TEST(ConditionedTracker, FilterStillsAFingerAtRestAndFollowsOneThatMoves) {
+  const double noise = 0.1 * mm;
+  const auto filtered = [&] { return conditioned(noise, {.filter = OneEuroSettings{}}); };
+  NoisyTracker plain(noise);
+  NoisyTracker plain_moving(noise);
+  ConditionedTracker still = filtered();
+  ConditionedTracker moving = filtered();
+  const double before = error_of(plain, 0.3, 1.0).distance;
+  const double after = error_of(still, 0.3, 1.0).distance;
+  const double raw = error_of(plain_moving, 2.0, 5.0).distance;
+  const double smooth = error_of(moving, 2.0, 5.0).distance;
+  std::cout << "at rest " << before / mm << " -> " << after / mm << " mm; moving " << raw / mm
+            << " -> " << smooth / mm << " mm\n";
+  EXPECT_LT(after, 0.5 * before);
+  EXPECT_LT(smooth, 1.8 * raw);  // its own lag, on top of the poses' age
+}
+
+TEST(ConditionedTracker, PredictionTakesOffMostOfTheAge) {
+  for (const double noise : {0.0, 0.02 * mm}) {
+    NoisyTracker plain(noise);
+    ConditionedTracker tracker = conditioned(noise, {.lead = 0.0});
+    const Error before = error_of(plain, 2.0, 5.0);
+    const Error after = error_of(tracker, 2.0, 5.0);
+    std::cout << "noise " << noise / mm << " mm: " << before.distance / mm << " -> "
+              << after.distance / mm << " mm, " << before.turn / deg << " -> " << after.turn / deg
+              << " deg\n";
+    EXPECT_LT(after.distance, 0.5 * before.distance);
+    EXPECT_LT(after.turn, 0.5 * before.turn);
+  }
+}
+
+TEST(ConditionedTracker, LeadIsTimeAhead) {
+  NoisyTracker plain(0.0);
+  ConditionedTracker tracker = conditioned(0.0, {.lead = 20 * ms});
+  EXPECT_LT(error_of(tracker, 2.0, 5.0, 20 * ms).distance,
+            0.5 * error_of(plain, 2.0, 5.0, 20 * ms).distance);
+}
+
+TEST(ConditionedTracker, NothingIsCarriedFar) {
+  // A source that falls silent without saying so: its last pose is carried on for 100 ms at most.
+  class Silent final : public Tracker {
+   public:
+    TrackedPose sample(double time) override {
+      const double taken = std::min(time, 1.0);
+      return {.time = taken, .X_WFt = {Matrix3::Identity(), {0.5 * taken, 0, 0}}, .valid = true};
+    }
+    std::optional<double> end_time() const override { return std::nullopt; }
+  };
+  ConditionedTracker tracker(std::make_unique<Silent>(), {.lead = 0.0});
+  double farthest = 0.0;
+  for (int step = 0; step < 3000; ++step) {
+    farthest = tracker.sample(step / 1000.0).X_WFt.translation.x();
+  }
+  EXPECT_NEAR(farthest, 0.5 + 0.5 * PoseConditioning::kFarthest, 1e-3);
+}
+
+TEST(ConditionedTracker, BeginsAnewAfterALoss) {
+  auto source = std::make_unique<NoisyTracker>(0.0);
+  source->lost_from = 2.0;
+  source->lost_to = 2.5;
+  NoisyTracker plain(0.0);
+  ConditionedTracker tracker(std::move(source), {.filter = OneEuroSettings{}, .lead = 0.0});
+  for (int step = 0; step < 2600; ++step) {
+    const double time = step / 1000.0;
+    const TrackedPose pose = tracker.sample(time);
+    const TrackedPose came = plain.sample(time);
+    if (time > 2.0 + 1e-6 && time < 2.5) {
+      ASSERT_FALSE(pose.valid);
+    }
+    if (pose.valid) {
+      // At most what 0.15 m/s make of the age, whatever was before.
+      ASSERT_LT((pose.X_WFt.translation - came.X_WFt.translation).norm(), 5 * mm) << time;
+    }
+  }
+}
+
+TEST(OneEuroFilter, DoesNotCareHowOftenPosesCome) {
+  // A step, seen at 100 and at 400 Hz: after a tenth of a second both are as far.
+  const Pose there{exp_rotation({0.0, 0.0, 0.2}), {1 * mm, 0, 0}};
+  const auto after = [&](double rate) {
+    OneEuroFilter filter({.per_speed = 0.0, .per_turn_rate = 0.0});
+    filter.reset({});
+    Pose pose;
+    for (int k = 0; k < 0.1 * rate; ++k) pose = filter.update(there, 1.0 / rate);
+    return pose;
+  };
+  const Pose slow = after(100.0);
+  const Pose fast = after(400.0);
+  EXPECT_NEAR(slow.translation.x(), fast.translation.x(), 0.05 * mm);
+  EXPECT_NEAR(log_rotation(slow.rotation).z(), log_rotation(fast.rotation).z(), 0.01);
+}
+
+}  // namespace
+}  // namespace softfinger
