@@ -71,7 +71,7 @@ class SpawnPlan {
     posix_spawn_file_actions_adddup2(&actions_, copy, as);
   }
   /// 0 or an error number.
-  int spawn(pid_t& process, const std::string& program) {
+  int spawn(int& process, const std::string& program) {
     std::string name = program;
     std::array<char*, 2> arguments = {name.data(), nullptr};
     return ::posix_spawn(&process, program.c_str(), &actions_, &attributes_, arguments.data(),

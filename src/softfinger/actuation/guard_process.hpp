@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -27,7 +25,7 @@ class GuardProcess final : public LineEnd {
   void finish() noexcept override;
   [[nodiscard]] bool is_served() noexcept override;
   /// Its number; negative: none runs.
-  [[nodiscard]] pid_t process() const { return process_; }
+  [[nodiscard]] int process() const { return process_; }
 
  private:
   void spawn();
@@ -37,7 +35,7 @@ class GuardProcess final : public LineEnd {
   GuardSetup setup_;
   int memory_ = -1;
   int socket_ = -1;
-  pid_t process_ = -1;  ///< -1: none
+  int process_ = -1;  ///< -1: none
 };
 
 /// What the guard program does, all of it: reads the setup from its parent, serves the line until
