@@ -149,7 +149,7 @@ std::string GuardProcess::start(bool wait_for_device) {
 
 bool GuardProcess::is_served() noexcept {
   if (process_ < 0) return false;
-  if (::waitpid(process_, nullptr, WNOHANG) != process_) return true;
+  if (::waitpid(process_, nullptr, WNOHANG) == 0) return true;
   process_ = -1;
   channel_->connected = false;
   channel_->state = DeviceState::kStopped;
