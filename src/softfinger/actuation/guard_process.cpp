@@ -12,8 +12,8 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -127,7 +127,7 @@ void GuardProcess::spawn() {
   ::close(socket_);
   socket_ = -1;
   throw OperationError(fmt::format("{}: the guard of the device's port cannot be started: {}",
-                                   program_.string(), std::strerror(error)));
+                                   program_.string(), std::generic_category().message(error)));
 }
 
 std::string GuardProcess::tell_and_ask() {

@@ -148,8 +148,8 @@ std::string_view name_key(std::string_view kind) {
 }  // namespace
 
 const std::vector<std::string>& transport_kinds() {
-  static const std::vector<std::string> kinds{"maestro", "dynamixel", "feetech", "osc", "weart"};
-  return kinds;
+  static const std::vector<std::string> kKinds{"maestro", "dynamixel", "feetech", "osc", "weart"};
+  return kKinds;
 }
 
 TransportSettings read_transport(const ConfigTable& table, const JointLimits& limits) {

@@ -20,7 +20,10 @@ struct NatNetVersion {
   std::uint8_t major = 0;
   std::uint8_t minor = 0;
 
-  auto operator<=>(const NatNetVersion&) const = default;
+  bool operator==(const NatNetVersion&) const = default;
+  friend constexpr std::strong_ordering operator<=>(NatNetVersion a, NatNetVersion b) {
+    return a.major != b.major ? a.major <=> b.major : a.minor <=> b.minor;
+  }
 };
 inline constexpr NatNetVersion kOldestNatNet{3, 0};
 inline constexpr NatNetVersion kNewestNatNet{4, 2};
