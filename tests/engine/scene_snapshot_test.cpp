@@ -86,7 +86,8 @@ std::vector<std::string> shipped_devices() {
   for (const auto& entry : std::filesystem::directory_iterator(kShipped / "devices")) {
     if (entry.path().extension() != ".toml") continue;
     // Files that differ by their motors alone look as one.
-    const auto& transport = load_device(entry.path())->settings().transport;
+    const auto device = load_device(entry.path());
+    const auto& transport = device->settings().transport;
     if (transport && transport->kind != "maestro") continue;
     names.push_back(entry.path().stem().string());
   }
