@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
 
@@ -81,14 +83,18 @@ TEST_P(EveryDevice, WorkspaceIsWhatItReaches) {
   }
 }
 
+/// Files that differ by their motors alone look as one.
+bool has_other_motors(const std::filesystem::path& device) {
+  std::ifstream stream(device);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return text.find("[transport]") != std::string::npos &&
+         text.find("kind = \"maestro\"") == std::string::npos;
+}
+
 std::vector<std::string> shipped_devices() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(kShipped / "devices")) {
-    if (entry.path().extension() != ".toml") continue;
-    // Files that differ by their motors alone look as one.
-    const auto device = load_device(entry.path());
-    const auto& transport = device->settings().transport;
-    if (transport && transport->kind != "maestro") continue;
+    if (entry.path().extension() != ".toml" || has_other_motors(entry.path())) continue;
     names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
