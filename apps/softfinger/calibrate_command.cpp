@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -35,7 +37,7 @@ double ask_number(const std::string& question) {
           "calibrate: no answer on the standard input; answer, or give --at and --moved");
     }
     double value = 0.0;
-    if (CLI::detail::lexical_cast(line, value)) return value;
+    if (CLI::detail::lexical_cast(line, value) && std::isfinite(value)) return value;
     fmt::print(stderr, "That is no number.\n");
   }
 }
@@ -45,6 +47,12 @@ void check_answers(const CalibrateFlags& flags, int servos) {
   if (flags.at.empty() && flags.moved.empty()) return;
   if (flags.at.size() != count || flags.moved.size() != count) {
     throw InputError(fmt::format("--at and --moved: need {} numbers each, one a servo", servos));
+  }
+  const auto finite = [](const std::vector<double>& numbers) {
+    return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+  };
+  if (!finite(flags.at) || !finite(flags.moved)) {
+    throw InputError("--at and --moved: must be finite numbers");
   }
 }
 

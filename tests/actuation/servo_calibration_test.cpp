@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <random>
 
 #include "lever_platform.hpp"
@@ -43,6 +45,10 @@ TEST(ServoCalibration, RefusesAJointThatDidNotMove) {
     EXPECT_THROW((void)calibrated(file, 2048.0, {.told = 10.0 * deg, .at = 0.0, .moved = moved}),
                  InputError);
   }
+  const double nowhere = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(
+      (void)calibrated(file, 2048.0, {.told = 10.0 * deg, .at = nowhere, .moved = 10.0 * deg}),
+      InputError);
 }
 
 TEST(ServoCalibration, MovesOneJointAndComesBack) {

@@ -61,6 +61,8 @@ TEST(CalibrateCommand, RefusesBadAnswers) {
   };
   EXPECT_THAT(refusal("1,2", "10,10,10"), HasSubstr("3 numbers"));
   EXPECT_THAT(refusal("0,0,0", "10,0,10"), HasSubstr("joint 2"));
+  EXPECT_THAT(refusal("nan,0,0", "10,10,10"), HasSubstr("finite"));
+  EXPECT_THAT(refusal("0,0,0", "10,inf,10"), HasSubstr("finite"));
   // Nobody answers on the standard input.
   const auto run = run_program({"device", "calibrate", device, "--out", out});
   EXPECT_EQ(run.status, 2);

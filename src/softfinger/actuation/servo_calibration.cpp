@@ -32,6 +32,7 @@ ServoSettings calibrated(const ServoSettings& servo, double setpoint, const Serv
         "the joint did not move, or not half or more than twice as far as it was told; look at the "
         "servo's number and at its horn");
   }
+  if (!std::isfinite(seen.at)) throw InputError("where the joint stands at home is no number");
   ServoSettings result = servo;
   result.per_radian = servo.per_radian * seen.told / seen.moved;
   result.zero = setpoint - result.per_radian * seen.at;

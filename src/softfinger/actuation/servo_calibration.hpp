@@ -20,7 +20,7 @@ struct ServoSighting {
 
 /// The map of a servo that stood at `setpoint` when it was looked at; its least and largest set
 /// point stay. Throws InputError for a joint that did not move, or moved not half or more than
-/// twice as far as it was told.
+/// twice as far as it was told, and for one that stood nowhere.
 [[nodiscard]] ServoSettings calibrated(const ServoSettings& servo, double setpoint,
                                        const ServoSighting& seen);
 
