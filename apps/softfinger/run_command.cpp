@@ -82,7 +82,7 @@ void check(const RunFlags& flags) {
   if (flags.no_twin && flags.headless) {
     throw InputError("--no-twin: a headless run has no twin; leave it out");
   }
-  if (flags.headless && (flags.listen || flags.token || !flags.certificate.chain.empty())) {
+  if (flags.headless && (flags.listen || flags.token || flags.certificate.is_given())) {
     throw InputError(fmt::format("{}: a headless run serves no page; leave it out",
                                  flags.listen  ? "--listen"
                                  : flags.token ? "--token"
