@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
