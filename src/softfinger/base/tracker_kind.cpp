@@ -11,7 +11,6 @@
 namespace softfinger {
 namespace {
 
-constexpr std::uint16_t kNatnetCommandPort = 1510;
 constexpr std::size_t kLongestName = 255;  // of hosts and bodies
 
 bool parse_port(std::string_view text, std::uint16_t& port) {
@@ -92,7 +91,7 @@ void read_natnet_option(std::string_view text, std::string_view option, TrackerS
 void read_natnet(std::string_view text, std::string_view argument, TrackerSpec& spec) {
   std::size_t comma = argument.find(',');
   std::string_view host = argument.substr(0, comma);
-  spec.port = kNatnetCommandPort;
+  spec.port = kNatNetCommandPort;
   const std::size_t colon = host.find(':');
   const bool port_is_good =
       colon == std::string_view::npos || parse_port(host.substr(colon + 1), spec.port);

@@ -12,6 +12,9 @@ namespace softfinger {
 /// Where tracked poses may come from.
 enum class TrackerKind { kScript, kCsv, kPage, kWebXr, kUdp, kOsc, kNatnet };
 
+/// Where a NatNet server takes commands, if nothing else is said.
+inline constexpr std::uint16_t kNatNetCommandPort = 1510;
+
 /// Which way is up in a tracker's own frame.
 enum class UpAxis { kY, kZ };
 

@@ -30,7 +30,6 @@ inline constexpr NatNetVersion kNewestNatNet{4, 2};
 /// "4.1".
 [[nodiscard]] std::string text_of(NatNetVersion version);
 
-inline constexpr std::uint16_t kNatNetCommandPort = 1510;
 inline constexpr std::uint16_t kNatNetDataPort = 1511;
 inline constexpr std::uint32_t kNatNetGroup = 0xefff2a63;  ///< 239.255.42.99
 
