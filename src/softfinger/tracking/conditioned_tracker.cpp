@@ -46,8 +46,6 @@ Pose ConditionedTracker::predicted(double ahead) const {
 TrackedPose ConditionedTracker::sample(double time) {
   TrackedPose pose = source_->sample(time);
   if (!pose.valid) {
-    // The finger stays where it was last said to be.
-    if (newest_.valid) X_WFt_ = pose.X_WFt;
     newest_.valid = false;
     return pose;
   }
