@@ -21,6 +21,7 @@ MaestroEmulator::MaestroEmulator(std::span<const EmulatedServo> servos) {
 }
 
 void MaestroEmulator::receive(std::span<const std::uint8_t> bytes) {
+  if (reset_.exchange(false)) lose_power();
   for (const std::uint8_t byte : bytes) {
     const std::uint64_t malformed = decoder_.malformed_bytes();
     if (const auto request = decoder_.push(byte)) execute(*request);
@@ -28,6 +29,19 @@ void MaestroEmulator::receive(std::span<const std::uint8_t> bytes) {
   }
   bytes_.store(decoder_.bytes(), std::memory_order_relaxed);
   malformed_.store(decoder_.malformed_bytes(), std::memory_order_relaxed);
+}
+
+void MaestroEmulator::lose_power() {
+  decoder_.forget();
+  replies_ = ReplyBuffer();
+  errors_ = 0;
+  for (Channel& channel : channels_) {
+    channel.target = 0;
+    channel.pulse = 0.0;
+    channel.pulse_speed = 0.0;
+    channel.speed_limit = 0.0;
+    channel.acceleration_limit = 0.0;
+  }
 }
 
 void MaestroEmulator::set_target(Channel& channel, std::uint16_t target) {

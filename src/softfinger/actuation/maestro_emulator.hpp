@@ -26,6 +26,9 @@ class MaestroEmulator : public BusEmulator {
     return servo_pulse(servo_channels_[servo]);
   }
 
+  /// Cuts its power for a moment, before the next bytes: pulses stop, half a command is forgotten.
+  /// Any thread.
+  void reset() { reset_ = true; }
   /// Where the servo of a channel stands, as the pulse width (s) it would rest at.
   [[nodiscard]] double servo_pulse(int channel) const { return at(channel).motion.setpoint(); }
   /// Last target of a channel in quarter microseconds; 0: no pulses.
@@ -55,6 +58,7 @@ class MaestroEmulator : public BusEmulator {
 
   const Channel& at(int channel) const { return channels_[static_cast<std::size_t>(channel)]; }
   void execute(const MaestroRequest& request);
+  void lose_power();
   void set_target(Channel& channel, std::uint16_t target);
   void reply(std::uint16_t value, int bytes);
   static void ramp(Channel& channel);
@@ -65,6 +69,7 @@ class MaestroEmulator : public BusEmulator {
   std::uint16_t errors_ = 0;
   ServoClock clock_;
   ReplyBuffer replies_;
+  std::atomic<bool> reset_{false};
   std::atomic<std::uint64_t> bytes_{0};
   std::atomic<std::uint64_t> malformed_{0};
   std::atomic<std::uint64_t> targets_set_{0};

@@ -71,6 +71,10 @@ int MaestroDecoder::data_length() const {
 
 void MaestroDecoder::discard() {
   malformed_ += static_cast<std::uint64_t>(header_ + received_);
+  forget();
+}
+
+void MaestroDecoder::forget() {
   command_ = 0;
   pololu_ = 0;
   header_ = 0;

@@ -73,6 +73,8 @@ class MaestroDecoder {
  public:
   /// The command that this byte completes, if it completes one.
   std::optional<MaestroRequest> push(std::uint8_t byte);
+  /// Forgets half a command, as one that starts anew; the counts go on.
+  void forget();
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   [[nodiscard]] std::uint64_t malformed_bytes() const { return malformed_; }
 

@@ -10,10 +10,10 @@
 
 namespace softfinger {
 
-std::unique_ptr<ServoBus> make_servo_bus(const TransportSettings& transport) {
+std::unique_ptr<ServoBus> make_servo_bus(const TransportSettings& transport, LineClock& clock) {
   if (transport.kind == "maestro") return std::make_unique<MaestroBus>(transport);
-  if (transport.kind == "dynamixel") return make_dynamixel_bus(transport);
-  if (transport.kind == "feetech") return make_feetech_bus(transport);
+  if (transport.kind == "dynamixel") return make_dynamixel_bus(transport, clock);
+  if (transport.kind == "feetech") return make_feetech_bus(transport, clock);
   if (transport.kind == "osc") return std::make_unique<OscBus>(transport);
   if (transport.kind == "weart") return std::make_unique<WeartBus>(transport);
   throw InputError(fmt::format("transport.kind: \"{}\" cannot be driven", transport.kind));

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "softfinger/actuation/line_clock.hpp"
 #include "softfinger/device/transport_settings.hpp"
 
 namespace softfinger {
@@ -39,7 +40,9 @@ class ServoBus {
   virtual void drain() noexcept = 0;
 };
 
-/// The bus for a device file's `[transport]`. Throws InputError for a kind that cannot be driven.
-[[nodiscard]] std::unique_ptr<ServoBus> make_servo_bus(const TransportSettings& transport);
+/// The bus for a device file's `[transport]`; `clock` outlives it. Throws InputError for a kind
+/// that cannot be driven.
+[[nodiscard]] std::unique_ptr<ServoBus> make_servo_bus(const TransportSettings& transport,
+                                                       LineClock& clock = steady_line_clock());
 
 }  // namespace softfinger

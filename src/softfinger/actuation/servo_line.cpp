@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <thread>
 #include <utility>
 
 #include "softfinger/base/thread_priority.hpp"
@@ -18,39 +17,39 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kAttemptEvery{300};  ///< to open a port that is not there
 constexpr milliseconds kAnswerTime{60};     ///< for the positions after opening
+/// Servos that said where they are and then nothing for so many ticks may be without power: what is
+/// sent stands still until they answer again, so that they do not jump to it.
+constexpr int kMostUnheard = 3;
 
-std::chrono::steady_clock::duration seconds(double s) {
-  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(s));
+LineClock::Duration seconds(double s) {
+  return std::chrono::duration_cast<LineClock::Duration>(std::chrono::duration<double>(s));
 }
 
-double to_seconds(std::chrono::steady_clock::duration duration) {
+double to_seconds(LineClock::Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
 }  // namespace
 
 ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, LineChannel& channel,
-                     int wake, int loop)
+                     int wake, int loop, LineClock& clock)
     : device_(std::move(device)),
       options_(std::move(options)),
       channel_(channel),
       wake_(wake),
       loop_(loop),
+      clock_(clock),
       period_(seconds(1.0 / options_.rate)),
-      bus_(make_servo_bus(*device_->settings().transport)),
+      bus_(make_servo_bus(*device_->settings().transport, clock_)),
       guard_(device_, device_->settings().transport->servos, options_.ceiling) {}
 
 bool ServoLine::ending() const { return loop_gone_ || channel_.ending.load(); }
 
-void ServoLine::wait_until(Clock::time_point due) {
-  const auto left = std::chrono::nanoseconds(due - Clock::now()).count();
-  const timespec timeout{.tv_sec = std::max<std::int64_t>(left, 0) / 1'000'000'000,
-                         .tv_nsec = std::max<std::int64_t>(left, 0) % 1'000'000'000};
+void ServoLine::wait_until(TimePoint due) {
   std::array<pollfd, 2> events = {
       pollfd{.fd = wake_, .events = POLLIN, .revents = 0},
       pollfd{.fd = loop_gone_ ? -1 : loop_, .events = POLLIN, .revents = 0}};
-  if (::ppoll(events.data(), events.size(), &timeout, nullptr) <= 0) return;
+  if (!clock_.wait(events, due)) return;
   loop_gone_ = loop_gone_ || events[1].revents != 0;  // it says nothing, so this is its end
   if (events[0].revents == 0) return;
   std::uint64_t count = 0;
@@ -80,8 +79,9 @@ bool ServoLine::take_positions(JointAngles& joints) {
 
 bool ServoLine::learn_positions() {
   answers_ = false;
+  unheard_ = kNever;
   if (guard_.servos().empty() || !bus_->ask()) return false;
-  std::this_thread::sleep_for(kAnswerTime);
+  clock_.sleep_for(kAnswerTime);
   JointAngles joints;
   Configuration q;
   if (!take_positions(joints)) return false;
@@ -103,20 +103,20 @@ void ServoLine::note_loss() {
   channel_.connected.store(false, std::memory_order_release);
   channel_.state = DeviceState::kDisconnected;
   channel_.times_lost.fetch_add(1, std::memory_order_release);
-  next_attempt_ = Clock::now() + kAttemptEvery;
+  next_attempt_ = clock_.now() + kAttemptEvery;
 }
 
-void ServoLine::try_to_connect(Clock::time_point now) {
+void ServoLine::try_to_connect(TimePoint now) {
   if (now < next_attempt_) return;
   if (open().empty()) {
     channel_.times_connected.fetch_add(1, std::memory_order_release);
   } else {
-    next_attempt_ = Clock::now() + kAttemptEvery;
+    next_attempt_ = clock_.now() + kAttemptEvery;
   }
 }
 
 void ServoLine::serve() {
-  start_ = Clock::now();
+  start_ = clock_.now();
   last_sent_ = start_ - period_;
   follow();
   bus_->close();
@@ -127,14 +127,14 @@ void ServoLine::serve() {
 void ServoLine::follow() {
   if (!options_.unpaced) prefer_this_thread(LoopThread::kTransport);
   // Before a fresh command is late, and between repeats.
-  const Clock::duration patience = period_ + period_ / 2;
+  const LineClock::Duration patience = period_ + period_ / 2;
   // A command that comes early is sent early, but commands never crowd.
-  const Clock::duration spacing = options_.unpaced ? period_ : period_ / 2;
-  Clock::time_point due = Clock::now() + period_;
+  const LineClock::Duration spacing = options_.unpaced ? period_ : period_ / 2;
+  TimePoint due = clock_.now() + period_;
   while (true) {
     wait_until(due);
-    if (bus_->is_open()) std::this_thread::sleep_until(last_sent_ + spacing);
-    const Clock::time_point now = Clock::now();
+    if (bus_->is_open()) clock_.sleep_until(last_sent_ + spacing);
+    TimePoint now = clock_.now();
     if (channel_.wanted.refresh()) {
       last_fresh_ = now;
       fresh_ever_ = true;
@@ -144,9 +144,10 @@ void ServoLine::follow() {
       if (ending()) return;
       try_to_connect(now);
       if (!bus_->is_open()) {
-        due = now + std::min<Clock::duration>(period_, kAttemptEvery);
+        due = now + std::min<LineClock::Duration>(period_, kAttemptEvery);
         continue;
       }
+      now = clock_.now();  // opening takes its time
     }
     if (!fresh_ever_) {
       if (ending()) return;
@@ -159,8 +160,8 @@ void ServoLine::follow() {
   }
 }
 
-bool ServoLine::tick(Clock::time_point now) {
-  const Clock::duration stall_time = std::max(seconds(kStallTime), 3 * period_);
+bool ServoLine::tick(TimePoint now) {
+  const LineClock::Duration stall_time = std::max(seconds(kStallTime), 3 * period_);
   const bool stalled = now - last_fresh_ >= stall_time;
   if (stalled && !stalled_ && !ending())
     channel_.times_stalled.fetch_add(1, std::memory_order_release);
@@ -170,6 +171,7 @@ bool ServoLine::tick(Clock::time_point now) {
     LineChannel::Report& report = channel_.report.draft();
     report.known = take_positions(report.joints);
     if (report.known) channel_.report.publish();
+    if (report.known || unheard_ != kNever) unheard_ = report.known ? 0 : unheard_ + 1;
   } else {
     bus_->drain();
   }
@@ -194,7 +196,8 @@ bool ServoLine::tick(Clock::time_point now) {
 
   // Elapsed wall time bounds the motion, and never more than one tick of it.
   const double dt = to_seconds(std::min(now - last_sent_, period_));
-  if (now >= homing_until_) guard_.step(retracting ? device_->retracted() : wanted.q, dt);
+  if (now >= homing_until_ && unheard_ <= kMostUnheard)
+    guard_.step(retracting ? device_->retracted() : wanted.q, dt);
 
   last_sent_ = now;
   if (bus_->write(guard_.targets())) {

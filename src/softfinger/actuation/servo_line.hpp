@@ -1,11 +1,11 @@
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <string>
 
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/actuation/line_channel.hpp"
+#include "softfinger/actuation/line_clock.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
 #include "softfinger/actuation/servo_bus.hpp"
 #include "softfinger/device/device.hpp"
@@ -29,9 +29,10 @@ class ServoLine {
   };
 
   /// The device has a `[transport]`. `wake`: event descriptor that counts what was submitted.
-  /// `loop`: a socket that ends when the loop's process does; negative: it is this process.
+  /// `loop`: a socket that ends when the loop's process does; negative: it is this process. `clock`
+  /// outlives the line.
   ServoLine(std::shared_ptr<const Device> device, Options options, LineChannel& channel, int wake,
-            int loop = -1);
+            int loop = -1, LineClock& clock = steady_line_clock());
   ServoLine(const ServoLine&) = delete;
   ServoLine& operator=(const ServoLine&) = delete;
 
@@ -43,38 +44,41 @@ class ServoLine {
   void serve();
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using TimePoint = LineClock::TimePoint;
 
   [[nodiscard]] bool ending() const;
   void follow();
-  void try_to_connect(Clock::time_point now);
+  void try_to_connect(TimePoint now);
   void note_loss();
-  void wait_until(Clock::time_point due);  ///< or until something was submitted
+  void wait_until(TimePoint due);  ///< or until something was submitted
   /// Asks for the positions and waits a little; true when they place the device in its workspace.
   bool learn_positions();
   /// Takes an answer that has arrived complete; false if there is none.
   bool take_positions(JointAngles& joints);
-  bool tick(Clock::time_point now);  ///< false: stopped
+  bool tick(TimePoint now);  ///< false: stopped
 
   std::shared_ptr<const Device> device_;
   Options options_;
   LineChannel& channel_;
   int wake_;
   int loop_;
-  Clock::duration period_;
+  LineClock& clock_;
+  LineClock::Duration period_;
   std::unique_ptr<ServoBus> bus_;
   MotionGuard guard_;
   DeviceStateMachine machine_;
 
-  Clock::time_point start_;
-  Clock::time_point last_sent_;
-  Clock::time_point last_fresh_;
-  Clock::time_point next_attempt_;
-  bool positions_unknown_ = true;   ///< since the port was opened
-  Clock::time_point homing_until_;  ///< positions unknown: stay at the first pose until then
+  TimePoint start_;
+  TimePoint last_sent_;
+  TimePoint last_fresh_;
+  TimePoint next_attempt_;
+  bool positions_unknown_ = true;  ///< since the port was opened
+  TimePoint homing_until_;         ///< positions unknown: stay at the first pose until then
   bool fresh_ever_ = false;
   bool stalled_ = false;
-  bool answers_ = false;    ///< the servos answered when the port was opened
+  bool answers_ = false;  ///< the servos answered when the port was opened
+  int unheard_ = kNever;  ///< ticks since they last said where they are
+  static constexpr int kNever = -1;
   bool loop_gone_ = false;  ///< the loop's process has ended
 };
 

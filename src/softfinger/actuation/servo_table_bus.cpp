@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "softfinger/base/error.hpp"
@@ -12,7 +11,6 @@
 namespace softfinger {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kStatusTime{100};
 constexpr int kPingTries = 5;
 /// Every so many questions are about the torque.
@@ -28,8 +26,9 @@ constexpr double kReturnDelay = 500e-6;
 
 ServoTableBus::ServoTableBus(std::unique_ptr<const ServoProtocol> protocol,
                              const TransportSettings& transport,
-                             std::vector<std::vector<Preset>> presets)
+                             std::vector<std::vector<Preset>> presets, LineClock& clock)
     : protocol_(std::move(protocol)),
+      clock_(clock),
       baud_(static_cast<unsigned>(transport.baud)),
       most_unanswered_(std::max(kMostUnanswered, static_cast<unsigned>(transport.rate / 2.0))),
       presets_(std::move(presets)),
@@ -73,12 +72,12 @@ ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, std::opt
   Reply reply;
   for (int i = 0; i < tries && !reply.came && port_.is_open(); ++i) {
     // An answer that came too late must not be taken for that to the next question.
-    if (i > 0) std::this_thread::sleep_for(kStatusTime);
+    if (i > 0) clock_.sleep_for(kStatusTime);
     port_.discard_input();
     reader_.reset();
     if (!send(request)) continue;
-    const Clock::time_point until = Clock::now() + kStatusTime;
-    while (!reply.came && port_.is_open() && Clock::now() < until) {
+    const LineClock::TimePoint until = clock_.now() + kStatusTime;
+    while (!reply.came && port_.is_open() && clock_.now() < until) {
       std::array<std::uint8_t, 64> bytes;
       const std::size_t got = port_.read(bytes);
       reader_.push(std::span(bytes).first(got), [&](const ServoFrame& frame) {
@@ -89,7 +88,7 @@ ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, std::opt
           reply = {true, status->error, register_value(status->data)};
         }
       });
-      if (got == 0) std::this_thread::sleep_for(std::chrono::microseconds(300));
+      if (got == 0) clock_.sleep_for(std::chrono::microseconds(300));
     }
   }
   return reply;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "softfinger/actuation/frame_reader.hpp"
+#include "softfinger/actuation/line_clock.hpp"
 #include "softfinger/actuation/serial_port.hpp"
 #include "softfinger/actuation/servo_bus.hpp"
 #include "softfinger/actuation/servo_protocol.hpp"
@@ -28,9 +29,10 @@ class ServoTableBus : public ServoBus {
     bool torque_off = false;  ///< can be written only while torque is off; lasts without power
   };
 
-  /// `presets`: one list a servo. Throws InputError where the line is too slow for the rate.
+  /// `presets`: one list a servo; `clock` outlives the bus. Throws InputError where the line is too
+  /// slow for the rate.
   ServoTableBus(std::unique_ptr<const ServoProtocol> protocol, const TransportSettings& transport,
-                std::vector<std::vector<Preset>> presets);
+                std::vector<std::vector<Preset>> presets, LineClock& clock);
 
   /// Waits for the servos' answers, a moment each.
   [[nodiscard]] std::string open(const std::string& port) override;
@@ -66,6 +68,7 @@ class ServoTableBus : public ServoBus {
   [[nodiscard]] ServoRegister asked() const;
 
   std::unique_ptr<const ServoProtocol> protocol_;
+  LineClock& clock_;
   unsigned baud_;
   unsigned most_unanswered_;
   std::vector<std::uint8_t> ids_;
@@ -82,7 +85,9 @@ class ServoTableBus : public ServoBus {
 };
 
 /// Dynamixel X series: operating mode, position limits and, where given, the current limit.
-[[nodiscard]] std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport);
-[[nodiscard]] std::unique_ptr<ServoBus> make_feetech_bus(const TransportSettings& transport);
+[[nodiscard]] std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport,
+                                                           LineClock& clock);
+[[nodiscard]] std::unique_ptr<ServoBus> make_feetech_bus(const TransportSettings& transport,
+                                                         LineClock& clock);
 
 }  // namespace softfinger

@@ -6,7 +6,7 @@
 
 namespace softfinger {
 
-std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport) {
+std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport, LineClock& clock) {
   std::vector<std::vector<ServoTableBus::Preset>> presets;
   for (const ServoSettings& servo : transport.servos) {
     const auto limit = static_cast<std::uint32_t>(servo.current_limit);
@@ -23,13 +23,13 @@ std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport)
     presets.push_back(std::move(list));
   }
   return std::make_unique<ServoTableBus>(std::make_unique<DynamixelProtocol>(), transport,
-                                         std::move(presets));
+                                         std::move(presets), clock);
 }
 
-std::unique_ptr<ServoBus> make_feetech_bus(const TransportSettings& transport) {
+std::unique_ptr<ServoBus> make_feetech_bus(const TransportSettings& transport, LineClock& clock) {
   return std::make_unique<ServoTableBus>(
       std::make_unique<FeetechProtocol>(), transport,
-      std::vector<std::vector<ServoTableBus::Preset>>(transport.servos.size()));
+      std::vector<std::vector<ServoTableBus::Preset>>(transport.servos.size()), clock);
 }
 
 }  // namespace softfinger
