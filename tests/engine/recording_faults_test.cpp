@@ -1,0 +1,189 @@
+// A disk that fills up and a process that is killed while a run is recorded: nothing is lost but
+// the last 0.2 s, what is there can be read and replayed, and the run goes on.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <new>
+#include <thread>
+
+#include "scenes_without_force_limit.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/engine/finger_loop.hpp"
+#include "softfinger/engine/live_session.hpp"
+#include "softfinger/engine/recording_reader.hpp"
+#include "softfinger/engine/recording_writer.hpp"
+#include "softfinger/engine/replay.hpp"
+#include "temporary_directory.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kMayBeLost = 0.2;      // s
+constexpr std::size_t kRoom = 3 << 20;  // bytes
+
+/// No file of this process may grow beyond this; whoever tries is refused, as on a full disk.
+class LargestFile {
+ public:
+  explicit LargestFile(std::size_t bytes) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  }
+  ~LargestFile() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  LargestFile(const LargestFile&) = delete;
+  LargestFile& operator=(const LargestFile&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+/// A disk of few bytes, where this process may have one.
+class SmallDisk {
+ public:
+  explicit SmallDisk(std::size_t bytes) {
+    const std::string size = "size=" + std::to_string(bytes);
+    mounted_ = ::mount("tmpfs", place().c_str(), "tmpfs", 0, size.c_str()) == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) ::umount2(place().c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  [[nodiscard]] bool mounted() const { return mounted_; }
+  [[nodiscard]] std::filesystem::path place() const { return directory_ / "."; }
+
+ private:
+  TemporaryDirectory directory_;
+  bool mounted_ = false;
+};
+
+/// Records at 1 kHz until the recording can no longer be written, and a second more. Then all that
+/// came until 0.2 s before that must be there.
+void expect_little_is_lost_where_room_ends(const std::filesystem::path& file) {
+  RecordingInfo info;
+  info.simulation_rate = 1000.0;
+  info.with_state = true;
+  info.fingers.push_back({.name = "index", .configuration_names = {"travel_mm"}});
+  StepRecord record;
+  record.nodes_W.assign(300, Vector3(1.0, 2.0, 3.0));
+  RecordingWriter writer(file, info, RecordingWriter::WhenFull::kDrop, record);
+  double failed = 0.0;
+  const double began = monotonic_time();
+  for (record.step = 0; failed == 0.0 || monotonic_time() - failed < 0.5; ++record.step) {
+    ASSERT_LT(monotonic_time() - began, 60.0) << "the disk never fills";
+    record.time = monotonic_time();
+    writer.push(record);
+    if (failed == 0.0 && writer.failed()) failed = record.time;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(writer.dropped(), 0u) << "the loop is not held up, nor its ring full";
+  try {
+    writer.close();
+    ADD_FAILURE() << "closed as if nothing were lost";
+  } catch (const OperationError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("could not be written to its end"));
+  }
+  // The disk is still full.
+  RecordingReader reader(file);
+  EXPECT_FALSE(reader.complete());
+  StepRecord step;
+  std::int64_t rows = 0;
+  while (reader.next(step)) EXPECT_EQ(step.step, rows++) << "nothing is missing in between";
+  EXPECT_GT(rows, 50);
+  EXPECT_LT(failed - step.time, kMayBeLost);
+}
+
+TEST(RecordingFaults, AFileThatMayNotGrow) {
+  const TemporaryDirectory directory;
+  const LargestFile limit(kRoom);
+  expect_little_is_lost_where_room_ends(directory / "run.db");
+}
+
+TEST(RecordingFaults, AFullDisk) {
+  const SmallDisk disk(kRoom);
+  if (!disk.mounted()) GTEST_SKIP() << "only who may mount can try a full disk";
+  expect_little_is_lost_where_room_ends(disk.place() / "run.db");
+}
+
+TEST(RecordingFaults, ALiveRunGoesOnAndWhatIsThereReplays) {
+  const ScenesWithoutForceLimit scenes;
+  const TemporaryDirectory directory;
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.duration = 2.0;
+  options.twin = false;
+  options.recording = directory / "run.db";
+  options.record_state = true;
+  std::vector<std::string> told;
+  double reached = 0.0;
+  double told_at = 0.0;
+  RunObserver observer;
+  observer.progress = [&](double time, std::optional<double>) { reached = time; };
+  observer.message = [&](const std::string& line) {
+    if (line.find("can no longer be written; the run goes on") == std::string::npos) return;
+    told.push_back(line);
+    told_at = reached;
+  };
+  LiveSession session(options, false);
+  const std::atomic<bool> stop{false};
+  {
+    const LargestFile limit(kRoom);
+    EXPECT_THROW((void)session.run(stop, observer), OperationError);
+  }
+  EXPECT_EQ(told.size(), 1u);
+  EXPECT_GT(told_at, 0.0);
+  EXPECT_NEAR(reached, 2.0, 0.05) << "the run goes on to its end";
+  const ReplayResult replayed = replay({.recording = directory / "run.db", .scene = {}});
+  EXPECT_TRUE(replayed.agree) << replayed.difference;
+  EXPECT_GT(replayed.steps, 50);
+  EXPECT_GT(static_cast<double>(replayed.steps) * 1e-3, told_at - kMayBeLost);
+}
+
+TEST(RecordingFaults, ARunThatIsKilledReplaysUpToTheLastFifthOfASecond) {
+  const ScenesWithoutForceLimit scenes;
+  const TemporaryDirectory directory;
+  void* shared = ::mmap(nullptr, sizeof(std::atomic<double>), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(shared, MAP_FAILED);
+  auto& reached = *new (shared) std::atomic<double>(0.0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    RunOptions options;
+    options.scene = scenes.scene("sphere");
+    options.duration = 60.0;
+    options.port = "emulator";
+    options.recording = directory / "run.db";
+    const std::atomic<bool> stop{false};
+    SceneRun::Hooks hooks;
+    hooks.on_tick = [&](std::size_t, const FingerLoop& loop, const DeviceLoop&) {
+      reached = loop.record().time;
+    };
+    (void)run_headless(options, stop, {}, hooks);
+    ::_exit(1);  // too early
+  }
+  for (int i = 0; i < 6000 && reached < 0.8; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const double killed_at = reached;
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  EXPECT_GE(killed_at, 0.8);
+  const ReplayResult replayed = replay({.recording = directory / "run.db", .scene = {}});
+  EXPECT_TRUE(replayed.agree) << replayed.difference;
+  EXPECT_GT(static_cast<double>(replayed.steps) * 1e-3, killed_at - kMayBeLost);
+  ::munmap(shared, sizeof(std::atomic<double>));
+}
+
+}  // namespace
+}  // namespace softfinger
