@@ -20,7 +20,7 @@ using namespace softfinger;
 struct EvaluateFlags {
   EvaluationOptions options;
   std::optional<double> duration_s;
-  std::string wearer, objective;
+  std::string wearer, person, objective;
   bool json = false;
 };
 
@@ -37,6 +37,7 @@ void evaluate_scene(EvaluateFlags flags) {
   }
   flags.options.run.duration = flags.duration_s;
   if (!flags.wearer.empty()) flags.options.run.wearer = flags.wearer;
+  if (!flags.person.empty()) flags.options.run.person = flags.person;
   if (!flags.objective.empty()) flags.options.run.objective = objective_of(flags.objective);
 
   ProgressBar bar;
@@ -73,6 +74,8 @@ void add_evaluate_command(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--wearer", flags->wearer,
                       "finger file of who wears the device; the simulated finger where not given");
+  command->add_option("--person", flags->person,
+                      "person file: sizes of the fingers, and where tracked bodies sit on them");
   command
       ->add_option(
           "--objective", flags->objective,

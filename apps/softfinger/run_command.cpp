@@ -32,6 +32,7 @@ struct RunFlags {
   bool filter = false;
   std::string recording;
   std::string wearer;
+  std::string person;
   std::string simd;
   bool headless = false;
   bool repeat = false;
@@ -112,6 +113,7 @@ void run(RunFlags flags) {
   if (flags.filter) flags.options.conditioning.filter.emplace();
   if (flags.predict_ms) flags.options.conditioning.lead = *flags.predict_ms * ms;
   if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
+  if (!flags.person.empty()) flags.options.person = flags.person;
   flags.options.twin = !flags.no_twin;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
   flags.options.guard_program = guard_program();
@@ -167,6 +169,8 @@ void add_run_command(CLI::App& app) {
       "--wearer", flags->wearer,
       "finger file of whom an emulated force sensor, and the page's twin, are on; the "
       "simulated finger where not given");
+  command->add_option("--person", flags->person,
+                      "person file: sizes of the fingers, and where tracked bodies sit on them");
   command->add_option("--record", flags->recording, "record into this new file");
   command->add_flag("--record-state", options.record_state,
                     "record all nodes and samples of every step as well");

@@ -394,6 +394,8 @@ TEST(BadInput, WrongUsage) {
   expect_refused({"run", scene, "--headless", "--duration-s", "-1"}, {"--duration-s"});
   expect_refused({"run", scene, "--headless", "--duration-s", "nan"}, {"--duration-s"});
   expect_refused({"run", scene, "--headless", "--simd", "abacus"}, {"abacus"});
+  expect_refused({"run", scene, "--headless", "--person", "/nobody.toml"}, {"/nobody.toml"});
+  expect_refused({"evaluate", scene, "--person", scene}, {"plane.toml:", "description"});
   expect_refused({"press", finger, "--to-mm", "-1"}, {"--to-mm"});
   expect_refused({"press", finger, "--steps", "0"}, {"--steps"});
   expect_refused({"press", finger, "--sphere-mm", "nan"}, {"--sphere-mm"});

@@ -73,6 +73,7 @@ fs::path RecordedFiles::copy_of(const fs::path& file) const {
 RunOptions RecordedFiles::run_options() const {
   RunOptions options;
   options.scene = copy_of(info_.scene);
+  if (!info_.person.empty()) options.person = copy_of(info_.person);
   for (const RecordingInfo::Finger& finger : info_.fingers) {
     if (finger.device.empty()) continue;
     options.devices.push_back(finger.name + "=" + copy_of(finger.device).string());

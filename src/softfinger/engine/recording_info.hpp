@@ -39,6 +39,7 @@ struct RecordingInfo {
   std::string program_version;
   std::string instruction_set;
   std::filesystem::path scene;   ///< absolute
+  std::filesystem::path person;  ///< absolute; empty: none
   double simulation_rate = 0.0;  ///< Hz
   bool live = false;             ///< device ticks ran on their own thread
   bool with_state = false;       ///< nodes and samples of every step

@@ -113,6 +113,7 @@ struct RecordingReader::Database {
       if (key == "program_version") info.program_version = meta.text(1);
       if (key == "instruction_set") info.instruction_set = meta.text(1);
       if (key == "scene") info.scene = meta.text(1);
+      if (key == "person") info.person = meta.text(1);
       if (key == "simulation_rate_Hz") info.simulation_rate = meta.number(1);
       if (key == "live") info.live = meta.integer(1) != 0;
       if (key == "with_state") info.with_state = meta.integer(1) != 0;

@@ -95,6 +95,7 @@ struct RecordingWriter::Database {
     meta("program_version", info.program_version);
     meta("instruction_set", info.instruction_set);
     meta("scene", info.scene.string());
+    if (!info.person.empty()) meta("person", info.person.string());
     meta("simulation_rate_Hz", info.simulation_rate);
     meta("live", std::int64_t{info.live});
     meta("with_state", std::int64_t{info.with_state});

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -130,6 +131,28 @@ void check_mount(const fs::path& device_file, const Device& device, const Finger
   refuse(root.table_or_empty("mount"), "translation_mm", "the contacting surface at home");
 }
 
+/// A misspelt name would leave a finger as it is in silence.
+void check_names(const Person& person, const Scene& scene) {
+  std::vector<std::string> known{"thumb", "index", "middle", "ring", "pinky"};
+  for (const SceneFinger& finger : scene.fingers) known.push_back(finger.name);
+  for (const PersonFinger& finger : person.fingers) {
+    if (std::ranges::find(known, finger.name) != known.end()) continue;
+    std::vector<std::string> names;
+    for (const SceneFinger& each : scene.fingers) names.push_back(each.name);
+    ConfigFile(person.file, person.text)
+        .root()
+        .fail(finger.name, fmt::format("neither a finger of a hand (thumb, index, middle, ring, "
+                                       "pinky) nor of {}, which has {}",
+                                       scene.file.string(), fmt::join(names, ", ")));
+  }
+}
+
+/// Waypoints and the live page move the finger itself.
+bool follows_body(const SceneFinger& finger) {
+  const TrackerKind kind = parse_tracker_spec(finger.tracker).kind;
+  return kind != TrackerKind::kScript && kind != TrackerKind::kPage;
+}
+
 fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
 
 }  // namespace
@@ -142,8 +165,17 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   apply_overrides(options.devices, "--device", scene,
                   [&](std::size_t i, const std::string& file) { scene.fingers[i].device = file; });
   override_trackers(options.trackers, *setup);
+  if (options.person) {
+    setup->person = options.person_may_be_new ? load_person_if_any(*options.person)
+                                              : load_person(*options.person);
+    check_names(*setup->person, scene);
+  }
   for (const SceneFinger& finger : scene.fingers) {
-    setup->models.push_back(FingerModel::load(finger.model));
+    const PersonFinger* known = setup->person ? setup->person->find(finger.name) : nullptr;
+    setup->models.push_back(
+        FingerModel::load(finger.model, known != nullptr ? known->size : FingerSize{}));
+    setup->registrations.push_back(known != nullptr && follows_body(finger) ? known->X_BodyFt
+                                                                            : std::nullopt);
     setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);
     if (finger.device) {
       check_mount(*finger.device, *setup->devices.back(), *setup->models.back());
@@ -173,6 +205,10 @@ RecordingInfo recording_info(const RunSetup& setup) {
     info.files.push_back({absolute_path(file), content_of(file)});
   };
   add_file(setup.scene.file);
+  if (setup.person) {
+    info.person = absolute_path(setup.person->file);
+    info.files.push_back({info.person, setup.person->text});
+  }
   for (std::size_t i = 0; i < setup.scene.fingers.size(); ++i) {
     const SceneFinger& scene_finger = setup.scene.fingers[i];
     RecordingInfo::Finger finger;

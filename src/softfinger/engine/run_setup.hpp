@@ -10,6 +10,7 @@
 
 #include "softfinger/device/device.hpp"
 #include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/engine/person.hpp"
 #include "softfinger/engine/recording_info.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/matching/objective.hpp"
@@ -25,6 +26,9 @@ struct RunOptions {
   /// where the text before the first = is the name of a finger in the scene.
   std::vector<std::string> devices;
   std::vector<std::string> trackers;
+  /// Person file: sizes of the fingers, and where the bodies that trackers follow sit on them.
+  std::optional<std::filesystem::path> person;
+  bool person_may_be_new = false;    ///< no such file yet: nothing is known of the person
   PoseConditioning conditioning;     ///< of all tracked poses
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
@@ -58,6 +62,9 @@ struct RunSetup {
   std::vector<std::shared_ptr<const TravelCeiling>> ceilings;
   /// Whom emulated force sensors press; null: the simulated fingers.
   std::shared_ptr<const FingerModel> wearer;
+  std::optional<Person> person;
+  /// One per finger: X_BodyFt of what its tracker follows; empty: the finger itself.
+  std::vector<std::optional<Pose>> registrations;
   /// One per finger: what a file in its tracker's name is relative to.
   std::vector<std::filesystem::path> tracker_directories;
 };

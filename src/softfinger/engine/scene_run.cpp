@@ -17,6 +17,7 @@
 #include "softfinger/engine/scene_snapshot.hpp"
 #include "softfinger/engine/step_pacer.hpp"
 #include "softfinger/tracking/page_tracker.hpp"
+#include "softfinger/tracking/registered_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/tracking/webxr_tracker.hpp"
 
@@ -76,6 +77,9 @@ struct SceneRun::Finger {
       throw InputError(
           fmt::format("finger {}: tracker {} is a person at the live page; a headless run has none",
                       scene_finger.name, scene_finger.tracker));
+    }
+    if (const auto& X_BodyFt = setup.registrations[i]) {
+      tracker = std::make_unique<RegisteredTracker>(std::move(tracker), *X_BodyFt);
     }
     if (options.conditioning.changes_poses()) {
       tracker = std::make_unique<ConditionedTracker>(std::move(tracker), options.conditioning);

@@ -165,22 +165,6 @@ void read_coupling(const ConfigTable& table, Coupling& coupling) {
       table.number("rotation_N_mm_s_per_rad", Range::at_least(0.0), coupling.rotation_damping);
 }
 
-/// Scales the mesh about F's origin so that the skin's rest bounding box has the sizes asked for.
-void read_size(const ConfigTable& table, FingerModel& model) {
-  Eigen::AlignedBox3d box;
-  for (const int node : model.sample_nodes) {
-    box.extend(model.mesh.nodes[static_cast<std::size_t>(node)]);
-  }
-  Vector3 scale = Vector3::Ones();
-  const std::array<std::string_view, 3> keys{"length_mm", "breadth_mm", "depth_mm"};
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto size = table.optional_number(keys[static_cast<std::size_t>(axis)],
-                                            Range::between(1.0, kGreatestExtent / mm));
-    if (size) scale[axis] = *size / box.sizes()[axis];
-  }
-  for (Vector3& node : model.mesh.nodes) node = node.cwiseProduct(scale);
-}
-
 std::vector<double> sample_areas(const FingerModel& model) {
   std::vector<double> areas(model.sample_nodes.size(), 0.0);
   for (const auto& triangle : model.skin_triangles) {
@@ -197,7 +181,8 @@ std::vector<double> sample_areas(const FingerModel& model) {
 
 }  // namespace
 
-std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file) {
+std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file,
+                                                     const FingerSize& person) {
   const ConfigFile config(file);
   const ConfigTable root = config.root();
   auto model = std::make_shared<FingerModel>();
@@ -222,14 +207,17 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
   model->friction_coefficient = contact.number("friction_coefficient", Range::between(0.0, 10.0),
                                                model->friction_coefficient);
   model->feature_contact = contact.boolean("features", model->feature_contact);
-  const auto size = root.optional_table("size");
+  FingerSize own;
+  if (const auto size = root.optional_table("size")) own = read_finger_size(*size);
 
   FingerGroups groups = group_nodes(model->mesh);
   if (!groups.defect.empty()) mesh.fail("file", mesh.text("file") + ": " + groups.defect);
   model->sample_nodes = std::move(groups.sample_nodes);
   model->skin_triangles = std::move(groups.skin_triangles);
   model->node_is_rigid = std::move(groups.node_is_rigid);
-  if (size) read_size(*size, *model);
+  resize(*model, {.length = person.length ? person.length : own.length,
+                  .breadth = person.breadth ? person.breadth : own.breadth,
+                  .depth = person.depth ? person.depth : own.depth});
   model->sample_rest_areas = sample_areas(*model);
   root.finish();
   model->as_read = config.as_read();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "softfinger/fem/elastic_model.hpp"
+#include "softfinger/finger/finger_size.hpp"
 #include "softfinger/geometry/tetrahedral_mesh.hpp"
 
 namespace softfinger {
@@ -22,8 +23,10 @@ struct Coupling {
 /// A finger as its file describes it; immutable once built.
 class FingerModel {
  public:
-  /// Reads a finger file and its mesh. Throws InputError with file, line and key.
-  [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file);
+  /// Reads a finger file and its mesh; sizes given in `person` stand before the file's. Throws
+  /// InputError with file, line and key.
+  [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file,
+                                                               const FingerSize& person = {});
 
   TetrahedralMesh mesh;                            ///< rest shape in F, m
   std::vector<int> sample_nodes;                   ///< node of each skin sample

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "softfinger/geometry/mesh_shape.hpp"
@@ -36,6 +37,10 @@ struct Scene {
   std::vector<VirtualObject> objects;
   double simulation_rate = 1000.0;  ///< Hz
 };
+
+/// 1 to 64 letters, digits, - or _: names of fingers stand before the = of --device NAME=FILE, in
+/// file names and in those of a person file's tables.
+[[nodiscard]] bool is_finger_name(std::string_view name);
 
 /// Reads and checks a scene file with the meshes of its objects, whose distance grids may take time
 /// to build; the finger, device and pose files it names are not opened.

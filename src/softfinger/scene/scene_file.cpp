@@ -171,15 +171,6 @@ VirtualObject read_object(const ConfigTable& table, const std::string& default_n
   return object;
 }
 
-/// Names of fingers stand before the = of --device NAME=FILE and in file names.
-bool is_finger_name(std::string_view name) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-';
-  };
-  return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, allowed);
-}
-
 SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
   SceneFinger finger;
   finger.name = table.text("name");
@@ -204,6 +195,14 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
 }
 
 }  // namespace
+
+bool is_finger_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, allowed);
+}
 
 Scene load_scene(const std::filesystem::path& file, bool trackers_given,
                  const LoadObserver& observer) {

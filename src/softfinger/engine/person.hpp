@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "softfinger/finger/finger_size.hpp"
+#include "softfinger/geometry/pose.hpp"
+
+namespace softfinger {
+
+/// What is known of one of a person's fingers.
+struct PersonFinger {
+  std::string name;              ///< as scenes call it
+  FingerSize size;               ///< stands before the finger file's
+  std::optional<Pose> X_BodyFt;  ///< distal phalanx in the tracked body; empty: the same
+};
+
+/// A person file (TOML, keys in docs/files.md): a table a finger.
+struct Person {
+  std::filesystem::path file;
+  std::string text;  ///< of the file, as read
+  std::vector<PersonFinger> fingers;
+
+  /// Null where the file says nothing of this finger.
+  [[nodiscard]] const PersonFinger* find(std::string_view name) const;
+  /// The same, added where it was not there.
+  PersonFinger& at(std::string_view name);
+};
+
+/// Throws InputError with file, line and key.
+[[nodiscard]] Person load_person(const std::filesystem::path& file);
+/// The same; nothing known of any finger where there is no such file.
+[[nodiscard]] Person load_person_if_any(const std::filesystem::path& file);
+
+/// Writes all of `person` in place of its file, at once or not at all: what is not of a finger that
+/// was changed stays, comments do not. Throws OperationError.
+void save_person(const Person& person);
+
+}  // namespace softfinger

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+namespace softfinger {
+
+class ConfigTable;
+class FingerModel;
+
+/// Sizes of the skin's bounding box at rest along x, y and z of F, m; empty: the mesh's.
+struct FingerSize {
+  std::optional<double> length, breadth, depth;
+};
+
+/// The keys of a table [size], length_mm, breadth_mm and depth_mm, all optional. Throws InputError.
+[[nodiscard]] FingerSize read_finger_size(const ConfigTable& table);
+
+/// Those of a model; all three.
+[[nodiscard]] FingerSize finger_size(const FingerModel& model);
+
+/// Scales `model`'s nodes about F's origin along x, y and z; `model` has its samples.
+void resize(FingerModel& model, const FingerSize& size);
+
+}  // namespace softfinger
