@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "finger_fit_command.hpp"
+#include "finger_register_command.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
@@ -101,8 +102,8 @@ void show(const FingerShowFlags& flags) {
 }  // namespace
 
 void add_finger_command(CLI::App& app) {
-  CLI::App* finger =
-      app.add_subcommand("finger", "Look at finger files, fit one to a measured press");
+  CLI::App* finger = app.add_subcommand(
+      "finger", "Look at finger files, fit one to a measured press, register a person's finger");
   finger->require_subcommand(1);
   CLI::App* command =
       finger->add_subcommand("show", "Read a finger file and its mesh; say what is in them");
@@ -112,4 +113,5 @@ void add_finger_command(CLI::App& app) {
                     "one JSON object on stdout: the file's keys, defaults filled in");
   command->callback([flags] { show(*flags); });
   add_finger_fit_command(*finger);
+  add_finger_register_command(*finger);
 }
