@@ -257,6 +257,7 @@ void SceneRun::simulate() {
       pacer.wait(step);
       deadline_misses_.store(pacer.misses(), std::memory_order_relaxed);
     }
+    if (hooks_.on_step) hooks_.on_step();
     if (step == 1 && hooks_.on_loop_thread) hooks_.on_loop_thread();
   }
   if (mode_ == Mode::kLive) publish_snapshot(step, true);

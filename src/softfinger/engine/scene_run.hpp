@@ -36,6 +36,8 @@ class SceneRun {
     /// Headless: after each device tick, on the simulation thread, with the finger's number. May
     /// take its time; simulated time stands still.
     std::function<void(std::size_t finger, const FingerLoop&, const DeviceLoop&)> on_tick;
+    /// After each step, when its time is over as well, on the simulation thread. For measurements.
+    std::function<void()> on_step;
   };
 
   /// Opens devices and trackers. Throws InputError, also where the recording exists already.

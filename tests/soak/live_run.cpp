@@ -1,0 +1,226 @@
+#include "live_run.hpp"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/engine/live_session.hpp"
+#include "softfinger/engine/recording_reader.hpp"
+#include "softfinger/tracking/natnet_emulator.hpp"
+#include "softfinger/viewer/server.hpp"
+#include "step_times.hpp"
+#include "visitors.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kRoom = 16 << 20;  // bytes of a disk that fills: a second of whole states
+constexpr double kMayBeLost = 0.2;       // s
+
+class WorkDirectory {
+ public:
+  WorkDirectory() {
+    std::string pattern = (fs::temp_directory_path() / "softfinger-soak-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) throw OperationError("no temporary directory");
+    path_ = pattern;
+  }
+  ~WorkDirectory() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  WorkDirectory(const WorkDirectory&) = delete;
+  WorkDirectory& operator=(const WorkDirectory&) = delete;
+  fs::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+/// While it lives, no file of this process grows beyond kRoom.
+class FullDisk {
+ public:
+  FullDisk() {
+    ::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{.rlim_cur = kRoom, .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+/// Where the servos were, 200 times a second.
+class Observation {
+ public:
+  struct Sample {
+    double time = 0.0;  ///< s on the monotonic clock
+    JointAngles joints;
+  };
+  explicit Observation(const TroubledBoard& board)
+      : thread_([this, &board] {
+          while (!ending_) {
+            samples_.push_back({monotonic_time(), board.standing()});
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+          }
+        }) {}
+  ~Observation() { (void)end(); }
+  Observation(const Observation&) = delete;
+  Observation& operator=(const Observation&) = delete;
+
+  const std::vector<Sample>& end() {
+    ending_ = true;
+    if (thread_.joinable()) thread_.join();
+    return samples_;
+  }
+
+ private:
+  std::vector<Sample> samples_;
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+/// From the commands of the last second, for nine tenths of it.
+std::optional<double> behind(const std::vector<TickRecord>& ticks,
+                             const std::vector<Observation::Sample>& observed,
+                             std::span<const double> step_times) {
+  const double end = step_times.back();
+  std::vector<double> apart;
+  for (const Observation::Sample& sample : observed) {
+    if (sample.time < end - 1.0 || sample.time > end) continue;
+    const auto later = std::ranges::find_if(ticks, [&](const TickRecord& tick) {
+      return step_times[static_cast<std::size_t>(std::max<std::int64_t>(tick.step, 1) - 1)] >
+             sample.time;
+    });
+    if (later == ticks.begin() || (later == ticks.end() && ticks.empty())) continue;
+    const TickRecord& tick = *std::prev(later);
+    const double commanded =
+        step_times[static_cast<std::size_t>(std::max<std::int64_t>(tick.step, 1) - 1)];
+    if (sample.time - commanded > 0.2) continue;  // not recorded
+    apart.push_back((sample.joints - tick.command.joints).cwiseAbs().maxCoeff());
+  }
+  if (apart.empty()) return std::nullopt;
+  return quantile(apart, 0.9);
+}
+
+RunOptions options_for(const LiveFault& fault, double seconds, const WorkDirectory& directory) {
+  RunOptions options;
+  options.scene = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes/sphere.toml";
+  options.duration = seconds;
+  options.guard_program = SOFTFINGER_GUARD;
+  options.port = (directory / "board").string();
+  options.recording = directory / "run.db";
+  options.record_state = fault.disk_fills;
+  return options;
+}
+
+void read_recording(const RunOptions& options, LiveOutcome& outcome,
+                    std::vector<TickRecord>& ticks) {
+  RecordingReader reader(*options.recording);
+  StepRecord step;
+  while (reader.next(step)) {
+    if (step.step != outcome.recorded) break;  // one is missing
+    ++outcome.recorded;
+    if (step.step > 0) outcome.step_time.push_back(step.wall_time);
+  }
+  TickRecord tick;
+  while (reader.next(tick)) ticks.push_back(tick);
+}
+
+}  // namespace
+
+LiveOutcome run_live(const LiveFault& fault, double seconds) {
+  const WorkDirectory directory;
+  RunOptions options = options_for(fault, seconds, directory);
+  const std::shared_ptr<const Device> device = load_setup(options)->devices.at(0);
+  TroubledBoard board(device, options.port);
+
+  std::unique_ptr<NatNetEmulator> natnet;
+  std::unique_ptr<PoseSender> sender;
+  if (fault.natnet) {
+    natnet = std::make_unique<NatNetEmulator>(
+        NatNetEmulator::Options{.rate = 120.0, .loss = 0.3, .duplication = 0.1, .reordering = 0.2},
+        [](double time) { return TrackedPose{.X_WFt = soaked_finger(time), .valid = true}; });
+    options.trackers = {"natnet:" + text_of(natnet->address()) + ",body=index"};
+  } else {
+    const std::uint16_t port = UdpSocket({kLoopback, 0}).local().port;
+    options.trackers = {"udp:" + std::to_string(port)};
+    sender = std::make_unique<PoseSender>(port, fault.poses);
+  }
+
+  StepTimes times(static_cast<std::size_t>(1.5e3 * seconds));
+  LiveOutcome outcome;
+  double reached = 0.0;
+  double disk_full_at = seconds;
+  RunObserver observer;
+  observer.progress = [&](double time, std::optional<double>) { reached = time; };
+  observer.message = [&](const std::string& line) {
+    outcome.messages.push_back(line);
+    if (fault.disk_fills && disk_full_at == seconds) disk_full_at = reached;
+  };
+  LiveSession session(options, false, {.on_step = [&times] { times.note(); }});
+  auto server = std::make_unique<Server>(session, ServerOptions{.port = 0});
+  Watcher watcher(server->port());
+  std::unique_ptr<Visitors> visitors;
+  if (fault.crowd) visitors = std::make_unique<Visitors>(server->port());
+  Observation observation(board);
+  std::atomic<bool> ended{false};
+  const double began = monotonic_time();
+  std::thread trouble([&] {
+    if (!fault.board) return;
+    fault.board(board, [&](double share) {
+      while (!ended && monotonic_time() - began < share * seconds) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      return !ended;
+    });
+  });
+  const std::atomic<bool> stop{false};
+  try {
+    std::unique_ptr<FullDisk> full_disk;
+    if (fault.disk_fills) full_disk = std::make_unique<FullDisk>();
+    outcome.deadline_misses = session.run(stop, observer).deadline_misses;
+  } catch (const OperationError& error) {
+    outcome.messages.emplace_back(error.what());
+  }
+  ended = true;
+  trouble.join();
+  const auto& observed = observation.end();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // for the servos to get there
+  JointAngles retracted;
+  (void)device->inverse_kinematics(device->retracted(), retracted);
+  outcome.unretracted = (board.standing() - retracted).cwiseAbs().maxCoeff();
+  if (visitors) outcome.visitors = visitors->came();
+  visitors.reset();
+  server.reset();
+  watcher.join();
+  outcome.pictures = watcher.pictures();
+  outcome.longest_gap = watcher.longest_gap();
+
+  outcome.steps = std::ssize(times.times());
+  outcome.rate = times.rate();
+  outcome.lateness = times.lateness(1e-3);
+  std::vector<TickRecord> ticks;
+  read_recording(options, outcome, ticks);
+  const double due =
+      fault.disk_fills ? disk_full_at - kMayBeLost : 1e-3 * static_cast<double>(outcome.steps + 1);
+  outcome.missing =
+      std::max<std::int64_t>(0, static_cast<std::int64_t>(1e3 * due + 0.5) - outcome.recorded);
+  if (!times.times().empty()) outcome.behind = behind(ticks, observed, times.times());
+  return outcome;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,99 @@
+#include "live_soak.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "live_run.hpp"
+#include "softfinger/base/units.hpp"
+#include "step_times.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kPeriod = 1e-3;         // s
+constexpr double kRateTolerance = 1e-3;  // of 1000 Hz
+/// Servos follow a command of each 33 ms with the lag of a servo.
+constexpr double kMostBehind = 10.0 * deg;
+constexpr double kMostUnretracted = 0.5 * deg;
+
+/// Share of steps that were not made in time.
+double lost_rate(const LiveOutcome& outcome) { return std::max(0.0, 1.0 - outcome.rate * kPeriod); }
+double late(const LiveOutcome& outcome) { return quantile(outcome.lateness, 0.999); }
+
+bool holds_pace(const LiveOutcome& outcome) {
+  return lost_rate(outcome) <= kRateTolerance && late(outcome) < kPeriod;
+}
+bool holds_pace_beside(const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
+  if (holds_pace(outcome)) return true;
+  return !holds_pace(undisturbed) && late(outcome) <= 2.0 * std::max(kPeriod, late(undisturbed)) &&
+         lost_rate(outcome) <= 2.0 * std::max(kRateTolerance, lost_rate(undisturbed));
+}
+bool is_where_it_should_be(const LiveOutcome& outcome) {
+  return outcome.behind.value_or(0.0) <= kMostBehind && outcome.unretracted <= kMostUnretracted;
+}
+
+void print(const LiveFault& fault, const LiveOutcome& outcome) {
+  fmt::print("{}\n", fault.name);
+  fmt::print("  {} steps, {:.2f} a second; {} recorded, {} missing", outcome.steps, outcome.rate,
+             outcome.recorded, outcome.missing);
+  fmt::print("{}\n", outcome.deadline_misses
+                         ? fmt::format("; {} deadlines missed", *outcome.deadline_misses)
+                         : std::string());
+  fmt::print("  a step takes  {}\n", quantiles_ms(outcome.step_time));
+  fmt::print("  steps late by {}\n", quantiles_ms(outcome.lateness));
+  fmt::print("{}", histogram_ms(outcome.lateness, "    "));
+  if (outcome.behind) {
+    fmt::print("  servos within {:.2f} deg of their commands (90 % of the last second);",
+               *outcome.behind / deg);
+  } else {
+    fmt::print("  commands of the last second not recorded;");
+  }
+  fmt::print(" retracted to within {:.2f} deg\n", outcome.unretracted / deg);
+  fmt::print("  a page that watches got {} pictures, {:.0f} ms apart at most", outcome.pictures,
+             1e3 * outcome.longest_gap);
+  fmt::print("{}\n", outcome.visitors > 0 ? fmt::format(", beside {} visits", outcome.visitors)
+                                          : std::string());
+  for (std::size_t i = 0; i < outcome.messages.size() && i < 3; ++i) {
+    fmt::print("  told: {}\n", outcome.messages[i]);
+  }
+  std::fflush(stdout);
+}
+
+/// Says what is wrong; true where nothing is.
+bool judge(const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
+  const bool paced = holds_pace_beside(outcome, undisturbed);
+  const bool in_place = is_where_it_should_be(outcome);
+  if (!paced) fmt::print("  DOES NOT HOLD ITS PACE\n");
+  if (outcome.missing > 0) fmt::print("  STEPS ARE MISSING FROM THE RECORDING\n");
+  if (!in_place) fmt::print("  THE DEVICE IS NOT WHERE IT SHOULD BE\n");
+  return paced && in_place && outcome.missing == 0;
+}
+
+}  // namespace
+
+bool soak_live(double seconds) {
+  fmt::print("the live loop at 1 kHz, {:g} s each; steps late after the most punctual one\n",
+             seconds);
+  bool sound = true;
+  std::optional<LiveOutcome> undisturbed;
+  for (const LiveFault& fault : live_faults(seconds)) {
+    LiveOutcome outcome = run_live(fault, seconds);
+    print(fault, outcome);
+    if (!undisturbed) undisturbed = outcome;
+    if (!holds_pace_beside(outcome, *undisturbed) || !is_where_it_should_be(outcome)) {
+      fmt::print("  once more, since other programs may have had the machine\n");
+      outcome = run_live(fault, seconds);
+      print(fault, outcome);
+    }
+    sound = judge(outcome, *undisturbed) && sound;
+  }
+  if (!holds_pace(*undisturbed)) {
+    fmt::print("this machine is too busy: even without a fault the loop does not hold 1 kHz\n");
+  }
+  return sound;
+}
+
+}  // namespace softfinger
