@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
+
 #include "softfinger/base/units.hpp"
 
 namespace {
@@ -14,6 +17,30 @@ Json in_ms(const Histogram& times) {
   return {{"p50", times.percentile(50.0) / ms},
           {"p99", times.percentile(99.0) / ms},
           {"max", times.max() / ms}};
+}
+
+/// Five a decade is enough to see by; empty ones are left out.
+Json coarse(const Histogram& times) {
+  constexpr int kTogether = 23;  // of Histogram's buckets
+  Json result = Json::array();
+  for (int first = 0; first < Histogram::kBuckets; first += kTogether) {
+    const int last = std::min(first + kTogether, Histogram::kBuckets) - 1;
+    std::uint64_t count = 0;
+    for (int bucket = first; bucket <= last; ++bucket) count += times.bucket_count(bucket);
+    if (count == 0) continue;
+    const double edge = last == Histogram::kBuckets - 1 ? times.max() : Histogram::upper_edge(last);
+    result.push_back({{"up_to_ms", edge / ms}, {"count", count}});
+  }
+  return result;
+}
+
+Json in_ms(const StageHistograms& stages) {
+  Json result = Json::object();
+  for (std::size_t i = 0; i < kLatencyStages; ++i) {
+    Json& stage = result[kLatencyStageNames[i]] = in_ms(stages.all()[i]);
+    if (!stage.is_null()) stage["histogram"] = coarse(stages.all()[i]);
+  }
+  return result;
 }
 
 Json report(const FingerSummary& finger, std::int64_t steps, const Json& deadline_misses) {
@@ -31,6 +58,7 @@ Json report(const FingerSummary& finger, std::int64_t steps, const Json& deadlin
           {"max_contact_area_mm2", finger.max_contact_area / mm2},
           {"max_normal_force_N", finger.max_normal_force},
           {"latency_ms", in_ms(finger.latency)},
+          {"latency_stages_ms", in_ms(finger.stages)},
           {"pose_age_ms", in_ms(finger.pose_age)}};
 }
 
@@ -69,6 +97,9 @@ std::string run_report_text(const RunSummary& summary) {
   text += line("step, wall time", all.step_wall_time);
   text += line("match, CPU time", all.match_cpu_time);
   text += line("pose to command", all.latency);
+  for (std::size_t i = 0; i < kLatencyStages; ++i) {
+    text += line(fmt::format("  {}", kLatencyStageNames[i]).c_str(), all.stages.all()[i]);
+  }
   text += fmt::format("  {:<22} {} / {} / {}\n", "iterations", all.iterations.percentile(50.0),
                       all.iterations.percentile(99.0), all.iterations.max());
   for (const auto& [name, finger] : summary.fingers) {

@@ -107,9 +107,13 @@ struct Rendering::Implementation {
 
   void tick(const TrackedPose& tracked, std::chrono::steady_clock::time_point arrival) {
     const FingerSimulation& simulation = loop.simulation();
-    const TickRecord& tick = device->tick(
-        {.step = done, .time = tracked.time, .tracked = tracked.valid, .arrival = arrival},
-        {loop.contact(), simulation.positions(), simulation.bone_pose()});
+    const TickRecord& tick =
+        device->tick({.step = done,
+                      .time = tracked.time,
+                      .tracked = tracked.valid,
+                      .taken = arrival,
+                      .handed = std::chrono::steady_clock::now()},
+                     {loop.contact(), simulation.positions(), simulation.bone_pose()});
     command.tick = tick.tick;
     command.time = origin + tick.time;
     command.configuration = tick.command.configuration;

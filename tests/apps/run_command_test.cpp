@@ -44,6 +44,16 @@ TEST(RunCommand, HeadlessAnswersInJson) {
       EXPECT_TRUE(run.at("fingers").at("index").at(key).at(value).is_number()) << key;
     }
   }
+  // A script's poses arrive from nowhere, and nothing is written to a port.
+  const json& stages = run.at("latency_stages_ms");
+  for (const char* unknown : {"exposure", "arrival", "send", "servo"}) {
+    EXPECT_TRUE(stages.at(unknown).is_null()) << unknown;
+  }
+  for (const char* known : {"step", "match"}) {
+    int counted = 0;
+    for (const json& bin : stages.at(known).at("histogram")) counted += bin.at("count").get<int>();
+    EXPECT_EQ(counted, 61) << known;
+  }
   EXPECT_TRUE(run.at("deadline_misses").is_null());
   EXPECT_TRUE(run.at("recording").is_null());
   EXPECT_EQ(run.at("unconverged_steps"), 0);

@@ -35,7 +35,8 @@ class NetworkTracker : public testing::Test {
  protected:
   /// A recorded live run of 2.5 s whose tracker hears from `send` (simulated time, count) until
   /// 1.5 s.
-  void run(const std::string& tracker, const std::function<void(double, std::uint32_t)>& send) {
+  RunSummary run(const std::string& tracker,
+                 const std::function<void(double, std::uint32_t)>& send) {
     RunOptions options;
     options.scene = scenes_.scene("sphere");
     options.trackers = {tracker};
@@ -55,8 +56,9 @@ class NetworkTracker : public testing::Test {
       send(1.5, 1u << 20);  // the last
     });
     const std::atomic<bool> stop{false};
-    session.run(stop, observer);
+    const RunSummary summary = session.run(stop, observer);
     sender.join();
+    return summary;
   }
 
   /// What must be so of any such run.
@@ -101,13 +103,26 @@ class NetworkTracker : public testing::Test {
 TEST_F(NetworkTracker, UdpDrivesALiveRun) {
   const std::uint16_t port = free_port();
   UdpSocket sender({kLoopback, 0});
-  run("udp:" + std::to_string(port), [&](double time, std::uint32_t count) {
+  const auto send = [&](double time, std::uint32_t count) {
     sender.send({kLoopback, port}, encode_pose_datagram({.X_WFt = press_on_ball(time),
                                                          .valid = true,
                                                          .sequence = count,
                                                          .time = monotonic_time()}));
-  });
+  };
+  const RunSummary summary = run("udp:" + std::to_string(port), send);
   expect_driven();
+  // Every stage of the way was seen, and the way to the command is made of its three.
+  const FingerSummary& finger = summary.all;
+  for (std::size_t i = 0; i < kLatencyStages; ++i) {
+    EXPECT_GT(finger.stages.all()[i].count(), 0U) << kLatencyStageNames[i];
+  }
+  double to_command = 0.0;
+  for (const LatencyStage stage :
+       {LatencyStage::kArrival, LatencyStage::kStep, LatencyStage::kMatch}) {
+    EXPECT_GE(finger.latency.max(), finger.stages[stage].max());
+    to_command += finger.stages[stage].max();
+  }
+  EXPECT_LE(finger.latency.max(), to_command);
 }
 
 TEST_F(NetworkTracker, OscDrivesALiveRun) {

@@ -195,16 +195,19 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.twin.cpu_time = 2 * ms;
   finger.slip_ratio = 0.25;
   finger.stuck_fraction = 0.875;
+  finger.tick = 17;
+  finger.stages[LatencyStage::kSend] = 3 * ms;
+  finger.actual = Eigen::Vector2d(9 * deg, 1.25 * mm);
 
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   const std::size_t pose = 28;
-  const std::size_t samples = 48 + pose + 3 * pose + 24 + 24 + 16;
-  const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 3 + 27);
+  const std::size_t samples = 48 + pose + 3 * pose + 24 + 28 + 28 + 16;
+  const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 2 + 3 + 27);
   const std::size_t twin = pieces + 2 * 32;
   ASSERT_EQ(message.size(), twin + 32 + 5 * 16 + 8);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS3", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS4", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U);
@@ -220,18 +223,25 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 8), 42.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 16), 0.25F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 20), 0.875F);
-  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 24), 5U);
-  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 36), 9U);
-  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 40), 2U);
-  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 44), 5U);
-  EXPECT_EQ(std::memcmp(message.data() + forces + 48, "rendering\0\0\0\0\0\0\0", 16), 0);
+  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 24), 17U);
+  EXPECT_TRUE(std::isnan(read_at<float>(message, forces + 28))) << "a stage that is not known";
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 44), 3.0F);
+  const std::size_t counts = forces + 52;
+  EXPECT_EQ(read_at<std::uint32_t>(message, counts), 5U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, counts + 12), 9U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, counts + 16), 2U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, counts + 20), 5U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, counts + 24), 2U);
+  EXPECT_EQ(std::memcmp(message.data() + counts + 28, "rendering\0\0\0\0\0\0\0", 16), 0);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 8), 3.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 60), 2.0F);  // kPa
   EXPECT_EQ(read_at<std::uint8_t>(message, samples + 81), 1U);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 88), 10.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 92), 1.5F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, samples + 104), 3.0F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, samples + 108), 10.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, samples + 96), 9.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, samples + 100), 1.25F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, samples + 112), 3.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, samples + 116), 10.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, pieces + 28), 0.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, pieces + 32 + 8), -9.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, pieces + 32 + 24), 1.0F);  // quaternion w
@@ -254,8 +264,8 @@ TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {
   snapshot.fingers[0].twin.skin.in_contact.resize(3);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24 + 20), 0U);
-  EXPECT_EQ(message.size(), 48U + 3 * 28 + 24 + 24 + 16);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24 + 28 + 20), 0U);
+  EXPECT_EQ(message.size(), 48U + 3 * 28 + 24 + 28 + 28 + 16);
 }
 
 TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
@@ -267,7 +277,7 @@ TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
   snapshot.fingers[0].skin.in_contact.resize(2);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24), 2U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24 + 28), 2U);
 }
 
 }  // namespace

@@ -288,6 +288,10 @@ bool Actuator::read_servo_joints(JointAngles& joints) const noexcept {
   return true;
 }
 
+std::optional<CommandDelivery> Actuator::take_delivery() noexcept {
+  return impl_->line ? impl_->line->take_delivery() : std::nullopt;
+}
+
 const std::string& Actuator::port() const noexcept { return impl_->port; }
 
 std::optional<ActuatorEvent> Actuator::take_event() noexcept {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "softfinger/actuation/command_delivery.hpp"
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/device/transport_settings.hpp"
@@ -109,6 +110,9 @@ class Actuator {
   /// Maestro that answers reports. Empty (false) where nothing is known. Call from the thread that
   /// calls command().
   bool read_servo_joints(JointAngles& joints) const noexcept;
+  /// How long the newest command that went out took from here, each told once; empty also in
+  /// simulated time. Call from the thread that calls command().
+  std::optional<CommandDelivery> take_delivery() noexcept;
   /// "emulator" or the tty's name.
   [[nodiscard]] const std::string& port() const noexcept;
 

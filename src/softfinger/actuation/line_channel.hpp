@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "softfinger/actuation/command_delivery.hpp"
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/mailbox.hpp"
 #include "softfinger/device/configuration.hpp"
@@ -16,6 +17,7 @@ struct LineChannel {
   struct Wanted {
     Configuration q;
     DeviceState state = DeviceState::kHoming;  ///< of the loop that wants it
+    double formed = 0.0;                       ///< s, monotonic clock
   };
   /// Where the servos said they are.
   struct Report {
@@ -24,11 +26,12 @@ struct LineChannel {
   };
 
   explicit LineChannel(const Configuration& home)
-      : wanted(Wanted{home, DeviceState::kHoming}), report(Report{home, false}) {}
+      : wanted(Wanted{home, DeviceState::kHoming, 0.0}), report(Report{home, false}) {}
 
-  Mailbox<Wanted> wanted;           ///< from the loop
-  Mailbox<Report> report;           ///< from the line
-  std::atomic<bool> ending{false};  ///< the loop wants the line to retract the device and to end
+  Mailbox<Wanted> wanted;             ///< from the loop
+  Mailbox<Report> report;             ///< from the line
+  Mailbox<CommandDelivery> delivery;  ///< from the line, of each wanted q that was sent
+  std::atomic<bool> ending{false};    ///< the loop wants the line to retract the device and to end
 
   // What the line says of itself.
   std::atomic<bool> connected{false};

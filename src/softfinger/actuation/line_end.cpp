@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/thread_clock.hpp"
 
 namespace softfinger {
 
@@ -22,8 +23,14 @@ void LineEnd::submit(const Configuration& q, DeviceState state) noexcept {
   LineChannel::Wanted& draft = channel_->wanted.draft();
   draft.q = q;
   draft.state = state;
+  draft.formed = monotonic_time();
   channel_->wanted.publish();
   wake();
+}
+
+std::optional<CommandDelivery> LineEnd::take_delivery() noexcept {
+  if (!channel_->delivery.refresh()) return std::nullopt;
+  return channel_->delivery.latest();
 }
 
 bool LineEnd::read_joints(JointAngles& joints) noexcept {

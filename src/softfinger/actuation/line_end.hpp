@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "softfinger/actuation/line_channel.hpp"
@@ -30,6 +31,8 @@ class LineEnd {
   /// Joint angles by the positions the servos report; false where they never answered. From the
   /// thread that submits.
   bool read_joints(JointAngles& joints) noexcept;
+  /// How long the newest wanted q took that was sent, each told once. From the thread that submits.
+  std::optional<CommandDelivery> take_delivery() noexcept;
   /// What the line says of itself.
   [[nodiscard]] const LineChannel& channel() const { return *channel_; }
 

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
+#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/thread_priority.hpp"
 
 namespace softfinger {
@@ -20,6 +22,8 @@ constexpr milliseconds kAnswerTime{60};     ///< for the positions after opening
 /// Servos that said where they are and then nothing for so many ticks may be without power: what is
 /// sent stands still until they answer again, so that they do not jump to it.
 constexpr int kMostUnheard = 3;
+/// Steps of the wire that a joint moves before its lag is told.
+constexpr double kLagMotion = 20.0;
 
 LineClock::Duration seconds(double s) {
   return std::chrono::duration_cast<LineClock::Duration>(std::chrono::duration<double>(s));
@@ -41,7 +45,9 @@ ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, Line
       clock_(clock),
       period_(seconds(1.0 / options_.rate)),
       bus_(make_servo_bus(*device_->settings().transport, clock_)),
-      guard_(device_, device_->settings().transport->servos, options_.ceiling) {}
+      guard_(device_, device_->settings().transport->servos, options_.ceiling),
+      lag_(static_cast<Eigen::Index>(guard_.servos().size()),
+           guard_.servos().empty() ? 0.0 : kLagMotion * guard_.servos().front().resolution()) {}
 
 bool ServoLine::ending() const { return loop_gone_ || channel_.ending.load(); }
 
@@ -61,6 +67,7 @@ std::string ServoLine::open() {
   if (!reason.empty()) return reason;
   positions_unknown_ = !learn_positions();
   machine_ = DeviceStateMachine();
+  lag_.reset();
   channel_.connected.store(true, std::memory_order_release);
   channel_.state = DeviceState::kHoming;
   return {};
@@ -137,7 +144,7 @@ void ServoLine::follow() {
     TimePoint now = clock_.now();
     if (channel_.wanted.refresh()) {
       last_fresh_ = now;
-      fresh_ever_ = true;
+      fresh_ever_ = fresh_ = true;
     }
     if (!bus_->is_open()) {
       if (channel_.connected.load()) note_loss();
@@ -160,6 +167,13 @@ void ServoLine::follow() {
   }
 }
 
+void ServoLine::tell_delivery() {
+  delivery_.send = monotonic_time() - channel_.wanted.latest().formed;
+  channel_.delivery.draft() = delivery_;
+  channel_.delivery.publish();
+  delivery_ = CommandDelivery();
+}
+
 bool ServoLine::tick(TimePoint now) {
   const LineClock::Duration stall_time = std::max(seconds(kStallTime), 3 * period_);
   const bool stalled = now - last_fresh_ >= stall_time;
@@ -170,7 +184,11 @@ bool ServoLine::tick(TimePoint now) {
   if (answers_) {
     LineChannel::Report& report = channel_.report.draft();
     report.known = take_positions(report.joints);
-    if (report.known) channel_.report.publish();
+    if (report.known) {
+      delivery_.servo = lag_.seen(to_seconds(asked_ - start_), report.joints)
+                            .value_or(std::numeric_limits<double>::quiet_NaN());
+      channel_.report.publish();
+    }
     if (report.known || unheard_ != kNever) unheard_ = report.known ? 0 : unheard_ + 1;
   } else {
     bus_->drain();
@@ -203,8 +221,14 @@ bool ServoLine::tick(TimePoint now) {
   if (bus_->write(guard_.targets())) {
     channel_.commands_sent.fetch_add(1, std::memory_order_relaxed);
     channel_.state.store(state, std::memory_order_relaxed);
+    lag_.sent(to_seconds(now - start_), guard_.joints());
+    if (fresh_) tell_delivery();
+    fresh_ = false;
   }
-  if (answers_) bus_->ask();
+  if (answers_) {
+    asked_ = clock_.now();
+    bus_->ask();
+  }
   if (!bus_->is_open()) note_loss();
   return true;
 }

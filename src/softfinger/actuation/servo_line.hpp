@@ -8,6 +8,7 @@
 #include "softfinger/actuation/line_clock.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
 #include "softfinger/actuation/servo_bus.hpp"
+#include "softfinger/actuation/servo_lag.hpp"
 #include "softfinger/device/device.hpp"
 
 namespace softfinger {
@@ -56,6 +57,7 @@ class ServoLine {
   /// Takes an answer that has arrived complete; false if there is none.
   bool take_positions(JointAngles& joints);
   bool tick(TimePoint now);  ///< false: stopped
+  void tell_delivery();
 
   std::shared_ptr<const Device> device_;
   Options options_;
@@ -67,6 +69,8 @@ class ServoLine {
   std::unique_ptr<ServoBus> bus_;
   MotionGuard guard_;
   DeviceStateMachine machine_;
+  ServoLag lag_;
+  CommandDelivery delivery_;
 
   TimePoint start_;
   TimePoint last_sent_;
@@ -74,7 +78,9 @@ class ServoLine {
   TimePoint next_attempt_;
   bool positions_unknown_ = true;  ///< since the port was opened
   TimePoint homing_until_;         ///< positions unknown: stay at the first pose until then
+  TimePoint asked_;                ///< when the servos were last asked where they are
   bool fresh_ever_ = false;
+  bool fresh_ = false;  ///< what is wanted was not sent yet
   bool stalled_ = false;
   bool answers_ = false;  ///< the servos answered when the port was opened
   int unheard_ = kNever;  ///< ticks since they last said where they are

@@ -1,6 +1,7 @@
 #include "softfinger/engine/device_loop.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "softfinger/base/thread_clock.hpp"
 #include "softfinger/matching/contact_plane.hpp"
@@ -25,6 +26,13 @@ ForceAwareOptions force_aware_options(Objective objective) {
 constexpr std::uint64_t kNoiseSeed = 2015;
 
 }  // namespace
+
+void note_way_here(const TrackedPose& tracked, double time, TickInput& input) {
+  if (!tracked.valid || std::isnan(tracked.arrival)) return;
+  input.waited = time - tracked.arrival;
+  // A sender without a clock says that its poses took no time.
+  if (tracked.time < tracked.arrival) input.exposure = tracked.arrival - tracked.time;
+}
 
 DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
                        const std::shared_ptr<const FingerModel>& model,
@@ -90,11 +98,27 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
                                        .touching = contact.contact_count > 0,
                                        .emergency = input.emergency},
                                       input.time);
-  record_.latency =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - input.arrival).count();
+  note_latency(input);
   record_.hash = hash_of(record_);
   if (sensor_) measure(contact.friction_coefficient, elapsed);
   return record_;
+}
+
+void DeviceLoop::note_latency(const TickInput& input) {
+  const auto formed = std::chrono::steady_clock::now();
+  const auto seconds = [](auto duration) {
+    return std::chrono::duration<double>(duration).count();
+  };
+  record_.latency = seconds(formed - input.taken);
+  if (!std::isnan(input.waited)) record_.latency += input.waited;
+  StageTimes& stages = record_.stages;
+  stages[LatencyStage::kExposure] = input.exposure;
+  stages[LatencyStage::kArrival] = input.waited;
+  stages[LatencyStage::kStep] = seconds(input.handed - input.taken);
+  stages[LatencyStage::kMatch] = seconds(formed - input.handed);
+  const CommandDelivery delivery = actuator_.take_delivery().value_or(CommandDelivery());
+  stages[LatencyStage::kSend] = delivery.send;
+  stages[LatencyStage::kServo] = delivery.servo;
 }
 
 /// After the command, for the next tick.

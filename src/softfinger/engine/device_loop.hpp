@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,6 +14,7 @@
 #include "softfinger/engine/record.hpp"
 #include "softfinger/matching/objective.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/tracking/tracker.hpp"
 #include "softfinger/twin/force_rendering.hpp"
 
 namespace softfinger {
@@ -20,11 +22,18 @@ namespace softfinger {
 /// What a device tick is about.
 struct TickInput {
   std::int64_t step = 0;
-  double time = 0.0;                              ///< s, end of that step
-  bool tracked = true;                            ///< the tracker knows where the finger is
-  bool emergency = false;                         ///< somebody asked for an emergency stop
-  std::chrono::steady_clock::time_point arrival;  ///< of the pose the step used
+  double time = 0.0;       ///< s, end of that step
+  bool tracked = true;     ///< the tracker knows where the finger is
+  bool emergency = false;  ///< somebody asked for an emergency stop
+  /// Stages before the step: NaN where they are not known.
+  double exposure = std::numeric_limits<double>::quiet_NaN();  ///< s
+  double waited = std::numeric_limits<double>::quiet_NaN();    ///< s, the pose for the step
+  std::chrono::steady_clock::time_point taken;                 ///< when the step took the pose
+  std::chrono::steady_clock::time_point handed;                ///< when its contact was handed on
 };
+
+/// As far as `tracked` tells, of the step that takes it at run time `time` (s).
+void note_way_here(const TrackedPose& tracked, double time, TickInput& input);
 
 /// The virtual finger at that step.
 struct VirtualFinger {
@@ -64,6 +73,7 @@ class DeviceLoop {
 
  private:
   void measure(double friction_coefficient, double elapsed);
+  void note_latency(const TickInput& input);
 
   Objective objective_;
   SurfaceRendering rendering_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "softfinger/device/device.hpp"
+#include "softfinger/engine/latency_stages.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
 #include "softfinger/tracking/xr_hand.hpp"
@@ -84,7 +85,10 @@ struct Snapshot {
     double contact_area = 0.0;    ///< m^2
     double deviation = 0.0;       ///< E of the last match, m^2
     Configuration configuration;  ///< commanded q
+    Configuration actual;         ///< q where the servos say they are; empty: they do not
     JointAngles joints;           ///< commanded; rad, or m for linear ones
+    std::int64_t tick = -1;       ///< of the commanded q; -1: none yet
+    StageTimes stages;            ///< of that tick
     Pose X_FP;                    ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
     std::vector<Eigen::Vector3f> linkage_F;

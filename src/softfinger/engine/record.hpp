@@ -7,6 +7,7 @@
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/device/configuration.hpp"
+#include "softfinger/engine/latency_stages.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/tracking/tracker.hpp"
 #include "softfinger/twin/travel_offset.hpp"
@@ -98,6 +99,7 @@ struct TickRecord {
   // Not compared.
   double cpu_time = 0.0;  ///< s, of the match, device thread
   double latency = 0.0;   ///< s, arrival of the pose to the formed command
+  StageTimes stages;      ///< send and servo: of the newest command that was sent; not recorded
 };
 
 /// Sum over everything of a tick that a replay must reproduce.

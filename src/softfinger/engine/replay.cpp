@@ -61,12 +61,14 @@ class Replayer {
     if (!finger.device) return "device tick";
     finger.device->replay_reading(recorded.reading);
     const FingerSimulation& simulation = finger.loop->simulation();
+    const auto now = std::chrono::steady_clock::now();
     const TickRecord& tick = finger.device->tick(
         {.step = recorded.step,
          .time = recorded.time,
          .tracked = recorded.tracked,
          .emergency = recorded.emergency,
-         .arrival = std::chrono::steady_clock::now()},
+         .taken = now,
+         .handed = now},
         {finger.loop->contact(), simulation.positions(), simulation.bone_pose()});
     finger.tick_hashes[tick.tick] = tick.hash;
     return first_difference(recorded, tick);

@@ -39,6 +39,7 @@ void FingerSummary::add(const StepRecord& step) {
 void FingerSummary::add(const TickRecord& tick) {
   match_cpu_time.add(tick.cpu_time);
   latency.add(tick.latency);
+  stages.add(tick.stages);
 }
 
 void FingerSummary::merge(const FingerSummary& other) {
@@ -46,6 +47,7 @@ void FingerSummary::merge(const FingerSummary& other) {
   step_wall_time.merge(other.step_wall_time);
   match_cpu_time.merge(other.match_cpu_time);
   latency.merge(other.latency);
+  stages.merge(other.stages);
   pose_age.merge(other.pose_age);
   iterations.merge(other.iterations);
   unconverged_steps += other.unconverged_steps;

@@ -38,6 +38,7 @@ struct FingerSummary {
   Histogram step_wall_time;  ///< s
   Histogram match_cpu_time;  ///< s, device thread
   Histogram latency;         ///< s, arrival of the pose used by the step to the formed command
+  StageHistograms stages;    ///< s
   Histogram pose_age;        ///< s, age of the pose used at the end of the step
   CountHistogram iterations;
   std::uint64_t unconverged_steps = 0;

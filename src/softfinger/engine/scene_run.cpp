@@ -116,7 +116,7 @@ struct SceneRun::Finger {
   std::uint64_t known_tick_hash = 0;
   double known_match_time = 0.0;
   TickInput last_sent{};
-  Clock::time_point arrival;  // of the step's pose
+  Clock::time_point taken;  // the step's pose
   TrackedPose tracked;
   FingerSummary summary;  // simulation thread
 
@@ -276,7 +276,7 @@ void SceneRun::simulate_step(std::int64_t step) {
 }
 
 void SceneRun::step_finger(Finger& finger, std::int64_t step) {
-  finger.arrival = Clock::now();
+  finger.taken = Clock::now();
   finger.tracked = finger.tracker->sample(static_cast<double>(step) / rate_);
   finger.loop.step(step, TrackedInput(finger.tracked));
 }
@@ -285,11 +285,13 @@ void SceneRun::conclude_step(Finger& finger, std::int64_t step) {
   const double time = static_cast<double>(step) / rate_;
   if (finger.device) {
     const bool due = finger.clock.ticks(step);
-    const TickInput input{.step = step,
-                          .time = time,
-                          .tracked = finger.tracked.valid,
-                          .emergency = emergency(),
-                          .arrival = finger.arrival};
+    TickInput input{.step = step,
+                    .time = time,
+                    .tracked = finger.tracked.valid,
+                    .emergency = emergency(),
+                    .taken = finger.taken,
+                    .handed = Clock::now()};
+    note_way_here(finger.tracked, time, input);
     if (mode_ == Mode::kHeadless) {
       if (due) tick_here(finger, input);
     } else {
@@ -341,12 +343,12 @@ void SceneRun::keep_devices_alive() {
     if (!finger->device || finger->last_sent.step == 0) continue;
     const auto period = std::chrono::duration<double>(1.0 / device_rate(finger->device->device()));
     const Clock::time_point now = Clock::now();
-    if (now - finger->last_sent.arrival < period) continue;
-    TickInput input = finger->last_sent;
-    input.step = finger->loop.record().step;
-    input.time = finger->loop.record().time;
-    input.arrival = now;
-    send_to_device(*finger, input);
+    if (now - finger->last_sent.handed < period) continue;
+    send_to_device(*finger, {.step = finger->loop.record().step,
+                             .time = finger->loop.record().time,
+                             .tracked = finger->last_sent.tracked,
+                             .taken = now,
+                             .handed = now});
   }
 }
 

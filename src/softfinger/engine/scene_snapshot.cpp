@@ -55,6 +55,10 @@ void read_device(const DeviceLoop& device, DeviceFeedback& feedback) {
   feedback.X_FP = device.device().surface_pose(q);
   if (!feedback.linkage_F.empty()) device.device().linkage(q, feedback.linkage_F);
   device.device().solid_pieces(q, feedback.pieces);
+  JointAngles joints;
+  const bool known = device.actuator().read_servo_joints(joints) &&
+                     device.device().forward_kinematics(joints, feedback.actual);
+  if (!known) feedback.actual.resize(0);
   feedback.state = device.actuator().state();
 }
 
@@ -149,7 +153,10 @@ void fill(Snapshot::Finger& snapshot, const FingerLoop& loop) {
 void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback) {
   snapshot.deviation = feedback.tick.deviation;
   snapshot.configuration = feedback.tick.command.configuration;
+  snapshot.actual = feedback.actual;
   snapshot.joints = feedback.tick.command.joints;
+  snapshot.tick = feedback.tick.tick;
+  snapshot.stages = feedback.tick.stages;
   snapshot.X_FP = feedback.X_FP;
   const std::size_t points = std::min(snapshot.linkage_F.size(), feedback.linkage_F.size());
   for (std::size_t i = 0; i < points; ++i) {

@@ -16,6 +16,7 @@ struct DeviceFeedback {
   Pose X_FP;                                 ///< surface of the commanded q
   std::vector<Vector3> linkage_F;            ///< m; three points a leg, of the commanded q
   std::vector<SolidPiece> pieces;            ///< of the commanded q
+  Configuration actual;                      ///< q where the servos say they are; empty: unknown
   DeviceState state = DeviceState::kHoming;  ///< on the wire
 };
 

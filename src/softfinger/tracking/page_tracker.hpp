@@ -20,7 +20,12 @@ class PageTracker final : public Tracker {
   [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
 
  private:
-  Mailbox<Pose> offered_;
+  struct Offer {
+    Pose X_WFt;
+    double received = 0.0;  // s, monotonic clock
+  };
+
+  Mailbox<Offer> offered_;
   TrackedPose newest_;
   bool known_ = false;
 };

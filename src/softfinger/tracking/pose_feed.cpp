@@ -22,6 +22,7 @@ TrackedPose PoseFeed::sample(double time, double now) {
   if (fresh && newest.known) {
     sampled_.X_WFt = newest.X_WFt;
     sampled_.time = time - (now - newest.captured);
+    sampled_.arrival = time - (now - newest.received);
   }
   sampled_.valid = newest.valid && now - newest.received <= kLostAfter;
   return sampled_;

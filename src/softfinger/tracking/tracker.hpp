@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -14,7 +15,10 @@ inline constexpr double kLostAfter = 0.2;
 /// known one.
 struct TrackedPose {
   double time = 0.0;  ///< s, on the run's clock: when the pose was true
-  Pose X_WFt;         ///< tracked distal phalanx Ft in the world W
+  /// s, on the run's clock: when it reached this program; NaN: it came from nowhere, the tracker
+  /// has them all.
+  double arrival = std::numeric_limits<double>::quiet_NaN();
+  Pose X_WFt;  ///< tracked distal phalanx Ft in the world W
   bool valid = false;
 };
 

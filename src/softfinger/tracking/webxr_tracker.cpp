@@ -1,5 +1,7 @@
 #include "softfinger/tracking/webxr_tracker.hpp"
 
+#include "softfinger/base/thread_clock.hpp"
+
 namespace softfinger {
 
 WebXrTracker::WebXrTracker(const Pose& start, HandSide side, HandFinger finger)
@@ -11,6 +13,7 @@ void WebXrTracker::offer(const XrHand& hand) noexcept {
   if (hand.side != side_) return;
   Offer& draft = offered_.draft();
   draft.time = hand.time;
+  draft.received = monotonic_time();
   draft.tracked = hand.tracked;
   if (hand.tracked) draft.X_WFt = distal_phalanx_pose(hand, finger_);
   offered_.publish();
@@ -31,6 +34,7 @@ TrackedPose WebXrTracker::sample(double time) {
       if (tracked_) {
         newest_.X_WFt = offer.X_WFt;
         newest_.time = time;
+        newest_.arrival = time - (monotonic_time() - offer.received);
       }
     }
   }

@@ -22,7 +22,8 @@ class WebXrTracker final : public Tracker {
  private:
   struct Offer {
     Pose X_WFt;
-    double time = 0.0;  // s, the headset's
+    double time = 0.0;      // s, the headset's
+    double received = 0.0;  // s, monotonic clock
     bool tracked = false;
   };
 

@@ -78,6 +78,8 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
   out.real(finger.deviation / mm2);
   out.real(finger.slip_ratio);
   out.real(finger.stuck_fraction);
+  out.put(static_cast<std::uint32_t>(finger.tick));
+  for (const double stage : finger.stages.all()) out.real(stage / ms);
 
   const std::size_t samples = sample_count(finger.skin);
   const std::size_t twin_samples = finger.twin.pressed ? sample_count(finger.twin.skin) : 0;
@@ -87,12 +89,15 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
   out.count(finger.linkage_F.size());
   out.count(finger.pieces.size());
   out.count(twin_samples);
+  out.count(static_cast<std::size_t>(finger.actual.size()));
   out.text(std::string_view(finger.device_state).substr(0, 15), 16);
 
   write_skin(finger.skin, samples, out);
-  for (Eigen::Index i = 0; i < finger.configuration.size(); ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    out.real(finger.configuration[i] / (index < names.size() ? unit_scale(names[index]) : 1.0));
+  for (const Configuration* q : {&finger.configuration, &finger.actual}) {
+    for (Eigen::Index i = 0; i < q->size(); ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      out.real((*q)[i] / (index < names.size() ? unit_scale(names[index]) : 1.0));
+    }
   }
   for (const double joint : finger.joints) {
     out.real(joint / (description.linear_joints ? mm : deg));

@@ -8,14 +8,14 @@
 
 namespace softfinger {
 
-inline constexpr std::uint32_t kSnapshotMagic = 0x33534653;  ///< "SFS3"
+inline constexpr std::uint32_t kSnapshotMagic = 0x34534653;  ///< "SFS4"
 
 /// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
 /// configuration; it must be the one of the snapshot's generation.
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
-///     u32 magic "SFS3"        u32 generation (low bits)
+///     u32 magic "SFS4"        u32 generation (low bits)
 ///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
@@ -25,11 +25,14 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x33534653;  ///< "SFS3"
 ///       pose X_WFt, pose X_WF, pose X_FP
 ///       f32 normal_force_N    f32 tangential_force_N    f32 contact_area_mm2   f32 deviation_mm2
 ///       f32 slip_ratio        f32 stuck_fraction
+///       u32 tick (low bits)   f32 stages_ms[6] of that tick, see LatencyStage; NaN: unknown
 ///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
 ///       u32 pieces k          u32 samples t of the twin; 0: not pressed
+///       u32 actual a: m, or 0 where the servos do not say where they are
 ///       16 bytes device_state, zero-padded
 ///       f32 positions_mm[3 n] in F    f32 pressures_kPa[n]    u8 in_contact[n], zero-padded to 4
-///       f32 configuration[m] in the unit of its name    f32 joints[j] in the scene's joint_unit
+///       f32 configuration[m], f32 actual[a] in the units of their names
+///       f32 joints[j] in the scene's joint_unit
 ///       f32 linkage_mm[3 l] in F
 ///       f32 pieces[8 k]: pose X_FS, radius_mm of a ball, else 0
 ///       where t > 0, NaN for what is not defined:

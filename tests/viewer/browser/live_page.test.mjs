@@ -105,6 +105,17 @@ test("the workspace shows where the device is", async () => {
   assert.ok(teal > 100, `${teal} teal pixels`);
 });
 
+test("latency by stage is behind the title of the computing times", { skip: isFake }, async () => {
+  await page.evaluate(() => document.querySelector("#plot-step .turn").click());
+  await page.waitForFunction(() =>
+    document.getElementById("plot-step").dataset.stages === "step match send servo");
+  await page.waitForTimeout(300);
+  const { colored } = countColors(await picture("#plot-step .stages"));
+  assert.ok(colored > 100, `${colored} coloured pixels`);
+  await page.evaluate(() => document.querySelector("#plot-step .turn").click());
+  assert.ok(await page.locator("#plot-step .plot-box").isVisible());
+});
+
 test("restart begins again", async () => {
   await page.waitForFunction(() => Number(document.body.dataset.time) > 1);
   const generation = Number(await data("generation"));

@@ -1,5 +1,6 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { LatencyView } from "./latency_view";
 import { palette } from "./palette";
 import type { FingerDescription, FingerSnapshot, Snapshot, Twin } from "./wire";
 
@@ -13,6 +14,7 @@ interface Curve {
   digits: number;
   scale?: "right";
   filled?: boolean;
+  dashed?: boolean; // and without a value of its own in the header
   value(finger: FingerSnapshot, snapshot: Snapshot): number;
 }
 interface PlotDescription {
@@ -27,6 +29,7 @@ interface PlotDescription {
 }
 
 const q = (index: number) => (finger: FingerSnapshot) => finger.configuration[index] ?? 0;
+const actual = (index: number) => (finger: FingerSnapshot) => finger.actual[index] ?? NaN;
 
 const kCurveColors = [palette.pitch, palette.roll, palette.travel];
 const kMostAxes = 6; // more are told by their extremes
@@ -47,12 +50,13 @@ function configurationPlot({ configuration_names: names, workspace }: FingerDesc
   const told = [workspace.pitch_axis, workspace.roll_axis, workspace.travel_axis].filter((k) => k >= 0);
   const axes = told.length > 0 ? told : names.slice(0, 3).map((_, k) => k);
   const hasAngles = axes.some((k) => names[k]!.endsWith("_deg"));
-  const curves = axes.map((k, i): Curve => {
+  const curves = axes.flatMap((k, i): Curve[] => {
     const [, label, unit] = /^(.*?)_(deg|mm)$/.exec(names[k]!) ?? [names[k], names[k], ""];
-    return {
+    const commanded: Curve = {
       label: label!, unit: unit === "deg" ? "°" : unit!, color: kCurveColors[i]!,
       digits: unit === "deg" ? 1 : 2, scale: hasAngles && unit === "mm" ? "right" : undefined, value: q(k),
     };
+    return [commanded, { ...commanded, dashed: true, value: actual(k) }];
   });
   return hasAngles
     ? { ...plot, curves, range: [-6, 6], rightRange: [0, 4] } : { ...plot, curves, range: [0, 1] };
@@ -95,7 +99,8 @@ function loopPlots(finger: FingerDescription): PlotDescription[] {
   ];
 }
 
-const kMeasureMeanings: Record<string, string> = {
+const kMeanings: Record<string, string> = {
+  configuration: "As commanded; dashed, where the servos say they are",
   iou: "Area that both contacts have in common over the area that either has",
   centroid: "Shift between the centroids of the normal force",
   angle: "Angle between the mean normals",
@@ -119,6 +124,7 @@ function measurePlots(): PlotDescription[] {
 /** The live plots: the loop's in a strip below the views, the twin's measures beside them. */
 export class Plots {
   private plots: LivePlot[] = [];
+  private latency: LatencyView | null = null;
   private finger = 0; // of the scene's
 
   constructor(private readonly strip: HTMLElement, private readonly measures: HTMLElement) {}
@@ -130,21 +136,26 @@ export class Plots {
     this.finger = number;
     if (!finger) return;
     this.plots = loopPlots(finger).map((d) => new LivePlot(this.strip, d));
+    const last = this.plots[this.plots.length - 1]!;
+    this.latency = finger.device_kind ? new LatencyView(last.element) : null;
     if (finger.twin) this.plots.push(...measurePlots().map((d) => new LivePlot(this.measures, d)));
   }
   add(snapshot: Snapshot): void {
     const finger = snapshot.fingers[this.finger];
-    if (finger) for (const plot of this.plots) plot.add(finger, snapshot);
+    if (!finger) return;
+    for (const plot of this.plots) plot.add(finger, snapshot);
+    this.latency?.add(finger);
   }
   draw(): void {
     for (const plot of this.plots) plot.draw();
+    this.latency?.draw();
   }
 }
 
 class LivePlot {
-  private readonly element = document.createElement("article");
+  readonly element = document.createElement("article");
   private readonly box = document.createElement("div");
-  private readonly values: HTMLElement[] = [];
+  private readonly values: (HTMLElement | null)[] = []; // null: has none
   private readonly data: (number | null)[][];
   private readonly plot: uPlot;
   private readonly observer: ResizeObserver;
@@ -152,8 +163,8 @@ class LivePlot {
 
   constructor(parent: HTMLElement, private readonly description: PlotDescription) {
     this.data = [[], ...description.curves.map(() => [])];
-    this.element.className = description.small ? "plot small"
-      : description.curves.length > 2 ? "plot many" : "plot";
+    const told = description.curves.filter((curve) => !curve.dashed);
+    this.element.className = description.small ? "plot small" : told.length > 2 ? "plot many" : "plot";
     this.element.id = `plot-${description.id}`;
     this.element.append(this.makeHeader(), this.box);
     this.box.className = "plot-box";
@@ -189,7 +200,8 @@ class LivePlot {
     this.description.curves.forEach((curve, i) => {
       const column = this.data[i + 1]!;
       const text = column[column.length - 1]?.toFixed(curve.digits) ?? "–";
-      this.values[i]!.textContent = /^-0\.?0*$/.test(text) ? text.slice(1) : text;
+      const shown = this.values[i];
+      if (shown) shown.textContent = /^-0\.?0*$/.test(text) ? text.slice(1) : text;
     });
     this.element.dataset.points = String(this.data[0]!.length);
     this.element.dataset.last = String(this.data[0]![this.data[0]!.length - 1]);
@@ -200,8 +212,12 @@ class LivePlot {
     const title = document.createElement("h2");
     title.textContent = this.description.title;
     header.append(title);
-    header.title = kMeasureMeanings[this.description.id] ?? "";
+    header.title = kMeanings[this.description.id] ?? "";
     for (const curve of this.description.curves) {
+      if (curve.dashed) {
+        this.values.push(null);
+        continue;
+      }
       const item = document.createElement("span");
       item.className = "value";
       const key = document.createElement("i");
@@ -252,7 +268,8 @@ class LivePlot {
         {},
         ...this.description.curves.map((curve): uPlot.Series => ({
           scale: curve.scale === "right" && hasRight ? "right" : "y",
-          stroke: curve.color, width: 1.75, points: { show: false },
+          stroke: curve.color, width: curve.dashed ? 1.25 : 1.75, points: { show: false },
+          dash: curve.dashed ? [4, 3] : undefined,
           fill: curve.filled ? `${curve.color}26` : undefined,
         })),
       ],

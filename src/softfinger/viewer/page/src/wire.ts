@@ -76,6 +76,9 @@ export interface Twin extends Skin {
   press_ms: number;
 }
 
+/** The way from a finger to the servos. */
+export const kStages = ["exposure", "arrival", "step", "match", "send", "servo"] as const;
+
 export interface FingerSnapshot extends Skin {
   X_WFt: PoseArray;
   X_WF: PoseArray;
@@ -86,8 +89,11 @@ export interface FingerSnapshot extends Skin {
   deviation_mm2: number;
   slip_ratio: number;
   stuck_fraction: number; // of the contact area
+  tick: number; // of the device
+  stages_ms: Float32Array; // of that tick, one each of kStages; NaN: unknown
   device_state: string;
   configuration: Float32Array; // in the units of configuration_names
+  actual: Float32Array; // the same as the servos say; empty: they do not
   joint_values: Float32Array; // in joint_unit
   linkage_mm: Float32Array; // in F; base joint, knee, platform joint of each leg
   pieces: Float32Array; // eight a piece: pose in F, radius_mm of a ball
@@ -109,7 +115,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x33534653;
+const kMagic = 0x34534653;
 
 /** Reads a binary frame; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
@@ -161,18 +167,22 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const deviation_mm2 = f32();
     const slip_ratio = f32();
     const stuck_fraction = f32();
+    const tick = u32();
+    const stages_ms = floats(kStages.length);
     const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
+    const known = u32();
     const device_state = new TextDecoder().decode(bytes(16)).replace(/\0+$/, "");
     const touched = skin(samples);
     const configuration = floats(dofs);
+    const actual = floats(known);
     const joint_values = floats(joints);
     const linkage_mm = floats(3 * points);
     const pieces = floats(8 * count);
     const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
     return {
       X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
-      slip_ratio, stuck_fraction, device_state, ...touched, configuration, joint_values, linkage_mm,
-      pieces, twin,
+      slip_ratio, stuck_fraction, tick, stages_ms, device_state, ...touched, configuration, actual,
+      joint_values, linkage_mm, pieces, twin,
     };
   };
   return {
