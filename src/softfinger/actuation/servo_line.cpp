@@ -214,8 +214,10 @@ bool ServoLine::tick(TimePoint now) {
 
   // Elapsed wall time bounds the motion, and never more than one tick of it.
   const double dt = to_seconds(std::min(now - last_sent_, period_));
-  if (now >= homing_until_ && unheard_ <= kMostUnheard)
+  // Away from the finger it goes even where nobody answers.
+  if (now >= homing_until_ && (retracting || unheard_ <= kMostUnheard)) {
     guard_.step(retracting ? device_->retracted() : wanted.q, dt);
+  }
 
   last_sent_ = now;
   if (bus_->write(guard_.targets())) {
