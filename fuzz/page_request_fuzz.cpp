@@ -1,12 +1,13 @@
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "softfinger/viewer/page_request.hpp"
 
-// Whatever a page asks: it is refused, or names a scene that there is, or has a pose that is finite, rigid and
-// within a metre.
+// Whatever a page asks: it is refused, or names a scene that there is, or has a pose that is
+// finite, rigid and within a metre, or lengths that are a finger's and a table's.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   static const std::array<std::string, 2> kScenes = {"sphere", "edge"};
@@ -20,5 +21,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Matrix3& R = request->X_WFt.rotation;
   const bool rigid = (R.transpose() * R - Matrix3::Identity()).norm() < 1e-9;
   if (!rigid || !(request->X_WFt.translation.cwiseAbs().maxCoeff() <= 1.0)) __builtin_trap();
+  for (const auto& size :
+       {request->measured.length, request->measured.breadth, request->measured.depth}) {
+    if (size && !(*size > 0.0 && *size < 1.0)) __builtin_trap();
+  }
+  if (request->table_height && !(std::abs(*request->table_height) < 10.0)) __builtin_trap();
   return 0;
 }

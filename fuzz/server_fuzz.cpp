@@ -71,7 +71,8 @@ std::string answer_to(std::string_view bytes, std::uint16_t port) {
 
 }  // namespace
 
-// Whatever a client sends, HTTP or WebSocket frames after it: the server goes on and serves the next visitor.
+// Whatever a client sends, HTTP or WebSocket frames after it: the server goes on and serves the
+// next visitor.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static EmptyFeed feed;
   static constexpr std::array<PageFile, 1> kPage = {{{"/index.html", "text/html", "softfinger"}}};
@@ -86,8 +87,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   (void)answer_to(bytes, server.port());
   if (++visits % kVisitorsEvery == 0) {
-    const std::string page =
-        answer_to("GET / HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n", server.port());
+    const std::string page = answer_to(
+        "GET / HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n", server.port());
     if (!page.starts_with("HTTP/1.1 200") || !page.ends_with("softfinger")) __builtin_trap();
   }
   return 0;

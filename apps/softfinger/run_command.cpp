@@ -114,6 +114,7 @@ void run(RunFlags flags) {
   if (flags.predict_ms) flags.options.conditioning.lead = *flags.predict_ms * ms;
   if (!flags.wearer.empty()) flags.options.wearer = flags.wearer;
   if (!flags.person.empty()) flags.options.person = flags.person;
+  flags.options.person_may_be_new = !flags.headless;  // the page may register a finger
   flags.options.twin = !flags.no_twin;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
   flags.options.guard_program = guard_program();

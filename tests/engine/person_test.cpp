@@ -50,8 +50,8 @@ TEST_F(PersonFile, ComesBackAsItWasSaved) {
   save_person(person);
   const Person read = load_person(file_);
   ASSERT_EQ(read.fingers.size(), 2U);
-  EXPECT_TRUE(read.find("index")->X_BodyFt->translation.isApprox(X_BodyFt.translation, 1e-9));
-  EXPECT_TRUE(read.find("index")->X_BodyFt->rotation.isApprox(X_BodyFt.rotation, 1e-9));
+  EXPECT_TRUE(read.find("index")->X_BodyFt->translation.isApprox(X_BodyFt.translation, 1e-6));
+  EXPECT_TRUE(read.find("index")->X_BodyFt->rotation.isApprox(X_BodyFt.rotation, 1e-6));
   EXPECT_FALSE(read.find("index")->size.length);
   EXPECT_DOUBLE_EQ(read.find("thumb")->size.breadth.value(), 21.7 * mm);
   EXPECT_FALSE(read.find("thumb")->X_BodyFt);

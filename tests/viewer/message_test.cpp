@@ -68,6 +68,37 @@ TEST(PageRequest, RefusesPosesThatAreNone) {
   EXPECT_TRUE(refused("0", somewhere, upright, R"(,"more":1)"));
 }
 
+TEST(PageRequest, ReadsARegistration) {
+  const auto plain = parse_page_request(R"({"request":"register","finger":2})", kScenes);
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->kind, LiveRequest::Kind::kRegister);
+  EXPECT_EQ(plain->finger, 2U);
+  EXPECT_FALSE(plain->measured.length || plain->measured.breadth || plain->measured.depth ||
+               plain->table_height);
+  const auto full = parse_page_request(
+      R"({"request":"register","finger":0,"length_mm":25,"breadth_mm":16.5,"table_mm":-40})",
+      kScenes);
+  ASSERT_TRUE(full);
+  EXPECT_DOUBLE_EQ(full->measured.length.value(), 25 * mm);
+  EXPECT_DOUBLE_EQ(full->measured.breadth.value(), 16.5 * mm);
+  EXPECT_FALSE(full->measured.depth);
+  EXPECT_DOUBLE_EQ(full->table_height.value(), -40 * mm);
+  EXPECT_EQ(parse_page_request(R"({"request":"cancel_registration"})", kScenes)->kind,
+            LiveRequest::Kind::kCancelRegistration);
+}
+
+TEST(PageRequest, RefusesRegistrationsThatAreNone) {
+  for (const char* more :
+       {"", R"(,"finger":-1)", R"(,"finger":64)", R"(,"finger":0,"breadth_mm":0)",
+        R"(,"finger":0,"breadth_mm":501)", R"(,"finger":0,"breadth_mm":"16")",
+        R"(,"finger":0,"breadth_mm":null)", R"(,"finger":0,"table_mm":5001)",
+        R"(,"finger":0,"table_mm":1e999)", R"(,"finger":0,"person":"/etc/passwd")"}) {
+    EXPECT_FALSE(parse_page_request(R"({"request":"register")" + std::string(more) + "}", kScenes))
+        << more;
+  }
+  EXPECT_FALSE(parse_page_request(R"({"request":"cancel_registration","finger":0})", kScenes));
+}
+
 TEST(PageRequest, RefusesEverythingElse) {
   for (const char* message :
        {"", "pause", "{}", "[]", "null", R"("pause")", R"({"request":"fly"})", R"({"request":1})",

@@ -170,6 +170,23 @@ TEST_F(ServerTest, RequestsReachTheFeed) {
   EXPECT_EQ(requests[1].scene, "edge");
 }
 
+TEST_F(ServerTest, RegistrationIsToldToEveryPageOnceItIsAskedFor) {
+  RawClient client(server.port());
+  ASSERT_EQ(client.open_web_socket().status, 101);
+  ASSERT_TRUE(client.read_frame(2));
+  client.send_frame(1, R"({"request":"register","finger":0})");
+  const auto running = client.read_frame(1);
+  ASSERT_TRUE(running);
+  EXPECT_NE(running->payload.find(R"("state":"running")"), std::string::npos) << running->payload;
+  EXPECT_NE(running->payload.find(R"("posture":"left side")"), std::string::npos);
+  RawClient late(server.port());
+  ASSERT_EQ(late.open_web_socket().status, 101);
+  ASSERT_TRUE(late.read_frame(1));  // the scene
+  EXPECT_EQ(late.read_frame(1)->payload, running->payload);
+  client.send_frame(1, R"({"request":"cancel_registration"})");
+  EXPECT_NE(late.read_frame(1)->payload.find(R"("state":"idle")"), std::string::npos);
+}
+
 TEST_F(ServerTest, OnePageMovesFingersAtATime) {
   const auto pose = [](int z) {
     return R"({"request":"pose","finger":0,"position_mm":[0,0,)" + std::to_string(z) +

@@ -284,9 +284,22 @@ void SyntheticFeed::request(const LiveRequest& request) {
     case LiveRequest::Kind::kScene:
       start_scene(request.scene);
       break;
+    case LiveRequest::Kind::kRegister:
+      registration_ = {.phase = RegistrationState::Phase::kRunning,
+                       .finger = request.finger,
+                       .held = 1,
+                       .postures = 5,
+                       .wanted = "left side",
+                       .progress = 0.5,
+                       .message = ""};
+      break;
+    case LiveRequest::Kind::kCancelRegistration:
+      registration_ = {};
+      break;
     case LiveRequest::Kind::kEmergencyStop:
     case LiveRequest::Kind::kRelease:
     case LiveRequest::Kind::kPose:
+    case LiveRequest::Kind::kReload:
       break;  // it bobs by itself
   }
 }

@@ -23,6 +23,7 @@ class SyntheticFeed : public LiveFeed {
   void request(const LiveRequest& request) override;
 
   void offer_hand(const XrHand& hand) override;
+  const RegistrationState& registration() const override { return registration_; }
 
   /// Hands received so far.
   [[nodiscard]] std::vector<XrHand> hands() const;
@@ -39,6 +40,7 @@ class SyntheticFeed : public LiveFeed {
   mutable std::mutex mutex_;
   std::vector<LiveRequest> requests_;
   std::vector<XrHand> hands_;
+  RegistrationState registration_;  ///< runs, at its second posture, since one was asked for
 };
 
 }  // namespace softfinger

@@ -3,11 +3,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "softfinger/device/device.hpp"
 #include "softfinger/engine/latency_stages.hpp"
+#include "softfinger/finger/finger_size.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
 #include "softfinger/tracking/xr_hand.hpp"
@@ -41,7 +44,8 @@ struct SceneDescription {
     bool in_headset = false;  ///< its tracker is "webxr": it follows this of a hand
     HandSide hand_side = HandSide::kRight;
     HandFinger hand_finger = HandFinger::kIndex;
-    Pose X_WFt_start;  ///< where it is before anybody moves it
+    bool registrable = false;  ///< what its tracker follows can be registered, for a person
+    Pose X_WFt_start;          ///< where it is before anybody moves it
   };
   std::uint64_t generation = 0;          ///< grows with each scene or restart
   std::string scene_name;                ///< file stem, e.g. "sphere"
@@ -76,6 +80,8 @@ struct Snapshot {
   };
   struct Finger {
     Pose X_WFt;                     ///< tracked
+    bool tracked = false;           ///< else X_WFt is the last known
+    double tracked_time = 0.0;      ///< s, when X_WFt was true
     Pose X_WF;                      ///< simulated
     Skin skin;                      ///< virtual
     double normal_force = 0.0;      ///< N
@@ -111,11 +117,36 @@ struct Snapshot {
 
 /// What the page may ask of a live run.
 struct LiveRequest {
-  enum class Kind { kPause, kResume, kRestart, kScene, kPose, kEmergencyStop, kRelease };
+  enum class Kind {
+    kPause,
+    kResume,
+    kRestart,
+    kScene,
+    kPose,
+    kEmergencyStop,
+    kRelease,
+    kRegister,
+    kCancelRegistration,
+    kReload,  ///< not of the page: the person's file has changed
+  };
   Kind kind = Kind::kPause;
-  std::string scene;       ///< for kScene: one of SceneDescription::scene_names
-  std::size_t finger = 0;  ///< for kPose: which of the scene's
-  Pose X_WFt;              ///< for kPose: where the person wants it
+  std::string scene;                   ///< for kScene: one of SceneDescription::scene_names
+  std::size_t finger = 0;              ///< for kPose, kRegister: which of the scene's
+  Pose X_WFt;                          ///< for kPose: where the person wants it
+  FingerSize measured;                 ///< for kRegister
+  std::optional<double> table_height;  ///< for kRegister: z of W, m
+};
+
+/// A registration that the page asked for.
+struct RegistrationState {
+  enum class Phase { kIdle, kRunning, kSaved, kRefused };
+  Phase phase = Phase::kIdle;
+  std::size_t finger = 0;    ///< which of the scene's
+  std::size_t held = 0;      ///< postures that were held
+  std::size_t postures = 0;  ///< that there are
+  std::string_view wanted;   ///< name of the posture to hold now
+  double progress = 0.0;     ///< of holding it, 0 to 1
+  std::string message;       ///< what was found, or why nothing was saved
 };
 
 /// The live loop as the viewer sees it. Called from the viewer's one thread; never blocks the loop.
@@ -130,6 +161,11 @@ class LiveFeed {
   virtual void request(const LiveRequest& request) = 0;
   /// A hand that a headset sees, for the fingers that follow it.
   virtual void offer_hand(const XrHand& hand) = 0;
+  /// Idle for ever where none is offered.
+  [[nodiscard]] virtual const RegistrationState& registration() const {
+    static const RegistrationState kIdle;
+    return kIdle;
+  }
 };
 
 }  // namespace softfinger

@@ -131,10 +131,15 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& ob
           case LiveRequest::Kind::kScene:
             next = other_scene(request.scene, observer);
             break;
+          case LiveRequest::Kind::kReload:
+            next = load(setup_->scene.file, observer);
+            break;
           case LiveRequest::Kind::kPose:
           case LiveRequest::Kind::kEmergencyStop:
           case LiveRequest::Kind::kRelease:
-            break;  // went straight to the run
+          case LiveRequest::Kind::kRegister:
+          case LiveRequest::Kind::kCancelRegistration:
+            break;  // went straight to the run, or to the registration
         }
       }
       if (next) run_->stop();
@@ -156,8 +161,13 @@ std::shared_ptr<const RunSetup> LiveSession::other_scene(const std::string& name
   if (std::find(scene_names_.begin(), scene_names_.end(), name) == scene_names_.end()) {
     return nullptr;
   }
+  return load(options_.scene.parent_path() / (name + ".toml"), observer);
+}
+
+std::shared_ptr<const RunSetup> LiveSession::load(const fs::path& scene,
+                                                  const RunObserver& observer) const {
   RunOptions options = options_;
-  options.scene = options_.scene.parent_path() / (name + ".toml");
+  options.scene = scene;
   try {
     return load_setup(options);
   } catch (const InputError& error) {
@@ -178,7 +188,26 @@ bool LiveSession::refresh() {
     changed = viewed_ != run_;
     viewed_ = run_;
   }
-  return viewed_->snapshots().refresh() || changed;
+  const bool fresh = viewed_->snapshots().refresh() || changed;
+  if (fresh && registration_.take(latest())) {
+    LiveRequest reload;
+    reload.kind = LiveRequest::Kind::kReload;
+    request(reload);
+  }
+  return fresh;
+}
+
+const RegistrationState& LiveSession::registration() const { return registration_.state(); }
+
+// Devices retract, and stay so when all is done until somebody releases them: the finger is on a
+// table.
+void LiveSession::begin_registration(const LiveRequest& wanted) {
+  if (!registration_.begin(wanted, viewed_->setup(), latest().generation)) return;
+  LiveRequest plain;
+  plain.kind = LiveRequest::Kind::kEmergencyStop;
+  request(plain);
+  plain.kind = LiveRequest::Kind::kResume;
+  request(plain);
 }
 
 const Snapshot& LiveSession::latest() const { return viewed_->snapshots().latest(); }
@@ -188,6 +217,10 @@ void LiveSession::request(const LiveRequest& request) {
     viewed_->offer_pose(request.finger, request.X_WFt);
     return;
   }
+  if (request.kind == LiveRequest::Kind::kRegister) return begin_registration(request);
+  if (request.kind == LiveRequest::Kind::kCancelRegistration) return registration_.cancel();
+  const bool registering = registration_.state().phase == RegistrationState::Phase::kRunning;
+  if (registering && request.kind == LiveRequest::Kind::kRelease) return;
   const std::lock_guard lock(mutex_);
   if (request.kind == LiveRequest::Kind::kEmergencyStop ||
       request.kind == LiveRequest::Kind::kRelease) {

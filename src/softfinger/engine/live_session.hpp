@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "softfinger/engine/live_feed.hpp"
+#include "softfinger/engine/live_registration.hpp"
 #include "softfinger/engine/scene_run.hpp"
 
 namespace softfinger {
@@ -49,11 +50,15 @@ class LiveSession final : public LiveFeed {
   [[nodiscard]] const Snapshot& latest() const override;
   void request(const LiveRequest& request) override;
   void offer_hand(const XrHand& hand) override;
+  [[nodiscard]] const RegistrationState& registration() const override;
 
  private:
   void begin(std::shared_ptr<const RunSetup> setup);
   bool take_request(LiveRequest& request);
+  void begin_registration(const LiveRequest& request);
   std::shared_ptr<const RunSetup> other_scene(const std::string& name, const RunObserver& observer);
+  std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
+                                       const RunObserver& observer) const;
 
   RunOptions options_;
   bool repeat_;
@@ -70,6 +75,7 @@ class LiveSession final : public LiveFeed {
   bool emergency_ = false;  ///< the page said stop, and has not released it
   // Viewer's thread only: keeps the mailbox alive that latest() points into.
   std::shared_ptr<SceneRun> viewed_;
+  LiveRegistration registration_;
 };
 
 }  // namespace softfinger

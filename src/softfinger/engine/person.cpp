@@ -35,10 +35,9 @@ PersonFinger read_finger(const ConfigTable& table, const std::string& name) {
   return finger;
 }
 
-/// In the unit of a file. Ten digits say more than any measurement, and give a number that was read
-/// back as it stood.
+/// In the unit of a file, to a millionth of it: more than any measurement says.
 std::string number(double value, double unit) {
-  const double rounded = std::round(value / unit * 1e9) / 1e9;
+  const double rounded = std::round(value / unit * 1e6) / 1e6;
   return fmt::format("{:.10g}", rounded == 0.0 ? 0.0 : rounded);
 }
 

@@ -190,6 +190,11 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   return setup;
 }
 
+bool is_registrable(const RunSetup& setup, std::size_t finger) {
+  return setup.person && finger < setup.scene.fingers.size() &&
+         follows_body(setup.scene.fingers[finger]);
+}
+
 double device_rate(const Device& device) {
   const auto& transport = device.settings().transport;
   return transport ? transport->rate : TransportSettings{}.rate;

@@ -75,6 +75,10 @@ struct RunSetup {
 /// The device's ticks per second; 30 for a device file without a transport. Hz.
 [[nodiscard]] double device_rate(const Device& device);
 
+/// Whether a registration of this finger has a person to be of and a tracked body: `script` and
+/// `page` move the finger itself.
+[[nodiscard]] bool is_registrable(const RunSetup& setup, std::size_t finger);
+
 /// What a recording says of this setup; reads the files once more.
 [[nodiscard]] RecordingInfo recording_info(const RunSetup& setup);
 

@@ -61,6 +61,7 @@ class SceneRun {
   void offer_pose(std::size_t finger, const Pose& X_WFt) noexcept;
   /// Live only: a hand for every finger whose tracker is a headset. The same thread.
   void offer_hand(const XrHand& hand) noexcept;
+  [[nodiscard]] const RunSetup& setup() const noexcept { return *setup_; }
   /// Whether the loop has come to its end.
   [[nodiscard]] bool ended() const noexcept { return ended_.load(); }
   /// End of the last finished step, s.

@@ -77,6 +77,7 @@ SceneDescription describe(const RunSetup& setup) {
     finger.in_headset = tracker.kind == TrackerKind::kWebXr;
     finger.hand_side = tracker.hand.side;
     finger.hand_finger = tracker.hand.finger.value_or(HandFinger::kIndex);
+    finger.registrable = is_registrable(setup, i);
     finger.X_WFt_start = start_pose(setup.scene.fingers[i].waypoints);
     for (const int node : model.sample_nodes) {
       finger.skin_rest_positions_F.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
@@ -141,6 +142,8 @@ void fill(Snapshot::Skin& snapshot, const ContactSet& contact) {
 void fill(Snapshot::Finger& snapshot, const FingerLoop& loop) {
   const ContactSet& contact = loop.contact();
   snapshot.X_WFt = loop.record().tracked.X_WFt.pose();
+  snapshot.tracked = loop.record().tracked.valid;
+  snapshot.tracked_time = loop.record().tracked.time;
   snapshot.X_WF = loop.simulation().bone_pose();
   fill(snapshot.skin, contact);
   snapshot.normal_force = contact.normal_force;

@@ -13,6 +13,9 @@ namespace {
 constexpr double kFarthest = 1.0;           // m, of a coordinate
 constexpr double kUnitTolerance = 0.01;     // of a quaternion's length
 constexpr std::uint64_t kMostFingers = 64;  // of any scene
+constexpr double kLeastSize = 1.0;          // mm, of a fingertip, as in a person file
+constexpr double kGreatestSize = 500.0;
+constexpr double kHighestTable = 5000.0;  // mm
 
 /// The `count` finite numbers of `key`; empty where it has anything else.
 template <std::size_t count>
@@ -28,18 +31,47 @@ std::optional<std::array<double, count>> numbers(const nlohmann::json& json, con
   return values;
 }
 
-std::optional<LiveRequest> pose_request(const nlohmann::json& json) {
+std::optional<std::size_t> finger_of(const nlohmann::json& json) {
   const auto finger = json.find("finger");
-  const auto position = numbers<3>(json, "position_mm");
-  const auto q = numbers<4>(json, "quaternion");
-  if (json.size() != 4 || finger == json.end() || !finger->is_number_unsigned() || !position ||
-      !q) {
+  if (finger == json.end() || !finger->is_number_unsigned() ||
+      finger->get<std::uint64_t>() >= kMostFingers) {
     return {};
   }
+  return finger->get<std::size_t>();
+}
+
+std::optional<LiveRequest> register_request(const nlohmann::json& json) {
+  LiveRequest request;
+  request.kind = LiveRequest::Kind::kRegister;
+  const auto finger = finger_of(json);
+  if (!finger) return {};
+  request.finger = *finger;
+  std::size_t known = 2;  // keys
+  bool sound = true;
+  const auto read = [&](const char* key, double least, double most, std::optional<double>& length) {
+    const auto value = json.find(key);
+    if (value == json.end()) return;
+    ++known;
+    const double number = value->is_number() ? value->get<double>() : most + 1.0;
+    sound = sound && number >= least && number <= most;
+    length = number * mm;
+  };
+  read("length_mm", kLeastSize, kGreatestSize, request.measured.length);
+  read("breadth_mm", kLeastSize, kGreatestSize, request.measured.breadth);
+  read("depth_mm", kLeastSize, kGreatestSize, request.measured.depth);
+  read("table_mm", -kHighestTable, kHighestTable, request.table_height);
+  if (!sound || json.size() != known) return {};
+  return request;
+}
+
+std::optional<LiveRequest> pose_request(const nlohmann::json& json) {
+  const auto finger = finger_of(json);
+  const auto position = numbers<3>(json, "position_mm");
+  const auto q = numbers<4>(json, "quaternion");
+  if (json.size() != 4 || !finger || !position || !q) return {};
   LiveRequest request;
   request.kind = LiveRequest::Kind::kPose;
-  if (finger->get<std::uint64_t>() >= kMostFingers) return {};
-  request.finger = finger->get<std::size_t>();
+  request.finger = *finger;
   for (std::size_t k = 0; k < 3; ++k) {
     const double coordinate = (*position)[k] * mm;
     if (std::abs(coordinate) > kFarthest) return {};
@@ -72,6 +104,7 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
     return choice;
   }
   if (word == "pose") return pose_request(json);
+  if (word == "register") return register_request(json);
   if (json.size() != 1) return {};
   LiveRequest plain;
   if (word == "pause") {
@@ -84,6 +117,8 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
     plain.kind = Kind::kEmergencyStop;
   } else if (word == "release") {
     plain.kind = Kind::kRelease;
+  } else if (word == "cancel_registration") {
+    plain.kind = Kind::kCancelRegistration;
   } else {
     return {};
   }

@@ -12,7 +12,9 @@ namespace softfinger {
 /// Reads a message of the page, strictly: {"request": "pause" | "resume" | "restart"},
 /// {"request": "scene", "scene": NAME} with NAME one of `scene_names`, or
 /// {"request": "pose", "finger": INDEX, "position_mm": [x, y, z], "quaternion": [w, x, y, z]} with
-/// X_WFt within a metre of the origin and a quaternion of length 1 within 1 %, and no other key.
+/// X_WFt within a metre of the origin and a quaternion of length 1 within 1 %, or
+/// {"request": "register", "finger": INDEX} with any of "length_mm", "breadth_mm", "depth_mm" (1 to
+/// 500) and "table_mm" (-5000 to 5000), {"request": "cancel_registration"}, and no other key.
 /// Empty where it is anything else.
 [[nodiscard]] std::optional<LiveRequest> parse_page_request(
     std::string_view message, std::span<const std::string> scene_names);

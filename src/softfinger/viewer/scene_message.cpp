@@ -115,6 +115,7 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"workspace", to_json(finger.workspace)},
           {"twin", finger.twin},
           {"moved_here", finger.moved_here},
+          {"registrable", finger.registrable},
           {"headset", headset_json(finger)}};
 }
 

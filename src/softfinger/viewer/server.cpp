@@ -23,6 +23,7 @@
 #include "softfinger/viewer/hand_message.hpp"
 #include "softfinger/viewer/own_address.hpp"
 #include "softfinger/viewer/page_request.hpp"
+#include "softfinger/viewer/registration_message.hpp"
 #include "softfinger/viewer/scene_message.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "softfinger/viewer/snapshot_message.hpp"
@@ -71,8 +72,9 @@ struct Hub {
   /// The one page that moves fingers: the first that did, while it is there.
   const void* mover = nullptr;
   std::shared_ptr<const SceneDescription> description = nullptr;
-  Text scene = nullptr;      ///< message of `description`
-  Bytes snapshot = nullptr;  ///< newest one of that scene, may be null
+  Text scene = nullptr;         ///< message of `description`
+  Bytes snapshot = nullptr;     ///< newest one of that scene, may be null
+  Text registration = nullptr;  ///< null until somebody asks for one
 
   /// `local`: the address that the request came to.
   bool is_foreign(const HttpRequest& request, std::string_view local) const {
@@ -178,6 +180,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
       if (error) return;
       self->open_ = true;
       self->offer_scene();
+      self->offer_registration();
       self->offer_snapshot();
       self->read();
     });
@@ -185,6 +188,10 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void offer_scene() {
     next_scene_ = hub_.scene;
     next_snapshot_ = nullptr;  // of the scene before
+    write();
+  }
+  void offer_registration() {
+    next_registration_ = hub_.registration;
     write();
   }
   void offer_snapshot() {
@@ -199,6 +206,10 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
       scene_in_flight_ = std::exchange(next_scene_, nullptr);
       socket_.text(true);
       send(asio::buffer(*scene_in_flight_));
+    } else if (next_registration_) {
+      registration_in_flight_ = std::exchange(next_registration_, nullptr);
+      socket_.text(true);
+      send(asio::buffer(*registration_in_flight_));
     } else if (next_snapshot_) {
       snapshot_in_flight_ = std::exchange(next_snapshot_, nullptr);
       socket_.binary(true);
@@ -264,6 +275,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   asio::steady_timer pause_;
   beast::flat_buffer buffer_{kMaxRequestBytes};
   Text next_scene_, scene_in_flight_;
+  Text next_registration_, registration_in_flight_;
   Bytes next_snapshot_, snapshot_in_flight_;
   bool open_ = false;
   bool writing_ = false;
@@ -512,6 +524,7 @@ struct Server::Implementation {
       }
     }
     untold = hub.feed.refresh() || untold;
+    tell_registration();
     // A snapshot of another generation waits for its description.
     if (!untold || !hub.description ||
         hub.feed.latest().generation != hub.description->generation) {
@@ -524,6 +537,14 @@ struct Server::Implementation {
     message_size = message->size();
     hub.snapshot = std::move(message);
     for_each_watcher([](WebSocketSession& session) { session.offer_snapshot(); });
+  }
+  void tell_registration() {
+    const RegistrationState& state = hub.feed.registration();
+    if (state.phase == RegistrationState::Phase::kIdle && !hub.registration) return;
+    std::string message = registration_message(state);
+    if (hub.registration && message == *hub.registration) return;
+    hub.registration = std::make_shared<const std::string>(std::move(message));
+    for_each_watcher([](WebSocketSession& session) { session.offer_registration(); });
   }
   template <typename Action>
   void for_each_watcher(const Action& action) {

@@ -1,8 +1,9 @@
-import { readSnapshot, type Request, type Scene, type Snapshot } from "./wire";
+import { readSnapshot, type Registration, type Request, type Scene, type Snapshot } from "./wire";
 
 export interface Listener {
   onScene(scene: Scene): void;
   onSnapshot(snapshot: Snapshot): void;
+  onRegistration(registration: Registration): void;
   onState(state: "connecting" | "live" | "lost"): void;
 }
 
@@ -41,9 +42,10 @@ export class Connection {
 
   private receive(data: string | ArrayBuffer): void {
     if (typeof data === "string") {
-      const scene = JSON.parse(data) as Scene;
-      this.generation = scene.generation;
-      this.listener.onScene(scene);
+      const message = JSON.parse(data) as Scene | Registration;
+      if (message.type === "registration") return this.listener.onRegistration(message);
+      this.generation = message.generation;
+      this.listener.onScene(message);
       return;
     }
     const snapshot = readSnapshot(data);

@@ -10,6 +10,7 @@ import { ObjectView } from "./object_view";
 import { Pad, PatchView } from "./patch_view";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
+import { RegistrationDialog } from "./registration";
 import { Room } from "./room";
 import { Stage, View } from "./stage";
 import { WorkspaceView } from "./workspace_view";
@@ -70,6 +71,7 @@ function begin(next: Scene, finger: number): void {
   hand.begin(next, chosen);
   plots.reset(next.fingers[chosen], chosen);
   panel.showScene(next, chosen);
+  registration.begin(next, chosen);
 }
 
 function show(snapshot: Snapshot): void {
@@ -125,6 +127,7 @@ const panel = new Panel({
 });
 
 const hand = new Hand(virtual, (request) => connection.send(request));
+const registration = new RegistrationDialog((request) => connection.send(request));
 const room = new Room(stage.renderer, virtual);
 const headset = new Headset(room, (message) => connection.sendHand(message));
 const wantsEmulation = new URLSearchParams(location.search).has("emulate-headset");
@@ -140,6 +143,7 @@ const connection = new Connection({
     plots.add(snapshot);
     panel.count(snapshot);
   },
+  onRegistration: (state) => registration.update(state),
   onState: (state) => panel.showConnection(state),
 });
 

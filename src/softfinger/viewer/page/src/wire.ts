@@ -41,6 +41,7 @@ export interface FingerDescription {
   workspace: Workspace;
   twin: boolean;
   moved_here: boolean; // by the page
+  registrable: boolean; // what its tracker follows, for the person whose file was given
   headset: FollowedFinger | null; // null: no headset moves it
 }
 
@@ -52,6 +53,18 @@ export interface Scene {
   duration_s: number;
   objects: { name: string; shape: Shape }[];
   fingers: FingerDescription[];
+}
+
+/** How a registration stands, as JSON (registration_message.cpp). */
+export interface Registration {
+  type: "registration";
+  state: "idle" | "running" | "saved" | "refused";
+  finger: number; // of the scene's
+  held: number; // postures, of so many
+  of: number;
+  posture: string; // to hold now
+  progress: number; // 0 to 1
+  message: string; // what was found, or why nothing was saved
 }
 
 /** Position (mm) and unit quaternion x, y, z, w. */
@@ -201,5 +214,7 @@ export type Request =
   | { request: "restart" }
   | { request: "stop" }
   | { request: "release" }
+  | { request: "register"; finger: number; length_mm?: number; breadth_mm?: number; depth_mm?: number; table_mm?: number }
+  | { request: "cancel_registration" }
   | { request: "scene"; scene: string }
   | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] }; // w, x, y, z

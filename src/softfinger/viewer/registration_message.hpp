@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "softfinger/engine/live_feed.hpp"
+
+namespace softfinger {
+
+/// A registration as the page reads it (page/src/wire.ts), JSON: type "registration", state
+/// ("idle", "running", "saved", "refused"), finger, held, of, posture, progress in twentieths,
+/// message.
+[[nodiscard]] std::string registration_message(const RegistrationState& state);
+
+}  // namespace softfinger
