@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   add_scene_command(app);
   add_replay_command(app);
   add_export_command(app);
+  add_condition_command(app);
   add_emulate_command(app);
   add_help_command(app);
   try {

@@ -41,7 +41,7 @@ TEST(Help, ListsTheCommands) {
   std::set<std::string> names = commands_in(help_of({}));
   names.erase("help");
   EXPECT_EQ(names, (std::set<std::string>{"run", "press", "match", "evaluate", "device", "finger",
-                                          "scene", "replay", "export", "emulate"}));
+                                          "scene", "replay", "export", "condition", "emulate"}));
 }
 
 TEST(Help, EveryCommandListedExists) {

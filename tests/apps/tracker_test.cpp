@@ -153,5 +153,32 @@ TEST(NetworkTrackerCommand, PortInUseAndRunsAsFastAsPossibleAreRefused) {
                   {"udp:70000", "udp:ADDRESS:PORT"});
 }
 
+TEST(ConditionCommand, SaysWhatFilterAndPredictionMakeOfAMotion) {
+  const Workplace place;
+  place.write("press.csv", press_csv());
+  const std::string file = place.path("press.csv");
+  const ProgramRun run = run_program(
+      {"condition", file, "--predict-ms", "0", "--noise-mm", "0", "--noise-deg", "0", "--json"});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  const json report = json::parse(run.output);
+  // A press at 15 mm/s, seen 15 to 23 ms late; then rest.
+  const json& moving = report.at("moving");
+  EXPECT_NEAR(moving.at("time_s").get<double>(), 1.0, 0.05);
+  EXPECT_NEAR(moving.at("before").at("distance_mm").get<double>(), 14.8 * 0.019, 0.03);
+  EXPECT_LT(moving.at("after").at("distance_mm"), moving.at("before").at("distance_mm"));
+  EXPECT_TRUE(report.at("resting").at("after").at("turn_deg").is_number());
+}
+
+TEST(ConditionCommand, RefusesWhatItCannotDo) {
+  const Workplace place;
+  place.write("press.csv", press_csv());
+  const std::string file = place.path("press.csv");
+  expect_one_line(run_program({"condition", file}), {"--filter", "--predict-ms"});
+  expect_one_line(run_program({"condition", file, "--filter", "--rate-Hz", "0"}), {"--rate-Hz 0"});
+  expect_one_line(run_program({"condition", file, "--filter", "--noise-mm", "nan"}),
+                  {"--noise-mm"});
+  expect_one_line(run_program({"condition", place.path("none.csv"), "--filter"}), {"none.csv"});
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <random>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/tracking/conditioning_effect.hpp"
 
 namespace softfinger {
 namespace {
@@ -21,33 +21,23 @@ Pose true_pose(double time) {
           {20 * mm * reach * std::sin(5.0 * moving), 0.0, 5 * mm * reach * std::cos(9.0 * moving)}};
 }
 
-/// It as a camera system sees it: 120 poses a second, 15 ms old when they come, each off by noise.
+/// It as a camera system sees it, and at times does not.
 class NoisyTracker final : public Tracker {
  public:
-  static constexpr double kPeriod = 1.0 / 120.0;
-  static constexpr double kAge = 15 * ms;
-  explicit NoisyTracker(double noise) : noise_(noise) {}
+  explicit NoisyTracker(double noise)
+      : seen_(true_pose, {.noise = noise, .turn_noise = 0.0, .seed = 3}) {}
 
   TrackedPose sample(double time) override {
-    const double taken = std::floor((time - kAge) / kPeriod) * kPeriod;
-    if (taken < 0.0) return {};
-    if (!pose_.valid || taken > pose_.time) {
-      std::normal_distribution<double> error(0.0, noise_);
-      pose_ = {.time = taken, .X_WFt = true_pose(taken), .valid = true};
-      for (int k = 0; k < 3; ++k) pose_.X_WFt.translation[k] += error(random_);
-    }
-    TrackedPose seen = pose_;
-    seen.valid = time < lost_from || time > lost_to;
-    return seen;
+    TrackedPose pose = seen_.sample(time);
+    pose.valid = pose.valid && (time < lost_from || time > lost_to);
+    return pose;
   }
   std::optional<double> end_time() const override { return std::nullopt; }
 
   double lost_from = 1e9, lost_to = 1e9;
 
  private:
-  double noise_;
-  TrackedPose pose_;
-  std::mt19937 random_{3};
+  DegradedTracker seen_;
 };
 
 /// Root of the mean squared distance, m, and turn, rad, from the truth over [from, to] of run time.
@@ -98,8 +88,8 @@ TEST(ConditionedTracker, FilterStillsAFingerAtRestAndFollowsOneThatMoves) {
   const double smooth = error_of(moving, 2.0, 5.0).distance;
   std::cout << "at rest " << before / mm << " -> " << after / mm << " mm; moving " << raw / mm
             << " -> " << smooth / mm << " mm\n";
-  EXPECT_LT(after, 0.5 * before);
-  EXPECT_LT(smooth, 1.8 * raw);  // its own lag, on top of the poses' age
+  EXPECT_LT(after, 0.6 * before);
+  EXPECT_LT(smooth, 1.2 * raw);  // its own lag, on top of the poses' age
 }
 
 TEST(ConditionedTracker, PredictionTakesOffMostOfTheAge) {
@@ -121,6 +111,28 @@ TEST(ConditionedTracker, LeadIsTimeAhead) {
   ConditionedTracker tracker = conditioned(0.0, {.lead = 20 * ms});
   EXPECT_LT(error_of(tracker, 2.0, 5.0, 20 * ms).distance,
             0.5 * error_of(plain, 2.0, 5.0, 20 * ms).distance);
+}
+
+TEST(ConditioningEffect, IsWhatTheTrackersThemselvesShow) {
+  const PoseConditioning conditioning{.filter = OneEuroSettings{}};
+  const TrackingQuality quality{.noise = 0.1 * mm, .turn_noise = 0.0, .seed = 3};
+  const ConditioningEffect effect = conditioning_effect(true_pose, 5.0, quality, conditioning);
+  // It begins when the first pose has come, and the last moments of rest are already a start.
+  EXPECT_NEAR(effect.resting.time, 1.0, 0.15);
+  EXPECT_NEAR(effect.resting.time + effect.moving.time, 5.0, 0.05);
+  NoisyTracker plain(0.1 * mm);
+  ConditionedTracker filtered = conditioned(0.1 * mm, conditioning);
+  const double from = 5.0 - effect.moving.time;
+  EXPECT_NEAR(effect.moving.before.distance, error_of(plain, from, 5.0).distance, 0.02 * mm);
+  EXPECT_NEAR(effect.moving.after.distance, error_of(filtered, from, 5.0).distance, 0.05 * mm);
+}
+
+TEST(ConditioningEffect, WithoutNoiseAndAgeThereIsNothingToMend) {
+  const TrackingQuality perfect{.rate = 1000.0, .age = 0.0, .noise = 0.0, .turn_noise = 0.0};
+  const ConditioningEffect effect = conditioning_effect(true_pose, 3.0, perfect, {.lead = 0.0});
+  EXPECT_LT(effect.moving.before.distance, 0.11 * mm);  // 0.1 m/s for a millisecond at most
+  EXPECT_LT(effect.moving.after.distance, 0.11 * mm);
+  EXPECT_LT(effect.resting.before.turn, 1e-12);
 }
 
 TEST(ConditionedTracker, NothingIsCarriedFar) {

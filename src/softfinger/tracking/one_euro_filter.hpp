@@ -6,10 +6,10 @@ namespace softfinger {
 
 /// Of a OneEuroFilter: low cutoffs still what trembles, high ones lag less.
 struct OneEuroSettings {
-  double min_cutoff = 2.0;     ///< at rest, Hz; above 0
-  double per_speed = 100.0;    ///< what a metre a second adds, Hz s/m; at least 0
-  double per_turn_rate = 1.0;  ///< what a radian a second adds, Hz s/rad; at least 0
-  double speed_cutoff = 5.0;   ///< of the speed itself, Hz; above 0
+  double min_cutoff = 4.0;      ///< at rest, Hz; above 0
+  double per_speed = 1000.0;    ///< what a metre a second adds, Hz s/m; at least 0
+  double per_turn_rate = 20.0;  ///< what a radian a second adds, Hz s/rad; at least 0
+  double speed_cutoff = 5.0;    ///< of the speed itself, Hz; above 0
 };
 
 /// Smooths a noisy pose by a low-pass filter that opens with speed: little jitter at rest, little

@@ -1,0 +1,101 @@
+#include <fmt/core.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "commands.hpp"
+#include "pose_source.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/tracking/conditioning_effect.hpp"
+
+namespace {
+
+using namespace softfinger;
+using Json = nlohmann::ordered_json;
+
+struct ConditionFlags {
+  std::string file, finger;
+  double rate_Hz = 120.0;
+  double age_ms = 15.0;
+  double noise_mm = 0.1;
+  double noise_deg = 0.2;
+  bool filter = false;
+  std::optional<double> predict_ms;
+  bool json = false;
+};
+
+void check_range(const char* flag, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw InputError(fmt::format("{} {}: must be {} to {}", flag, value, least, most));
+}
+
+Json json_of(const PoseError& error) {
+  return {{"distance_mm", error.distance / mm}, {"turn_deg", error.turn / deg}};
+}
+
+Json json_of(const ConditioningEffect::Part& part) {
+  if (!(part.time > 0.0)) return nullptr;
+  return {{"time_s", part.time}, {"before", json_of(part.before)}, {"after", json_of(part.after)}};
+}
+
+void print(const char* what, const ConditioningEffect::Part& part) {
+  if (!(part.time > 0.0)) return;
+  fmt::print("  {:<8} {:6.1f} s   {:.3f} -> {:.3f} mm   {:.2f} -> {:.2f} deg\n", what, part.time,
+             part.before.distance / mm, part.after.distance / mm, part.before.turn / deg,
+             part.after.turn / deg);
+}
+
+void condition(const ConditionFlags& flags) {
+  constexpr double kMostPrediction = 50.0;  // ms, as of run
+  check_range("--rate-Hz", flags.rate_Hz, 1.0, 1000.0);
+  check_range("--age-ms", flags.age_ms, 0.0, 200.0);
+  check_range("--noise-mm", flags.noise_mm, 0.0, 10.0);
+  check_range("--noise-deg", flags.noise_deg, 0.0, 30.0);
+  if (flags.predict_ms) check_range("--predict-ms", *flags.predict_ms, 0.0, kMostPrediction);
+  PoseConditioning conditioning;
+  if (flags.filter) conditioning.filter.emplace();
+  if (flags.predict_ms) conditioning.lead = *flags.predict_ms * ms;
+  if (!conditioning.changes_poses()) {
+    throw InputError("--filter, --predict-ms: give one of them, or both");
+  }
+  CsvTracker poses = read_poses(flags.file, flags.finger);
+  const auto motion = [&poses](double time) { return poses.sample(time).X_WFt; };
+  const TrackingQuality quality{.rate = flags.rate_Hz,
+                                .age = flags.age_ms * ms,
+                                .noise = flags.noise_mm * mm,
+                                .turn_noise = flags.noise_deg * deg};
+  const ConditioningEffect effect =
+      conditioning_effect(motion, *poses.end_time(), quality, conditioning);
+  if (flags.json) {
+    const Json report = {{"resting", json_of(effect.resting)}, {"moving", json_of(effect.moving)}};
+    fmt::print("{}\n", report.dump(2));
+    return;
+  }
+  fmt::print("distance from the truth, root of the mean square, as poses come -> conditioned:\n");
+  print("resting", effect.resting);
+  print("moving", effect.moving);
+}
+
+}  // namespace
+
+void add_condition_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "condition", "Say what --filter and --predict-ms would make of a recorded motion");
+  auto flags = std::make_shared<ConditionFlags>();
+  command->add_option("FILE", flags->file, "a recording, or a CSV file of poses: the truth")
+      ->required();
+  command->add_option("--finger", flags->finger, "of a recording of several fingers");
+  command->add_option("--rate-Hz", flags->rate_Hz, "poses a second that the tracker sees");
+  command->add_option("--age-ms", flags->age_ms, "of a pose when it arrives");
+  command->add_option("--noise-mm", flags->noise_mm, "standard deviation of each coordinate");
+  command->add_option("--noise-deg", flags->noise_deg, "standard deviation about each axis");
+  command->add_flag("--filter", flags->filter, "smooth poses by a one-euro filter");
+  command->add_option("--predict-ms", flags->predict_ms,
+                      "carry poses on over their age and so much more");
+  command->add_flag("--json", flags->json, "print one JSON object");
+  command->callback([flags] { condition(*flags); });
+}
