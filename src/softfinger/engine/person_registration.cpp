@@ -21,7 +21,7 @@ Registration register_person(Person& person, const RegistrationTask& task,
   for (const int node : model->sample_nodes) {
     skin_F.push_back(model->mesh.nodes[static_cast<std::size_t>(node)]);
   }
-  const Registration found =
+  Registration found =
       register_finger(captures, skin_F, task.table_height, /*size_known=*/!size_is_found);
   PersonFinger& finger = person.at(task.finger);
   finger.X_BodyFt = found.X_BodyFt;
