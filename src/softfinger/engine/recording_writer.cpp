@@ -21,6 +21,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kStepCapacity = 8192;
 constexpr std::size_t kStateStepCapacity = 512;
 constexpr std::size_t kTickCapacity = 256;
+constexpr std::size_t kMostSteps = 64;  // of a round
 constexpr auto kDrainInterval = std::chrono::milliseconds(5);
 
 void create_empty(const std::filesystem::path& file) {
@@ -266,13 +267,14 @@ void RecordingWriter::push(const TickRecord& record) {
   push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);
 }
 
-// One round: what is there now, at most a ring full. Steps before ticks, and no commit between: a
-// step never names a tick that was not handed over before it, so none is committed without it.
-void RecordingWriter::drain() {
-  const auto take = [&](auto& ring) {
-    for (std::size_t i = 0; i < ring.capacity(); ++i) {
+// One round: what is there now, but not so much that the next commit is late. Steps before ticks,
+// and no commit between: a step never names a tick that was not handed over before it, so none is
+// committed without it.
+bool RecordingWriter::drain() {
+  const auto take = [&](auto& ring, std::size_t most) {
+    for (std::size_t i = 0; i < most; ++i) {
       const auto* record = ring.front();
-      if (record == nullptr) return;
+      if (record == nullptr) return false;
       if (!failed_) {
         try {
           database_->begin();
@@ -283,14 +285,16 @@ void RecordingWriter::drain() {
       }
       ring.release();
     }
+    return true;
   };
-  take(steps_);
-  for (auto& ring : ticks_) take(*ring);
+  bool more = take(steps_, kMostSteps);
+  for (auto& ring : ticks_) more = take(*ring, ring->capacity()) || more;
+  return more;
 }
 
 void RecordingWriter::write_until_closed() {
   while (!closing_) {
-    drain();
+    const bool more = drain();
     try {
       if (database_->in_transaction &&
           Clock::now() - database_->began > std::chrono::duration<double>(kCommitInterval)) {
@@ -299,7 +303,7 @@ void RecordingWriter::write_until_closed() {
     } catch (const SqliteFailure&) {
       failed_ = true;
     }
-    std::this_thread::sleep_for(kDrainInterval);
+    if (!more) std::this_thread::sleep_for(kDrainInterval);
   }
 }
 
@@ -307,7 +311,8 @@ void RecordingWriter::close() {
   if (!thread_.joinable()) return;
   closing_ = true;
   thread_.join();
-  drain();
+  while (drain()) {
+  }
   try {
     if (!failed_) {
       database_->begin();

@@ -64,7 +64,7 @@ class RecordingWriter {
   template <typename Record>
   void push_to(RingBuffer<Record>& ring, const Record& record);
   void write_until_closed();
-  void drain();
+  bool drain();  ///< says whether there may be more
 
   std::filesystem::path file_;
   WhenFull when_full_;
