@@ -5,10 +5,13 @@
 
 #include <array>
 #include <bit>
+#include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "softfinger/viewer/server.hpp"
 
@@ -43,8 +46,10 @@ int connection_to(std::uint16_t port) {
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (::connect(descriptor, std::bit_cast<sockaddr*>(&address), sizeof address) != 0) {
-    __builtin_trap();  // it no longer listens
+  while (::connect(descriptor, std::bit_cast<sockaddr*>(&address), sizeof address) != 0) {
+    if (errno != EADDRNOTAVAIL) __builtin_trap();  // it no longer listens
+    // Ends that the server closed first keep this machine's ports for a minute.
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   // Closed at once: thousands of connections leave no port waiting.
   const linger at_once{1, 0};
