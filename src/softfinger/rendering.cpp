@@ -147,11 +147,12 @@ Rendering& Rendering::operator=(Rendering&&) noexcept = default;
 
 const RenderingCommand& Rendering::step(const Pose& X_WFt, double time) {
   if (!X_WFt.translation.allFinite() || !X_WFt.rotation.allFinite()) return lost(time);
-  return implementation_->advance({time, X_WFt, true}, time);
+  return implementation_->advance({.time = time, .X_WFt = X_WFt, .valid = true}, time);
 }
 
 const RenderingCommand& Rendering::lost(double time) {
-  return implementation_->advance({time, implementation_->from, false}, time);
+  return implementation_->advance({.time = time, .X_WFt = implementation_->from, .valid = false},
+                                  time);
 }
 
 RenderingSnapshot Rendering::snapshot() const {
