@@ -17,6 +17,7 @@
 #include "softfinger/tracking/natnet_emulator.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "step_times.hpp"
+#include "stolen_time.hpp"
 #include "visitors.hpp"
 
 namespace softfinger {
@@ -163,6 +164,7 @@ LiveOutcome run_live(const LiveFault& fault, double seconds) {
 
   StepTimes times(static_cast<std::size_t>(1.5e3 * seconds));
   LiveOutcome outcome;
+  const StolenTime stolen;
   double reached = 0.0;
   double disk_full_at = seconds;
   RunObserver observer;
@@ -202,6 +204,7 @@ LiveOutcome run_live(const LiveFault& fault, double seconds) {
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // for the servos to get there
   JointAngles retracted;
   (void)device->inverse_kinematics(device->retracted(), retracted);
+  outcome.stolen = stolen.share();
   outcome.unretracted = (board.standing() - retracted).cwiseAbs().maxCoeff();
   if (visitors) outcome.visitors = visitors->came();
   visitors.reset();

@@ -25,8 +25,9 @@ struct LiveOutcome {
   double unretracted = 0.0;  ///< how far the servos ended from the retracted pose, rad
   std::vector<std::string> messages;
   long visitors = 0;
-  long pictures = 0;         ///< that a page which watched all the time got
-  double longest_gap = 0.0;  ///< s between two
+  long pictures = 0;             ///< that a page which watched all the time got
+  double longest_gap = 0.0;      ///< s between two
+  std::optional<double> stolen;  ///< share of the processors' time, see StolenTime
 };
 
 /// A live run of scenes/sphere.toml for `seconds`.

@@ -42,6 +42,10 @@ void print(const LiveFault& fault, const LiveOutcome& outcome) {
   fmt::print("{}\n", outcome.deadline_misses
                          ? fmt::format("; {} deadlines missed", *outcome.deadline_misses)
                          : std::string());
+  if (outcome.stolen.value_or(0.0) > 0.0) {
+    fmt::print("  this machine's host kept {:.1f} % of its processors' time\n",
+               1e2 * *outcome.stolen);
+  }
   fmt::print("  a step takes  {}\n", quantiles_ms(outcome.step_time));
   fmt::print("  steps late by {}\n", quantiles_ms(outcome.lateness));
   fmt::print("{}", histogram_ms(outcome.lateness, "    "));
