@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kStepCapacity = 8192;
 constexpr std::size_t kStateStepCapacity = 512;
 constexpr std::size_t kTickCapacity = 256;
-constexpr std::size_t kMostSteps = 64;  // of a round
+constexpr std::size_t kStepsARound = 64;  // of a round
 constexpr auto kDrainInterval = std::chrono::milliseconds(5);
 
 void create_empty(const std::filesystem::path& file) {
@@ -287,7 +287,7 @@ bool RecordingWriter::drain() {
     }
     return true;
   };
-  bool more = take(steps_, kMostSteps);
+  bool more = take(steps_, kStepsARound);
   for (auto& ring : ticks_) more = take(*ring, ring->capacity()) || more;
   return more;
 }
