@@ -8,7 +8,10 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -40,21 +43,31 @@ class EmptyFeed final : public LiveFeed {
   Snapshot snapshot_;
 };
 
-int connection_to(std::uint16_t port) {
+/// A connection; empty where there is none to be had at the moment.
+std::optional<int> try_to_connect(std::uint16_t port) {
   const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  while (::connect(descriptor, std::bit_cast<sockaddr*>(&address), sizeof address) != 0) {
-    if (errno != EADDRNOTAVAIL) __builtin_trap();  // it no longer listens
-    // Ends that the server closed first keep this machine's ports for a minute.
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  if (::connect(descriptor, std::bit_cast<sockaddr*>(&address), sizeof address) != 0) {
+    std::fprintf(stderr, "connect: %s\n", std::strerror(errno));
+    ::close(descriptor);
+    return std::nullopt;
   }
   // Closed at once: thousands of connections leave no port waiting.
   const linger at_once{1, 0};
   ::setsockopt(descriptor, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
   return descriptor;
+}
+
+int connection_to(std::uint16_t port) {
+  // Ends that the server closed first keep this machine's ports for a minute.
+  for (int i = 0; i < 90; ++i) {
+    if (const auto descriptor = try_to_connect(port)) return *descriptor;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  __builtin_trap();  // it no longer listens
 }
 
 /// What the server says to `bytes` and their end, as far as it comes in time.
