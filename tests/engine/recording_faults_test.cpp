@@ -27,7 +27,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kMayBeLost = 0.2;      // s
+constexpr double kMayBeLost = 0.2;  // s
 // So slowed down, a loop that records whole states leaves its recorder hardly any processor.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double kMayBeLostWithState = 1.0;
