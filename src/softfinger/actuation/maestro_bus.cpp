@@ -47,11 +47,14 @@ bool MaestroBus::ask() noexcept {
 }
 
 bool MaestroBus::take_positions(std::span<std::int32_t> positions) noexcept {
-  std::array<std::uint8_t, 4 * kMaestroChannels> answer;
-  // Anything but one whole answer is noise of the line, or an answer that came late.
-  if (port_.read(answer) != 2 * channels_.size()) return false;
+  std::array<std::uint8_t, 16 * 2 * kMaestroChannels> answer;
+  // Several whole answers came late, and the last one counts; anything else is noise of the line.
+  const std::size_t size = 2 * channels_.size();
+  const std::size_t got = port_.read(answer);
+  if (got == 0 || got % size != 0) return false;
+  const auto last = std::span(answer).subspan(got - size, size);
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    positions[i] = decode_reply(answer[2 * i], answer[2 * i + 1]);
+    positions[i] = decode_reply(last[2 * i], last[2 * i + 1]);
     if (positions[i] == 0) return false;  // no pulses: the servo may be anywhere
   }
   return true;

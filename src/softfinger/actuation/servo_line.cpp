@@ -19,9 +19,10 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kAttemptEvery{300};  ///< to open a port that is not there
 constexpr milliseconds kAnswerTime{60};     ///< for the positions after opening
-/// Servos that said where they are and then nothing for so many ticks may be without power: what is
-/// sent stands still until they answer again, so that they do not jump to it.
+/// Servos that said where they are and then nothing for so many ticks, and so long, may be without
+/// power: what is sent stands still until they answer again, so that they do not jump to it.
 constexpr int kMostUnheard = 3;
+constexpr double kLongestUnheard = 0.1;  ///< s
 /// Steps of the wire that a joint moves before its lag is told.
 constexpr double kLagMotion = 20.0;
 
@@ -43,6 +44,7 @@ ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, Line
       wake_(wake),
       loop_(loop),
       clock_(clock),
+      most_unheard_(std::max(kMostUnheard, static_cast<int>(kLongestUnheard * options_.rate))),
       period_(seconds(1.0 / options_.rate)),
       bus_(make_servo_bus(*device_->settings().transport, clock_)),
       guard_(device_, device_->settings().transport->servos, options_.ceiling),
@@ -215,7 +217,7 @@ bool ServoLine::tick(TimePoint now) {
   // Elapsed wall time bounds the motion, and never more than one tick of it.
   const double dt = to_seconds(std::min(now - last_sent_, period_));
   // Away from the finger it goes even where nobody answers.
-  if (now >= homing_until_ && (retracting || unheard_ <= kMostUnheard)) {
+  if (now >= homing_until_ && (retracting || unheard_ <= most_unheard_)) {
     guard_.step(retracting ? device_->retracted() : wanted.q, dt);
   }
 

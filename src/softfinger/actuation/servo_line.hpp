@@ -65,6 +65,7 @@ class ServoLine {
   int wake_;
   int loop_;
   LineClock& clock_;
+  int most_unheard_;  ///< ticks
   LineClock::Duration period_;
   std::unique_ptr<ServoBus> bus_;
   MotionGuard guard_;
