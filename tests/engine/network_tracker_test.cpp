@@ -145,28 +145,6 @@ TEST_F(NetworkTracker, NatNetDrivesALiveRunThroughLossAndJumps) {
 }
 
 // A glitch of the tracker moves neither finger nor device faster than a hand would.
-TEST_F(NetworkTracker, JumpsOfATrackerAreSlowedDown) {
-  std::atomic<double> reached{0.0};
-  NatNetEmulator emulator({.jump = 0.05}, [&](double) {
-    return TrackedPose{.X_WFt = press_on_ball(0.0), .valid = reached < 1.5};
-  });
-  run("natnet:" + text_of(emulator.address()) + ",body=index",
-      [&](double time, std::uint32_t) { reached = time; });
-  RecordingReader reader(directory_ / "run.db");
-  StepRecord step;
-  std::optional<Vector3> last;
-  double farthest_pose = 0.0, fastest = 0.0;
-  while (reader.next(step)) {
-    const Vector3 p = step.X_WF.translation;
-    if (last) fastest = std::max(fastest, (p - *last).norm() * 1000.0);
-    if (step.step > 0) last = p;
-    farthest_pose = std::max(
-        farthest_pose, (step.tracked.X_WFt.translation - press_on_ball(0.0).translation).norm());
-  }
-  EXPECT_GT(farthest_pose, 0.19) << "there were jumps";
-  EXPECT_LT(fastest, 1.5) << "m/s of the bone, which may overshoot a little";
-}
-
 TEST_F(NetworkTracker, ARunAsFastAsPossibleIsRefused) {
   RunOptions options;
   options.scene = scenes_.scene("sphere");

@@ -109,6 +109,7 @@ struct StreamTrouble {
   double loss = 0.0;
   double duplication = 0.0;
   double reordering = 0.0;
+  std::function<bool(std::uint32_t)> glitch = [](std::uint32_t) { return false; };  ///< 1 m aside
   std::function<double(double)> clock = [](double time) { return time; };
 };
 
@@ -140,7 +141,9 @@ std::vector<Sampled> run(Stream& stream, const StreamTrouble& trouble, double du
     const double now = kStart + time;
     if (time * kRate >= number) {
       const double captured = time - kExposure;
-      post(stream.say(++number, true_pose(captured), trouble.clock(captured)), now);
+      Pose X_WFt = true_pose(captured);
+      if (trouble.glitch(++number)) X_WFt.translation.x() += 1.0;
+      post(stream.say(number, X_WFt, trouble.clock(captured)), now);
     }
     while (!on_its_way.empty() && on_its_way.begin()->first <= now) {
       stream.hear(on_its_way.begin()->second, now);
@@ -199,6 +202,27 @@ TEST_P(StreamFaults, DuplicatedReorderedAndThirtyPercentLost) {
   EXPECT_LT(farthest, 0.25 * 0.12) << "m behind a finger of 0.25 m/s";
 }
 
+TEST_P(StreamFaults, GlitchesAreNoPoses) {
+  const auto listened = stream();
+  const auto sampled =
+      run(*listened, {.loss = 0.3, .glitch = [](std::uint32_t number) { return number % 3 == 0; }},
+          60.0);
+  expect_sane(sampled, 1.0, knowledge() + 0.0025);
+}
+
+TEST_P(StreamFaults, ABodyThatStaysWhereItJumpedToIsBelieved) {
+  const auto listened = stream();
+  const auto sampled =
+      run(*listened, {.glitch = [](std::uint32_t number) { return number > 240; }}, 3.0);
+  for (const Sampled& one : sampled) {
+    if (one.time < 0.1) continue;
+    ASSERT_TRUE(one.pose.valid) << "at " << one.time;
+    if (one.time > 2.0 && one.time < 2.12) continue;
+    const bool jumped = one.pose.X_WFt.translation.x() > 0.9;
+    ASSERT_EQ(jumped, one.time > 2.1) << "at " << one.time;
+  }
+}
+
 TEST_P(StreamFaults, WithoutTroubleThePoseIsOneIntervalOld) {
   const auto listened = stream();
   const auto sampled = run(*listened, {}, 10.0);
@@ -251,7 +275,7 @@ TEST_P(StreamFaults, HalfADatagramChangesNothing) {
   const auto before = run(*listened, {}, 2.0);
   const double now = kStart + 2.0;
   const TrackedPose last = listened->feed.sample(2.0, now);
-  const Datagram whole = listened->say(5000, true_pose(50.0), 2.0);
+  const Datagram whole = listened->say(5000, true_pose(2.5), 2.0);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     Datagram half(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     listened->hear(half, now);
@@ -265,7 +289,7 @@ TEST_P(StreamFaults, HalfADatagramChangesNothing) {
         << size << " of " << whole.size() << " bytes";
   }
   listened->hear(whole, now);
-  EXPECT_NEAR(time_of(listened->feed.sample(2.0, now).X_WFt), 50.0, 1e-4);
+  EXPECT_NEAR(time_of(listened->feed.sample(2.0, now).X_WFt), 2.5, 1e-4);
 }
 
 TEST(OscFaults, HalfADatagramIsRefused) {

@@ -15,7 +15,6 @@ constexpr std::uint64_t kTicksPerSecond = 10'000'000;
 constexpr std::int32_t kBodyId = 7;
 constexpr double kClientTimeout = 5.0;  // s without a word of a unicast client
 constexpr std::size_t kMostClients = 8;
-constexpr double kJump = 0.2;  // m
 
 /// "Bitstream,4.1": the version; none where it is not that.
 std::optional<NatNetVersion> asked_version(std::string_view text) {
@@ -144,7 +143,6 @@ void NatNetEmulator::send_frame(double now) {
   time_.store(now - *began_, std::memory_order_relaxed);
   const TrackedPose pose = motion_(std::max(0.0, exposed - *began_));
   Pose X_KBody = tracker_from_world(options_.up, pose.X_WFt);
-  if (happens(options_.jump)) X_KBody.translation.x() += kJump;
   X_KBody.translation /= options_.scale;
   const std::array<NatNetBodyPose, 2> bodies{
       NatNetBodyPose{.id = bodies_[0].id, .X_KBody = {}, .tracked = true},

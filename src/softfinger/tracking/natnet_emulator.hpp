@@ -42,7 +42,6 @@ class NatNetEmulator {
     double loss = 0.0;
     double duplication = 0.0;
     double reordering = 0.0;  ///< held back until after a later frame
-    double jump = 0.0;        ///< the body seems to be 0.2 m elsewhere
     bool mute = false;        ///< answers, but sends no frames
   };
 

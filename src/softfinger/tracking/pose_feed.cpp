@@ -5,6 +5,7 @@
 namespace softfinger {
 
 void PoseFeed::offer(const Pose& X_WFt, double captured, double received) {
+  if (!gate_.admits(X_WFt, received)) return;
   newest_ = {X_WFt, std::min(captured, received), received, true, true};
   offered_.draft() = newest_;
   offered_.publish();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "softfinger/base/mailbox.hpp"
+#include "softfinger/tracking/jump_gate.hpp"
 #include "softfinger/tracking/tracker.hpp"
 
 namespace softfinger {
@@ -8,7 +9,7 @@ namespace softfinger {
 /// Passes the newest pose from a thread that receives poses to the loop that samples them; both
 /// sides are wait-free. Tracking is lost when no valid pose was received for kLostAfter, by the
 /// wall clock, and when the receiver says so; the last pose is held. Before the first there is
-/// none.
+/// none. Glitches are left out, see JumpGate.
 class PoseFeed {
  public:
   /// Receiving thread: a pose that was true at `captured` and arrived at `received`, both in s on
@@ -27,6 +28,7 @@ class PoseFeed {
     bool valid = false;
     bool known = false;
   };
+  JumpGate gate_;    ///< receiving thread's
   Received newest_;  ///< receiving thread's
   Mailbox<Received> offered_;
   TrackedPose sampled_;  ///< the loop's

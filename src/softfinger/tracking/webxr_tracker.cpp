@@ -26,7 +26,7 @@ TrackedPose WebXrTracker::sample(double time) {
     // whose clock may begin anywhere.
     const bool is_new = !known_ || offer.time > headset_time_ ||
                         (time - heard_ > kLostAfter && offer.time != headset_time_);
-    if (is_new) {
+    if (is_new && (!offer.tracked || gate_.admits(offer.X_WFt, time))) {
       known_ = true;
       heard_ = time;
       headset_time_ = offer.time;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "softfinger/base/mailbox.hpp"
+#include "softfinger/tracking/jump_gate.hpp"
 #include "softfinger/tracking/tracker.hpp"
 #include "softfinger/tracking/xr_hand.hpp"
 
@@ -8,7 +9,7 @@ namespace softfinger {
 
 /// A finger of a hand that a headset tracks, as its page tells frame by frame. Tracking is lost
 /// when the headset says so, or says nothing new for kLostAfter of the run's time; the last pose is
-/// then held. Before the first it is nowhere but at its start.
+/// then held. Before the first it is nowhere but at its start. Glitches are left out, see JumpGate.
 class WebXrTracker final : public Tracker {
  public:
   /// `start`: X_WFt until the headset has seen the hand.
@@ -30,6 +31,7 @@ class WebXrTracker final : public Tracker {
   HandSide side_;
   HandFinger finger_;
   Mailbox<Offer> offered_;
+  JumpGate gate_;
   TrackedPose newest_;
   double heard_ = 0.0;         // s, of the run, when something new came
   double headset_time_ = 0.0;  // s, of what came then
