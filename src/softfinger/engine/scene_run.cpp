@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "softfinger/base/awake_processors.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_priority.hpp"
 #include "softfinger/base/thread_team.hpp"
@@ -141,7 +142,11 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       emergency_stop_(options.emergency_stop) {
   if (options.threads > 1) {
     team_ = std::make_unique<ThreadTeam>(options.threads, [this] {
-      if (paced_) prefer_this_thread(LoopThread::kSimulation);
+      std::optional<AwakeProcessors> awake;
+      if (paced_) {
+        prefer_this_thread(LoopThread::kSimulation);
+        awake.emplace();
+      }
       if (hooks_.on_loop_thread) hooks_.on_loop_thread();
     });
   }
@@ -233,7 +238,11 @@ bool SceneRun::emergency() const noexcept {
 }
 
 void SceneRun::simulate() {
-  if (paced_) prefer_this_thread(LoopThread::kSimulation);
+  std::optional<AwakeProcessors> awake;
+  if (paced_) {
+    prefer_this_thread(LoopThread::kSimulation);
+    awake.emplace();
+  }
   for (const auto& finger : fingers_) {
     finger->loop.start(TrackedInput(finger->tracker->sample(0.0)));
     const StepRecord& record = finger->loop.seal(-1, 0);
