@@ -7,11 +7,12 @@ namespace softfinger {
 /// fault of live_faults.hpp, `seconds` each. Prints for each how late steps came and what they
 /// took, what is missing from the recording, and where the device was.
 ///
-/// A run holds its pace where it made 1000 steps a second within 0.1 % and 99.9 % of its steps were
+/// A run holds its pace where it made 1000 steps a second within 0.1 % and 99 % of its steps were
 /// less than a period late. False where a run does not though the one without a fault does, or,
 /// where neither does since other programs keep the machine busy, is more than twice as bad; where
 /// a recording lacks a step; and where servos are not within 10 degrees of their commands in the
-/// end, or not retracted after it. What goes wrong is tried once more.
+/// end, or not retracted after it. On a virtual machine the
+/// least disturbed of several attempts counts, by what its host says alone.
 [[nodiscard]] bool soak_live(double seconds);
 
 }  // namespace softfinger
