@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -50,12 +49,13 @@ void print(const char* what, const ConditioningEffect::Part& part) {
 }
 
 void condition(const ConditionFlags& flags) {
-  constexpr double kMostPrediction = 50.0;  // ms, as of run
   check_range("--rate-Hz", flags.rate_Hz, 1.0, 1000.0);
   check_range("--age-ms", flags.age_ms, 0.0, 200.0);
   check_range("--noise-mm", flags.noise_mm, 0.0, 10.0);
   check_range("--noise-deg", flags.noise_deg, 0.0, 30.0);
-  if (flags.predict_ms) check_range("--predict-ms", *flags.predict_ms, 0.0, kMostPrediction);
+  if (flags.predict_ms) {
+    check_range("--predict-ms", *flags.predict_ms, 0.0, PoseConditioning::kMostLead / ms);
+  }
   PoseConditioning conditioning;
   if (flags.filter) conditioning.filter.emplace();
   if (flags.predict_ms) conditioning.lead = *flags.predict_ms * ms;

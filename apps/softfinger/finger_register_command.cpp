@@ -25,9 +25,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using namespace softfinger;
 
-constexpr double kLeastSize_mm = 1.0;
-constexpr double kGreatestSize_mm = 500.0;
-constexpr double kHighestTable_mm = 5000.0;
 constexpr double kPollInterval = 5e-3;  // s
 
 struct FingerRegisterFlags {
@@ -39,9 +36,9 @@ struct FingerRegisterFlags {
 
 std::optional<double> size_of(const char* flag, std::optional<double> size_mm) {
   if (!size_mm) return std::nullopt;
-  if (!(*size_mm >= kLeastSize_mm && *size_mm <= kGreatestSize_mm)) {
-    throw InputError(
-        fmt::format("{} {}: must be {} to {} mm", flag, *size_mm, kLeastSize_mm, kGreatestSize_mm));
+  if (!(*size_mm * mm >= FingerSize::kLeast && *size_mm * mm <= FingerSize::kGreatest)) {
+    throw InputError(fmt::format("{} {}: must be {} to {} mm", flag, *size_mm,
+                                 FingerSize::kLeast / mm, FingerSize::kGreatest / mm));
   }
   return *size_mm * mm;
 }
@@ -58,9 +55,10 @@ RegistrationTask task_of(const FingerRegisterFlags& flags) {
                    .breadth = size_of("--breadth-mm", flags.breadth_mm),
                    .depth = size_of("--depth-mm", flags.depth_mm)};
   if (flags.table_mm) {
-    if (!(std::abs(*flags.table_mm) <= kHighestTable_mm)) {
+    constexpr double kHighest = RegistrationTask::kHighestTable;
+    if (!(std::abs(*flags.table_mm * mm) <= kHighest)) {
       throw InputError(fmt::format("--table-mm {}: must be {} to {} mm", *flags.table_mm,
-                                   -kHighestTable_mm, kHighestTable_mm));
+                                   -kHighest / mm, kHighest / mm));
     }
     task.table_height = *flags.table_mm * mm;
   }

@@ -21,7 +21,7 @@
 namespace {
 
 constexpr int kMostThreads = 64;
-constexpr double kMostPrediction = 50.0;  // ms, on top of what poses are old
+constexpr double kMostPrediction_ms = softfinger::PoseConditioning::kMostLead / softfinger::ms;
 
 using namespace softfinger;
 
@@ -62,9 +62,9 @@ void check(const RunFlags& flags) {
     throw InputError(
         fmt::format("--duration-s {}: must be a time above 0 in seconds", *flags.duration_s));
   }
-  if (flags.predict_ms && !(*flags.predict_ms >= 0.0 && *flags.predict_ms <= kMostPrediction)) {
+  if (flags.predict_ms && !(*flags.predict_ms >= 0.0 && *flags.predict_ms <= kMostPrediction_ms)) {
     throw InputError(fmt::format("--predict-ms {}: must be a time of 0 to {} in milliseconds",
-                                 *flags.predict_ms, kMostPrediction));
+                                 *flags.predict_ms, kMostPrediction_ms));
   }
   if (flags.options.threads < 1 || flags.options.threads > kMostThreads) {
     throw InputError(

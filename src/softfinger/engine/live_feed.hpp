@@ -134,7 +134,7 @@ struct LiveRequest {
   std::size_t finger = 0;              ///< for kPose, kRegister: which of the scene's
   Pose X_WFt;                          ///< for kPose: where the person wants it
   FingerSize measured;                 ///< for kRegister
-  std::optional<double> table_height;  ///< for kRegister: z of W, m
+  std::optional<double> table_height;  ///< for kRegister: z of W, m; see RegistrationTask
 };
 
 /// A registration that the page asked for.

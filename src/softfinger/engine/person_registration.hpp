@@ -16,7 +16,9 @@ struct RegistrationTask {
   std::string finger;                  ///< its name in the person file
   std::filesystem::path model;         ///< finger file, for shape and proportions
   FingerSize measured;                 ///< stands before what the person file says
-  std::optional<double> table_height;  ///< z of W, m
+  std::optional<double> table_height;  ///< z of W, m; up to kHighestTable, either way
+
+  static constexpr double kHighestTable = 5.0;  ///< m
 };
 
 /// Puts X_BodyFt of the captures, and the size, into `person`. With the table's height and no

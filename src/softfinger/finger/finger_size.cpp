@@ -3,12 +3,13 @@
 #include <Eigen/Geometry>
 
 #include "softfinger/base/config_file.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace softfinger {
 namespace {
 
-constexpr Range kSizes_mm{.min = 1.0, .max = 500.0};
+constexpr Range kSizes_mm{.min = FingerSize::kLeast / mm, .max = FingerSize::kGreatest / mm};
 
 Vector3 skin_extent(const FingerModel& model) {
   Eigen::AlignedBox3d box;

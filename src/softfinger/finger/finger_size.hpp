@@ -10,6 +10,10 @@ class FingerModel;
 /// Sizes of the skin's bounding box at rest along x, y and z of F, m; empty: the mesh's.
 struct FingerSize {
   std::optional<double> length, breadth, depth;
+
+  // What a person's file, flags and page may say.
+  static constexpr double kLeast = 1e-3;    ///< m
+  static constexpr double kGreatest = 0.5;  ///< m
 };
 
 /// The keys of a table [size], length_mm, breadth_mm and depth_mm, all optional. Throws InputError.

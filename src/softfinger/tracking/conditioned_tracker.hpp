@@ -12,11 +12,12 @@ namespace softfinger {
 struct PoseConditioning {
   std::optional<OneEuroSettings> filter;
   /// Poses are carried on, at the velocity they have, over their age and this time more, s: what
-  /// the way from here to the motors takes. At least 0; empty: no prediction.
+  /// the way from here to the motors takes. 0 to kMostLead; empty: no prediction.
   std::optional<double> lead;
 
   [[nodiscard]] bool changes_poses() const { return filter || lead; }
 
+  static constexpr double kMostLead = 0.05;  ///< s
   /// Farther than this no pose is carried on, s.
   static constexpr double kFarthest = 0.1;
 };

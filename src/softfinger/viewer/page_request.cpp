@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/engine/person_registration.hpp"
 
 namespace softfinger {
 namespace {
@@ -13,9 +14,6 @@ namespace {
 constexpr double kFarthest = 1.0;           // m, of a coordinate
 constexpr double kUnitTolerance = 0.01;     // of a quaternion's length
 constexpr std::uint64_t kMostFingers = 64;  // of any scene
-constexpr double kLeastSize = 1.0;          // mm, of a fingertip, as in a person file
-constexpr double kGreatestSize = 500.0;
-constexpr double kHighestTable = 5000.0;  // mm
 
 /// The `count` finite numbers of `key`; empty where it has anything else.
 template <std::size_t count>
@@ -52,14 +50,14 @@ std::optional<LiveRequest> register_request(const nlohmann::json& json) {
     const auto value = json.find(key);
     if (value == json.end()) return;
     ++known;
-    const double number = value->is_number() ? value->get<double>() : most + 1.0;
-    sound = sound && number >= least && number <= most;
-    length = number * mm;
+    length = value->is_number() ? value->get<double>() * mm : most + 1.0;
+    sound = sound && *length >= least && *length <= most;
   };
-  read("length_mm", kLeastSize, kGreatestSize, request.measured.length);
-  read("breadth_mm", kLeastSize, kGreatestSize, request.measured.breadth);
-  read("depth_mm", kLeastSize, kGreatestSize, request.measured.depth);
-  read("table_mm", -kHighestTable, kHighestTable, request.table_height);
+  read("length_mm", FingerSize::kLeast, FingerSize::kGreatest, request.measured.length);
+  read("breadth_mm", FingerSize::kLeast, FingerSize::kGreatest, request.measured.breadth);
+  read("depth_mm", FingerSize::kLeast, FingerSize::kGreatest, request.measured.depth);
+  constexpr double kHighest = RegistrationTask::kHighestTable;
+  read("table_mm", -kHighest, kHighest, request.table_height);
   if (!sound || json.size() != known) return {};
   return request;
 }
