@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/mount.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 #include <new>
 #include <thread>
 
+#include "largest_file.hpp"
 #include "scenes_without_force_limit.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_clock.hpp"
@@ -35,23 +35,6 @@ constexpr double kMayBeLostWithState = 1.0;
 constexpr double kMayBeLostWithState = kMayBeLost;
 #endif
 constexpr std::size_t kRoom = 3 << 20;  // bytes
-
-/// No file of this process may grow beyond this; whoever tries is refused, as on a full disk.
-class LargestFile {
- public:
-  explicit LargestFile(std::size_t bytes) {
-    ::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
-    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
-  }
-  ~LargestFile() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-  LargestFile(const LargestFile&) = delete;
-  LargestFile& operator=(const LargestFile&) = delete;
-
- private:
-  rlimit before_{};
-};
 
 /// A disk of few bytes, where this process may have one.
 class SmallDisk {

@@ -1,15 +1,13 @@
 #include "live_run.hpp"
 
-#include <signal.h>
-#include <stdlib.h>
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <thread>
 
+#include "largest_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_clock.hpp"
 #include "softfinger/engine/live_session.hpp"
@@ -18,6 +16,7 @@
 #include "softfinger/viewer/server.hpp"
 #include "step_times.hpp"
 #include "stolen_time.hpp"
+#include "temporary_directory.hpp"
 #include "visitors.hpp"
 
 namespace softfinger {
@@ -27,42 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRoom = 16 << 20;  // bytes of a disk that fills: a second of whole states
 constexpr double kMayBeLost = 0.2;       // s
-
-class WorkDirectory {
- public:
-  WorkDirectory() {
-    std::string pattern = (fs::temp_directory_path() / "softfinger-soak-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw OperationError("no temporary directory");
-    path_ = pattern;
-  }
-  ~WorkDirectory() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  WorkDirectory(const WorkDirectory&) = delete;
-  WorkDirectory& operator=(const WorkDirectory&) = delete;
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
-
-/// While it lives, no file of this process grows beyond kRoom.
-class FullDisk {
- public:
-  FullDisk() {
-    ::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{.rlim_cur = kRoom, .rlim_max = before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FullDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit before_{};
-};
 
 /// Where the servos were, 200 times a second.
 class Observation {
@@ -117,7 +80,8 @@ std::optional<double> behind(const std::vector<TickRecord>& ticks,
   return quantile(apart, 0.9);
 }
 
-RunOptions options_for(const LiveFault& fault, double seconds, const WorkDirectory& directory) {
+RunOptions options_for(const LiveFault& fault, double seconds,
+                       const TemporaryDirectory& directory) {
   RunOptions options;
   options.scene = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes/sphere.toml";
   options.duration = seconds;
@@ -144,7 +108,7 @@ void read_recording(const RunOptions& options, LiveOutcome& outcome,
 }  // namespace
 
 LiveOutcome run_live(const LiveFault& fault, double seconds) {
-  const WorkDirectory directory;
+  const TemporaryDirectory directory;
   RunOptions options = options_for(fault, seconds, directory);
   const std::shared_ptr<const Device> device = load_setup(options)->devices.at(0);
   TroubledBoard board(device, options.port);
@@ -192,8 +156,8 @@ LiveOutcome run_live(const LiveFault& fault, double seconds) {
   });
   const std::atomic<bool> stop{false};
   try {
-    std::unique_ptr<FullDisk> full_disk;
-    if (fault.disk_fills) full_disk = std::make_unique<FullDisk>();
+    std::optional<LargestFile> full_disk;
+    if (fault.disk_fills) full_disk.emplace(kRoom);
     outcome.deadline_misses = session.run(stop, observer).deadline_misses;
   } catch (const OperationError& error) {
     outcome.messages.emplace_back(error.what());

@@ -36,8 +36,11 @@ bool holds_pace_beside(const LiveOutcome& outcome, const LiveOutcome& undisturbe
   return !holds_pace(undisturbed) && late(outcome) <= 2.0 * std::max(kPeriod, late(undisturbed)) &&
          lost_rate(outcome) <= 2.0 * std::max(kRateTolerance, lost_rate(undisturbed));
 }
+/// Whether what came late was late by the loop's doing and not by that of the machine's host.
+bool shows_pace(const LiveOutcome& outcome) { return outcome.stolen.value_or(0.0) <= kMostStolen; }
 bool is_where_it_should_be(const LiveOutcome& outcome) {
-  return outcome.behind.value_or(0.0) <= kMostBehind && outcome.unretracted <= kMostUnretracted;
+  const bool followed = outcome.behind.value_or(0.0) <= kMostBehind || !shows_pace(outcome);
+  return followed && outcome.unretracted <= kMostUnretracted;
 }
 
 void print(const LiveFault& fault, const LiveOutcome& outcome) {
@@ -73,8 +76,9 @@ void print(const LiveFault& fault, const LiveOutcome& outcome) {
 
 /// Says what is wrong; true where nothing is.
 bool judge(const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
-  const bool paced = holds_pace_beside(outcome, undisturbed);
+  const bool paced = holds_pace_beside(outcome, undisturbed) || !shows_pace(outcome);
   const bool in_place = is_where_it_should_be(outcome);
+  if (!shows_pace(outcome)) fmt::print("  pace not judged: the host kept too much\n");
   if (!paced) fmt::print("  DOES NOT HOLD ITS PACE\n");
   if (outcome.missing > 0) fmt::print("  STEPS ARE MISSING FROM THE RECORDING\n");
   if (!in_place) fmt::print("  THE DEVICE IS NOT WHERE IT SHOULD BE\n");
@@ -83,7 +87,7 @@ bool judge(const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
 
 LiveOutcome least_disturbed(const LiveFault& fault, double seconds) {
   LiveOutcome least = run_live(fault, seconds);
-  for (int i = 1; i < kMostAttempts && least.stolen > kMostStolen; ++i) {
+  for (int i = 1; i < kMostAttempts && !shows_pace(least); ++i) {
     LiveOutcome another = run_live(fault, seconds);
     if (another.stolen < least.stolen) least = std::move(another);
   }
@@ -96,14 +100,18 @@ bool soak_live(double seconds) {
   fmt::print("the live loop at 1 kHz, {:g} s each; steps late after the most punctual one\n",
              seconds);
   bool sound = true;
+  int unshown = 0;
   std::optional<LiveOutcome> undisturbed;
   for (const LiveFault& fault : live_faults(seconds)) {
     const LiveOutcome outcome = least_disturbed(fault, seconds);
     print(fault, outcome);
     if (!undisturbed) undisturbed = outcome;
     sound = judge(outcome, *undisturbed) && sound;
+    if (!shows_pace(outcome)) ++unshown;
   }
-  if (!holds_pace(*undisturbed)) {
+  if (unshown > 0) {
+    fmt::print("the pace of {} runs is not shown: this machine's host was too busy\n", unshown);
+  } else if (!holds_pace(*undisturbed)) {
     fmt::print("this machine is too busy: even without a fault the loop does not hold 1 kHz\n");
   }
   return sound;

@@ -12,7 +12,8 @@ namespace softfinger {
 /// where neither does since other programs keep the machine busy, is more than twice as bad; where
 /// a recording lacks a step; and where servos are not within 10 degrees of their commands in the
 /// end, or not retracted after it. On a virtual machine the
-/// least disturbed of several attempts counts, by what its host says alone.
+/// least disturbed of several attempts counts, by what its host says alone; where even that was
+/// disturbed, the pace is not judged, which is said.
 [[nodiscard]] bool soak_live(double seconds);
 
 }  // namespace softfinger
