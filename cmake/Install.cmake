@@ -6,7 +6,7 @@ install(TARGETS ${softfinger_targets} EXPORT softfingerTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY src/softfinger DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE)
 
 set(softfinger_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/softfinger)
 install(EXPORT softfingerTargets NAMESPACE softfinger:: DESTINATION ${softfinger_cmake_dir})

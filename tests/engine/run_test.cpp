@@ -230,6 +230,36 @@ TEST(LiveRun, PausesRestartsAndChangesScene) {
   EXPECT_TRUE(replay({.recording = directory / "live-2.db", .scene = {}}).agree);
 }
 
+TEST(Run, ASceneThatCannotBeLoadedIsToldAndTheRunGoesOn) {
+  const ScenesWithoutForceLimit scenes;
+  std::ofstream(scenes.scene("broken")) << "title = 3\n";
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.twin = false;
+  LiveSession session(options, true);
+  std::atomic<bool> stop{false};
+  std::vector<std::string> told;
+  std::thread viewer([&] {
+    session.request({LiveRequest::Kind::kScene, "broken"});
+    std::optional<std::string> line;
+    for (int i = 0; i < 6000 && !(line = session.take_line()); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_THAT(line.value_or(""), testing::HasSubstr("broken.toml"));
+    const std::uint64_t step = (session.refresh(), session.latest().step);
+    for (int i = 0; i < 6000 && session.latest().step <= step; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      session.refresh();
+    }
+    EXPECT_GT(session.latest().step, step);
+    EXPECT_EQ(session.description()->generation, 1u);
+    stop = true;
+  });
+  session.run(stop, {.message = [&](const std::string& line) { told.push_back(line); }});
+  viewer.join();
+  EXPECT_THAT(told, testing::Contains(testing::HasSubstr("broken.toml")));
+}
+
 TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
   const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;

@@ -61,6 +61,10 @@ class CheckLayers(unittest.TestCase):
         self.assertIn("may not include the public door", self.run_on(
             {"src/softfinger/engine/loop.cpp": '#include "softfinger/rendering.hpp"\n'}))
 
+    def test_headers_of_a_modules_own_include_what_they_like(self):
+        self.assertEqual("", self.run_on(
+            {"src/softfinger/viewer/server/session.hpp": "#include <boost/beast/core.hpp>\n"}))
+
     def test_third_party_header_in_a_header(self):
         self.assertIn("third-party header <fmt/core.h>", self.run_on(
             {"src/softfinger/base/text.hpp": "#include <fmt/core.h>\n"}))

@@ -187,6 +187,21 @@ TEST_F(ServerTest, RegistrationIsToldToEveryPageOnceItIsAskedFor) {
   EXPECT_NE(late.read_frame(1)->payload.find(R"("state":"idle")"), std::string::npos);
 }
 
+TEST_F(ServerTest, WhatPeopleAreToldIsToldOnEveryPage) {
+  RawClient one(server.port()), other(server.port());
+  ASSERT_EQ(one.open_web_socket().status, 101);
+  ASSERT_EQ(other.open_web_socket().status, 101);
+  ASSERT_TRUE(one.read_frame(2));
+  ASSERT_TRUE(other.read_frame(2));
+  feed.say("port /dev/tty\xff went \"away\"");
+  for (RawClient* client : {&one, &other}) {
+    const auto told = client->read_frame(1);
+    ASSERT_TRUE(told);
+    EXPECT_EQ(told->payload,
+              "{\"type\":\"told\",\"lines\":[\"port /dev/tty\xef\xbf\xbd went \\\"away\\\"\"]}");
+  }
+}
+
 TEST_F(ServerTest, OnePageMovesFingersAtATime) {
   const auto pose = [](int z) {
     return R"({"request":"pose","finger":0,"position_mm":[0,0,)" + std::to_string(z) +

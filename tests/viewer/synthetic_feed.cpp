@@ -314,6 +314,19 @@ void SyntheticFeed::offer_hand(const XrHand& hand) {
   hands_.push_back(hand);
 }
 
+std::optional<std::string> SyntheticFeed::take_line() {
+  const std::lock_guard lock(mutex_);
+  if (lines_.empty()) return std::nullopt;
+  std::string line = std::move(lines_.front());
+  lines_.pop_front();
+  return line;
+}
+
+void SyntheticFeed::say(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  lines_.push_back(line);
+}
+
 std::vector<XrHand> SyntheticFeed::hands() const {
   const std::lock_guard lock(mutex_);
   return hands_;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,10 @@ class SyntheticFeed : public LiveFeed {
 
   void offer_hand(const XrHand& hand) override;
   const RegistrationState& registration() const override { return registration_; }
+  std::optional<std::string> take_line() override;
+
+  /// Something for people. Any thread.
+  void say(const std::string& line);
 
   /// Hands received so far.
   [[nodiscard]] std::vector<XrHand> hands() const;
@@ -40,6 +46,7 @@ class SyntheticFeed : public LiveFeed {
   mutable std::mutex mutex_;
   std::vector<LiveRequest> requests_;
   std::vector<XrHand> hands_;
+  std::deque<std::string> lines_;
   RegistrationState registration_;  ///< runs, at its second posture, since one was asked for
 };
 

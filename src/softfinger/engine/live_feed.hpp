@@ -161,6 +161,8 @@ class LiveFeed {
   virtual void request(const LiveRequest& request) = 0;
   /// A hand that a headset sees, for the fingers that follow it.
   virtual void offer_hand(const XrHand& hand) = 0;
+  /// What a person should know, one line, each once.
+  [[nodiscard]] virtual std::optional<std::string> take_line() { return std::nullopt; }
   /// Idle for ever where none is offered.
   [[nodiscard]] virtual const RegistrationState& registration() const {
     static const RegistrationState kIdle;

@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 /// More requests than this at a time are not from a person.
 constexpr std::size_t kMostRequests = 32;
+constexpr std::size_t kMostLines = 32;  // that wait for the page
 
 void observe(SceneRun& run, const RunObserver& observer) {
   while (const auto message = run.take_message()) {
@@ -106,7 +107,13 @@ bool LiveSession::take_request(LiveRequest& request) {
   return true;
 }
 
-RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& observer) {
+RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& told) {
+  RunObserver observer = told;
+  observer.message = [&](const std::string& line) {
+    if (told.message) told.message(line);
+    const std::lock_guard lock(mutex_);
+    if (lines_.size() < kMostLines) lines_.push_back(line);
+  };
   RunSummary summary;
   bool again = true;
   while (again) {
@@ -171,7 +178,7 @@ std::shared_ptr<const RunSetup> LiveSession::load(const fs::path& scene,
   try {
     return load_setup(options);
   } catch (const InputError& error) {
-    if (observer.message) observer.message(error.what());
+    observer.message(error.what());
     return nullptr;
   }
 }
@@ -195,6 +202,14 @@ bool LiveSession::refresh() {
     request(reload);
   }
   return fresh;
+}
+
+std::optional<std::string> LiveSession::take_line() {
+  const std::lock_guard lock(mutex_);
+  if (lines_.empty()) return std::nullopt;
+  std::string line = std::move(lines_.front());
+  lines_.pop_front();
+  return line;
 }
 
 const RegistrationState& LiveSession::registration() const { return registration_.state(); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -50,6 +51,8 @@ class LiveSession final : public LiveFeed {
   [[nodiscard]] const Snapshot& latest() const override;
   void request(const LiveRequest& request) override;
   void offer_hand(const XrHand& hand) override;
+  /// What RunObserver::message gets.
+  [[nodiscard]] std::optional<std::string> take_line() override;
   [[nodiscard]] const RegistrationState& registration() const override;
 
  private:
@@ -72,7 +75,8 @@ class LiveSession final : public LiveFeed {
   std::shared_ptr<SceneRun> run_;
   std::shared_ptr<const SceneDescription> description_;
   std::vector<LiveRequest> requests_;
-  bool emergency_ = false;  ///< the page said stop, and has not released it
+  std::deque<std::string> lines_;  ///< for the page
+  bool emergency_ = false;         ///< the page said stop, and has not released it
   // Viewer's thread only: keeps the mailbox alive that latest() points into.
   std::shared_ptr<SceneRun> viewed_;
   LiveRegistration registration_;

@@ -2,6 +2,7 @@
 // fake_feed_server, which takes no arguments), SOFTFINGER_SCENE the scene to run.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
+import { readFileSync } from "node:fs";
 import { basename, dirname, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -159,6 +160,14 @@ test("a port in use is one clear line, status 2", () => {
   const second = spawnSync(program, args, { encoding: "utf8", timeout: 60_000 });
   assert.equal(second.status, 2);
   assert.match(second.stderr.trim(), new RegExp(`^\\S+: --port ${port}: already in use; .*$`));
+});
+
+test("the page tells what the terminal is told", { skip: isFake }, async () => {
+  const children = readFileSync(`/proc/${running.pid}/task/${running.pid}/children`, "utf8").trim().split(" ");
+  const guard = children.find((pid) => readFileSync(`/proc/${pid}/comm`, "utf8").startsWith("softfinger"));
+  process.kill(Number(guard), "SIGKILL");
+  await page.locator("#told li", { hasText: "guards port" }).waitFor();
+  if (process.env.SOFTFINGER_PICTURE) await page.screenshot({ path: process.env.SOFTFINGER_PICTURE });
 });
 
 test("the page says when the program has ended", async () => {

@@ -27,6 +27,7 @@ export async function startProgram(program, args) {
   });
   return {
     url,
+    pid: child.pid,
     /** Ends it as Ctrl-C does; resolves with its exit status. */
     async stop() {
       child.kill("SIGINT");

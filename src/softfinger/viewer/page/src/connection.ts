@@ -1,9 +1,10 @@
-import { readSnapshot, type Registration, type Request, type Scene, type Snapshot } from "./wire";
+import { readSnapshot, type Registration, type Request, type Scene, type Snapshot, type Told } from "./wire";
 
 export interface Listener {
   onScene(scene: Scene): void;
   onSnapshot(snapshot: Snapshot): void;
   onRegistration(registration: Registration): void;
+  onTold(lines: string[]): void;
   onState(state: "connecting" | "live" | "lost"): void;
 }
 
@@ -42,8 +43,9 @@ export class Connection {
 
   private receive(data: string | ArrayBuffer): void {
     if (typeof data === "string") {
-      const message = JSON.parse(data) as Scene | Registration;
+      const message = JSON.parse(data) as Scene | Registration | Told;
       if (message.type === "registration") return this.listener.onRegistration(message);
+      if (message.type === "told") return this.listener.onTold(message.lines);
       this.generation = message.generation;
       this.listener.onScene(message);
       return;

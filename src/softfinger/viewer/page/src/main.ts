@@ -13,6 +13,7 @@ import { Plots } from "./plots";
 import { RegistrationDialog } from "./registration";
 import { Room } from "./room";
 import { Stage, View } from "./stage";
+import { Told } from "./told";
 import { WorkspaceView } from "./workspace_view";
 import type { FingerSnapshot, Scene, Snapshot } from "./wire";
 
@@ -127,6 +128,7 @@ const panel = new Panel({
 });
 
 const hand = new Hand(virtual, (request) => connection.send(request));
+const told = new Told(element("told"));
 const registration = new RegistrationDialog((request) => connection.send(request));
 const room = new Room(stage.renderer, virtual);
 const headset = new Headset(room, (message) => connection.sendHand(message));
@@ -144,6 +146,7 @@ const connection = new Connection({
     panel.count(snapshot);
   },
   onRegistration: (state) => registration.update(state),
+  onTold: (lines) => lines.forEach((line) => told.add(line)),
   onState: (state) => panel.showConnection(state),
 });
 

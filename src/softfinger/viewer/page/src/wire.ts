@@ -67,6 +67,12 @@ export interface Registration {
   message: string; // what was found, or why nothing was saved
 }
 
+/** What people are told on the terminal, as JSON (told_message.cpp). */
+export interface Told {
+  type: "told";
+  lines: string[];
+}
+
 /** Position (mm) and unit quaternion x, y, z, w. */
 export type PoseArray = Float32Array;
 

@@ -1,0 +1,143 @@
+#include "softfinger/viewer/server/web_socket_session.hpp"
+
+#include <chrono>
+#include <span>
+#include <string>
+
+#include "softfinger/viewer/hand_message.hpp"
+#include "softfinger/viewer/page_request.hpp"
+
+namespace softfinger {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using boost::system::error_code;
+
+namespace {
+
+constexpr auto kIdleTimeout = std::chrono::minutes(5);
+constexpr auto kRequestInterval = std::chrono::milliseconds(20);
+constexpr auto kHandInterval = std::chrono::milliseconds(3);  // two hands at 144 Hz
+
+}  // namespace
+
+WebSocketSession::WebSocketSession(PageStream&& stream, PageHub& hub, ConnectionCount&& count)
+    : hub_(hub),
+      count_(std::move(count)),
+      socket_(std::move(stream)),
+      pause_(socket_.get_executor()) {}
+
+WebSocketSession::~WebSocketSession() {
+  if (hub_.mover == this) hub_.mover = nullptr;
+}
+
+void WebSocketSession::accept(const HttpRequest& request) {
+  beast::get_lowest_layer(socket_).expires_never();
+  socket_.set_option(websocket::stream_base::timeout{PageHub::kHttpTimeout, kIdleTimeout, true});
+  socket_.read_message_max(PageHub::kMaxRequestBytes);
+  socket_.auto_fragment(false);  // one message, one frame: easy to read for other clients
+  socket_.async_accept(request, [self = shared_from_this()](error_code error) {
+    if (error) return;
+    self->open_ = true;
+    self->offer_scene();
+    self->offer_registration();
+    self->offer_snapshot();
+    self->read();
+  });
+}
+
+void WebSocketSession::offer_scene() {
+  next_scene_ = hub_.scene;
+  next_snapshot_ = nullptr;  // of the scene before
+  write();
+}
+
+void WebSocketSession::offer_registration() {
+  next_registration_ = hub_.registration;
+  write();
+}
+
+void WebSocketSession::offer_snapshot() {
+  next_snapshot_ = hub_.snapshot;
+  write();
+}
+
+void WebSocketSession::tell(PageHub::Text message) {
+  next_told_ = std::move(message);
+  write();
+}
+
+void WebSocketSession::write() {
+  if (writing_ || !open_) return;
+  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_told_}) {
+    if (!*next) continue;
+    text_in_flight_ = std::exchange(*next, nullptr);
+    socket_.text(true);
+    return send(asio::buffer(*text_in_flight_));
+  }
+  if (!next_snapshot_) return;
+  snapshot_in_flight_ = std::exchange(next_snapshot_, nullptr);
+  socket_.binary(true);
+  send(asio::buffer(*snapshot_in_flight_));
+}
+
+void WebSocketSession::send(asio::const_buffer message) {
+  writing_ = true;
+  socket_.async_write(message, [self = shared_from_this()](error_code error, std::size_t) {
+    self->writing_ = false;
+    self->open_ = self->open_ && !error;
+    self->write();
+  });
+}
+
+void WebSocketSession::read() {
+  buffer_.clear();
+  socket_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+    if (error) {
+      self->open_ = false;
+      return;
+    }
+    self->obey();
+  });
+}
+
+void WebSocketSession::obey() {
+  const auto data = buffer_.cdata();
+  const std::string_view message(static_cast<const char*>(data.data()), data.size());
+  if (socket_.got_text() ? obey_request(message) : obey_hand(message)) {
+    pause_.expires_after(socket_.got_text() ? kRequestInterval : kHandInterval);
+    return read_after_pause();
+  }
+  open_ = false;
+  socket_.async_close({websocket::close_code::policy_error, "not a request of the live page"},
+                      [self = shared_from_this()](error_code) {});
+}
+
+bool WebSocketSession::obey_request(std::string_view message) {
+  const auto& scene = hub_.description;
+  const auto request = parse_page_request(
+      message, scene ? std::span(scene->scene_names) : std::span<const std::string>());
+  if (!request) return false;
+  if (request->kind != LiveRequest::Kind::kPose || is_mover()) hub_.feed.request(*request);
+  return true;
+}
+
+bool WebSocketSession::obey_hand(std::string_view message) {
+  const auto hand = parse_hand_message(message);
+  if (hand && is_mover()) hub_.feed.offer_hand(*hand);
+  return hand.has_value();
+}
+
+bool WebSocketSession::is_mover() {
+  if (hub_.mover == nullptr) hub_.mover = this;
+  return hub_.mover == this;
+}
+
+void WebSocketSession::read_after_pause() {
+  pause_.async_wait([self = shared_from_this()](error_code error) {
+    if (!error) self->read();
+  });
+}
+
+}  // namespace softfinger

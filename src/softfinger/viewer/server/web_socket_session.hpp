@@ -1,0 +1,56 @@
+#pragma once
+
+#include <utility>  // before Boost: its 1.74 headers use std::exchange without it
+
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket/stream.hpp>
+
+#include <memory>
+#include <string_view>
+
+#include "softfinger/viewer/server/page_hub.hpp"
+#include "softfinger/viewer/server/page_stream.hpp"
+
+namespace softfinger {
+
+/// One page that watches. Holds at most one message being sent, and the newest ones to send next.
+class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
+ public:
+  WebSocketSession(PageStream&& stream, PageHub& hub, ConnectionCount&& count);
+  ~WebSocketSession();
+  WebSocketSession(const WebSocketSession&) = delete;
+  WebSocketSession& operator=(const WebSocketSession&) = delete;
+
+  void accept(const HttpRequest& request);
+  // What the hub has now.
+  void offer_scene();
+  void offer_registration();
+  void offer_snapshot();
+  /// What people are told; replaces what was to be told and has not been sent.
+  void tell(PageHub::Text message);
+
+ private:
+  void write();
+  void send(boost::asio::const_buffer message);
+  void read();
+  void obey();
+  bool obey_request(std::string_view message);
+  bool obey_hand(std::string_view message);
+  /// Whether this page moves the fingers, now that it wants to.
+  bool is_mover();
+  void read_after_pause();
+
+  PageHub& hub_;
+  ConnectionCount count_;
+  boost::beast::websocket::stream<PageStream> socket_;
+  boost::asio::steady_timer pause_;
+  boost::beast::flat_buffer buffer_{PageHub::kMaxRequestBytes};
+  PageHub::Text next_scene_, next_registration_, next_told_;
+  PageHub::Text text_in_flight_;
+  PageHub::Bytes next_snapshot_, snapshot_in_flight_;
+  bool open_ = false;
+  bool writing_ = false;
+};
+
+}  // namespace softfinger
