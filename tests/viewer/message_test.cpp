@@ -199,6 +199,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   snapshot.step = 1234;
   snapshot.paused = true;
   snapshot.time = 1.234;
+  snapshot.wall_time = 4294968.296;  // a second after 2^32 of them
   snapshot.step_cpu_time = 0.2 * ms;
   snapshot.deadline_misses = 3;
   snapshot.X_WO.resize(1);
@@ -247,6 +248,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_EQ(read_at<std::uint32_t>(message, 32), 3U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 36), 1U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 40), 1U);
+  EXPECT_NEAR(read_at<std::uint32_t>(message, 44), 1000U, 1U);
   EXPECT_FLOAT_EQ(read_at<float>(message, 48 + 8), 5.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, 48 + 24), 1.0F);  // quaternion w
   const std::size_t forces = 48 + 4 * pose;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
 
 namespace softfinger {
@@ -198,6 +199,7 @@ bool SyntheticFeed::refresh() {
   if (!snapshot_.paused) {
     snapshot_.step += 16;
     snapshot_.time = static_cast<double>(snapshot_.step) * ms;
+    snapshot_.wall_time = monotonic_time();
     if (snapshot_.time > description_->duration) start_scene(description_->scene_name);
   }
   fill_snapshot();

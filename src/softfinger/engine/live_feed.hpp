@@ -104,7 +104,8 @@ struct Snapshot {
   };
   std::uint64_t generation = 0;  ///< of the SceneDescription it belongs to
   std::uint64_t step = 0;
-  double time = 0.0;  ///< s, simulated
+  double time = 0.0;       ///< s, simulated
+  double wall_time = 0.0;  ///< s, on the monotonic clock: when this was taken
   bool paused = false;
   bool emergency = false;  ///< devices retract, or are retracted, since somebody said stop
   bool finished = false;

@@ -8,6 +8,7 @@
 
 #include "softfinger/base/awake_processors.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/thread_priority.hpp"
 #include "softfinger/base/thread_team.hpp"
 #include "softfinger/base/tracker_kind.hpp"
@@ -388,6 +389,7 @@ void SceneRun::publish_snapshot(std::int64_t step, bool finished) {
   draft.generation = generation_;
   draft.step = static_cast<std::uint64_t>(step);
   draft.time = static_cast<double>(step) / rate_;
+  draft.wall_time = monotonic_time();
   draft.paused = paused_.load(std::memory_order_relaxed);
   draft.emergency = emergency();
   draft.finished = finished;

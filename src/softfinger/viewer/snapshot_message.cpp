@@ -126,7 +126,7 @@ void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& sc
   out.put(static_cast<std::uint32_t>(snapshot.deadline_misses));
   out.count(snapshot.X_WO.size());
   out.count(snapshot.fingers.size());
-  out.count(0);
+  out.put(static_cast<std::uint32_t>(static_cast<std::uint64_t>(snapshot.wall_time / ms)));
   for (const Pose& X_WO : snapshot.X_WO) out.pose(X_WO);
   for (std::size_t i = 0; i < snapshot.fingers.size(); ++i) {
     static const SceneDescription::Finger kUnknown;

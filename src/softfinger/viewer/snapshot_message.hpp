@@ -19,7 +19,8 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x34534653;  ///< "SFS4"
 ///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
-///     u32 deadline_misses     u32 objects         u32 fingers    u32 0
+///     u32 deadline_misses     u32 objects         u32 fingers
+///     u32 wall_ms (low bits), of a clock of any origin
 ///     per object: pose X_WO
 ///     per finger:
 ///       pose X_WFt, pose X_WF, pose X_FP

@@ -19,7 +19,7 @@ export class Panel {
   private paused = false;
   private stopped = false;
   private received = 0;
-  private readonly history: { at: number; step: number }[] = [];
+  private readonly history: { wall_ms: number; step: number }[] = [];
 
   constructor(
     private readonly actions: {
@@ -82,7 +82,7 @@ export class Panel {
   /** Called for every snapshot received, drawn or not. */
   count(snapshot: Snapshot): void {
     document.body.dataset.frames = String(++this.received);
-    this.history.push({ at: performance.now(), step: snapshot.step });
+    this.history.push({ wall_ms: snapshot.wall_ms, step: snapshot.step });
     if (this.history.length > 120) this.history.shift();
   }
 
@@ -139,8 +139,9 @@ export class Panel {
   private stepRate(snapshot: Snapshot): string {
     const first = this.history[0];
     const last = this.history[this.history.length - 1];
-    if (snapshot.paused || snapshot.finished || !first || !last || last.at - first.at < 200) return "–";
-    const rate = (1000 * (last.step - first.step)) / (last.at - first.at);
+    const passed = first && last ? (last.wall_ms - first.wall_ms) >>> 0 : 0; // ms
+    if (snapshot.paused || snapshot.finished || !first || !last || passed < 200) return "–";
+    const rate = (1000 * (last.step - first.step)) / passed;
     return rate >= 0 ? (Math.round(rate / 10) * 10).toLocaleString("en").replace(",", "\u202f") : "–";
   }
 }

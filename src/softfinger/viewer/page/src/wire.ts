@@ -127,6 +127,7 @@ export interface Snapshot {
   stopped: boolean;
   finished: boolean;
   time_s: number;
+  wall_ms: number; // of the program's clock, when it was taken; wraps around
   step_ms: number;
   match_ms: number;
   deadline_misses: number;
@@ -164,7 +165,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
   const deadline_misses = u32();
   const objects = u32();
   const fingers = u32();
-  at += 4;
+  const wall_ms = u32();
   const readTwin = (samples: number): Twin => ({
     iou: f32(),
     centroid_shift_mm: f32(),
@@ -205,7 +206,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     };
   };
   return {
-    generation, step, time_s, step_ms, match_ms, deadline_misses,
+    generation, step, time_s, wall_ms, step_ms, match_ms, deadline_misses,
     paused: (flags & 1) !== 0,
     stopped: (flags & 4) !== 0,
     finished: (flags & 2) !== 0,
