@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <cstddef>
+#include <stdexcept>
 
 namespace softfinger {
 
@@ -15,7 +16,7 @@ class LargestFile {
     ::signal(SIGXFSZ, SIG_IGN);
     ::getrlimit(RLIMIT_FSIZE, &before_);
     const rlimit limit{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) throw std::runtime_error("no limit of file sizes");
   }
   ~LargestFile() { ::setrlimit(RLIMIT_FSIZE, &before_); }
   LargestFile(const LargestFile&) = delete;

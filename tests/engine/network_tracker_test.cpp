@@ -134,7 +134,7 @@ TEST_F(NetworkTracker, OscDrivesALiveRun) {
   expect_driven();
 }
 
-TEST_F(NetworkTracker, NatNetDrivesALiveRunThroughLossAndJumps) {
+TEST_F(NetworkTracker, NatNetDrivesALiveRunThroughLossAndDisorder) {
   std::atomic<double> reached{0.0};
   NatNetEmulator emulator({.loss = 0.3, .duplication = 0.1, .reordering = 0.2}, [&](double) {
     return TrackedPose{.X_WFt = press_on_ball(reached), .valid = reached < 1.5};
@@ -144,7 +144,6 @@ TEST_F(NetworkTracker, NatNetDrivesALiveRunThroughLossAndJumps) {
   expect_driven();
 }
 
-// A glitch of the tracker moves neither finger nor device faster than a hand would.
 TEST_F(NetworkTracker, ARunAsFastAsPossibleIsRefused) {
   RunOptions options;
   options.scene = scenes_.scene("sphere");

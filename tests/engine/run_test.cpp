@@ -230,7 +230,7 @@ TEST(LiveRun, PausesRestartsAndChangesScene) {
   EXPECT_TRUE(replay({.recording = directory / "live-2.db", .scene = {}}).agree);
 }
 
-TEST(Run, ASceneThatCannotBeLoadedIsToldAndTheRunGoesOn) {
+TEST(LiveRun, ASceneThatCannotBeLoadedIsToldAndTheRunGoesOn) {
   const ScenesWithoutForceLimit scenes;
   std::ofstream(scenes.scene("broken")) << "title = 3\n";
   RunOptions options;
@@ -246,7 +246,8 @@ TEST(Run, ASceneThatCannotBeLoadedIsToldAndTheRunGoesOn) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     EXPECT_THAT(line.value_or(""), testing::HasSubstr("broken.toml"));
-    const std::uint64_t step = (session.refresh(), session.latest().step);
+    session.refresh();
+    const std::uint64_t step = session.latest().step;
     for (int i = 0; i < 6000 && session.latest().step <= step; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
       session.refresh();

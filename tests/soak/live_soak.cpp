@@ -17,6 +17,8 @@ namespace {
 
 constexpr double kPeriod = 1e-3;         // s
 constexpr double kRateTolerance = 1e-3;  // of 1000 Hz
+/// A loop that is silent for so long lets its devices retract.
+constexpr double kLatest = 0.1;  // s
 /// A virtual machine that was kept from its processors for more than this share of a run shows
 /// little: such a run is repeated, and the least disturbed one counts.
 constexpr double kMostStolen = 5e-3;
@@ -30,7 +32,8 @@ double lost_rate(const LiveOutcome& outcome) { return std::max(0.0, 1.0 - outcom
 double late(const LiveOutcome& outcome) { return quantile(outcome.lateness, 0.99); }
 
 bool holds_pace(const LiveOutcome& outcome) {
-  return lost_rate(outcome) <= kRateTolerance && late(outcome) < kPeriod;
+  return lost_rate(outcome) <= kRateTolerance && late(outcome) < kPeriod &&
+         quantile(outcome.lateness, 1.0) < kLatest;
 }
 bool holds_pace_beside(const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
   if (holds_pace(outcome)) return true;

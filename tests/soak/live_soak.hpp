@@ -8,12 +8,12 @@ namespace softfinger {
 /// took, what is missing from the recording, and where the device was.
 ///
 /// A run holds its pace where it made 1000 steps a second within 0.1 % and 99 % of its steps were
-/// less than a period late. False where a run does not though the one without a fault does, or,
-/// where neither does since other programs keep the machine busy, is more than twice as bad; where
-/// a recording lacks a step; and where servos are not within 10 degrees of their commands in the
-/// end, or not retracted after it. On a virtual machine the
-/// least disturbed of several attempts counts, by what its host says alone; where even that was
-/// disturbed, the pace is not judged, which is said.
+/// less than a period late, all of them less than 0.1 s. False where a run does not though the one
+/// without a fault does, or, where neither does since other programs keep the machine busy, is more
+/// than twice as bad; where a recording lacks a step; and where servos are not within 10 degrees of
+/// their commands in the end, or not retracted after it. On a virtual machine the least disturbed
+/// of several attempts counts, by what its host says alone; where even that was disturbed, the pace
+/// is not judged, which is said.
 [[nodiscard]] bool soak_live(double seconds);
 
 }  // namespace softfinger

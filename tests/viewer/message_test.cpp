@@ -199,7 +199,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   snapshot.step = 1234;
   snapshot.paused = true;
   snapshot.time = 1.234;
-  snapshot.wall_time = 4294968.296;  // a second after 2^32 of them
+  snapshot.wall_time = 4294968.296;  // a second after 2^32 ms
   snapshot.step_cpu_time = 0.2 * ms;
   snapshot.deadline_misses = 3;
   snapshot.X_WO.resize(1);
