@@ -242,7 +242,7 @@ TEST(LiveRun, ASceneThatCannotBeLoadedIsToldAndTheRunGoesOn) {
   std::thread viewer([&] {
     session.request({LiveRequest::Kind::kScene, "broken"});
     std::optional<std::string> line;
-    for (int i = 0; i < 6000 && !(line = session.take_line()); ++i) {
+    for (int i = 0; i < 6000 && !(line = session.take_message()); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     EXPECT_THAT(line.value_or(""), testing::HasSubstr("broken.toml"));

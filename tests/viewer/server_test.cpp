@@ -197,8 +197,9 @@ TEST_F(ServerTest, WhatPeopleAreToldIsToldOnEveryPage) {
   for (RawClient* client : {&one, &other}) {
     const auto told = client->read_frame(1);
     ASSERT_TRUE(told);
-    EXPECT_EQ(told->payload,
-              "{\"type\":\"told\",\"lines\":[\"port /dev/tty\xef\xbf\xbd went \\\"away\\\"\"]}");
+    EXPECT_EQ(
+        told->payload,
+        "{\"type\":\"notifications\",\"lines\":[\"port /dev/tty\xef\xbf\xbd went \\\"away\\\"\"]}");
   }
 }
 

@@ -316,7 +316,7 @@ void SyntheticFeed::offer_hand(const XrHand& hand) {
   hands_.push_back(hand);
 }
 
-std::optional<std::string> SyntheticFeed::take_line() {
+std::optional<std::string> SyntheticFeed::take_message() {
   const std::lock_guard lock(mutex_);
   if (lines_.empty()) return std::nullopt;
   std::string line = std::move(lines_.front());

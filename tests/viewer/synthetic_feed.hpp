@@ -26,7 +26,7 @@ class SyntheticFeed : public LiveFeed {
 
   void offer_hand(const XrHand& hand) override;
   const RegistrationState& registration() const override { return registration_; }
-  std::optional<std::string> take_line() override;
+  std::optional<std::string> take_message() override;
 
   /// Something for people. Any thread.
   void say(const std::string& line);

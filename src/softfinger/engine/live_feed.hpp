@@ -163,7 +163,7 @@ class LiveFeed {
   /// A hand that a headset sees, for the fingers that follow it.
   virtual void offer_hand(const XrHand& hand) = 0;
   /// What a person should know, one line, each once.
-  [[nodiscard]] virtual std::optional<std::string> take_line() { return std::nullopt; }
+  [[nodiscard]] virtual std::optional<std::string> take_message() { return std::nullopt; }
   /// Idle for ever where none is offered.
   [[nodiscard]] virtual const RegistrationState& registration() const {
     static const RegistrationState kIdle;

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 /// More requests than this at a time are not from a person.
 constexpr std::size_t kMostRequests = 32;
-constexpr std::size_t kMostLines = 32;  // that wait for the page
+constexpr std::size_t kMostMessages = 32;  // that wait for the page
 
 void observe(SceneRun& run, const RunObserver& observer) {
   while (const auto message = run.take_message()) {
@@ -112,7 +112,7 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
   observer.message = [&](const std::string& line) {
     if (told.message) told.message(line);
     const std::lock_guard lock(mutex_);
-    if (lines_.size() < kMostLines) lines_.push_back(line);
+    if (messages_.size() < kMostMessages) messages_.push_back(line);
   };
   RunSummary summary;
   bool again = true;
@@ -204,12 +204,12 @@ bool LiveSession::refresh() {
   return fresh;
 }
 
-std::optional<std::string> LiveSession::take_line() {
+std::optional<std::string> LiveSession::take_message() {
   const std::lock_guard lock(mutex_);
-  if (lines_.empty()) return std::nullopt;
-  std::string line = std::move(lines_.front());
-  lines_.pop_front();
-  return line;
+  if (messages_.empty()) return std::nullopt;
+  std::string message = std::move(messages_.front());
+  messages_.pop_front();
+  return message;
 }
 
 const RegistrationState& LiveSession::registration() const { return registration_.state(); }

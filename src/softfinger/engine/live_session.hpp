@@ -52,7 +52,7 @@ class LiveSession final : public LiveFeed {
   void request(const LiveRequest& request) override;
   void offer_hand(const XrHand& hand) override;
   /// What RunObserver::message gets.
-  [[nodiscard]] std::optional<std::string> take_line() override;
+  [[nodiscard]] std::optional<std::string> take_message() override;
   [[nodiscard]] const RegistrationState& registration() const override;
 
  private:
@@ -75,8 +75,8 @@ class LiveSession final : public LiveFeed {
   std::shared_ptr<SceneRun> run_;
   std::shared_ptr<const SceneDescription> description_;
   std::vector<LiveRequest> requests_;
-  std::deque<std::string> lines_;  ///< for the page
-  bool emergency_ = false;         ///< the page said stop, and has not released it
+  std::deque<std::string> messages_;  ///< for the page
+  bool emergency_ = false;            ///< the page said stop, and has not released it
   // Viewer's thread only: keeps the mailbox alive that latest() points into.
   std::shared_ptr<SceneRun> viewed_;
   LiveRegistration registration_;

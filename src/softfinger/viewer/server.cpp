@@ -10,11 +10,11 @@
 #include <thread>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/viewer/notification_message.hpp"
 #include "softfinger/viewer/registration_message.hpp"
 #include "softfinger/viewer/scene_message.hpp"
 #include "softfinger/viewer/server/http_session.hpp"
 #include "softfinger/viewer/snapshot_message.hpp"
-#include "softfinger/viewer/told_message.hpp"
 
 namespace softfinger {
 
@@ -137,7 +137,7 @@ struct Server::Implementation {
     }
     untold = hub.feed.refresh() || untold;
     tell_registration();
-    tell_people();
+    notify_people();
     // A snapshot of another generation waits for its description.
     if (!untold || !hub.description ||
         hub.feed.latest().generation != hub.description->generation) {
@@ -159,12 +159,12 @@ struct Server::Implementation {
     hub.registration = std::make_shared<const std::string>(std::move(message));
     for_each_watcher([](WebSocketSession& session) { session.offer_registration(); });
   }
-  void tell_people() {
+  void notify_people() {
     std::vector<std::string> lines;
-    while (auto line = hub.feed.take_line()) lines.push_back(std::move(*line));
+    while (auto line = hub.feed.take_message()) lines.push_back(std::move(*line));
     if (lines.empty()) return;
-    const auto message = std::make_shared<const std::string>(told_message(lines));
-    for_each_watcher([&](WebSocketSession& session) { session.tell(message); });
+    const auto message = std::make_shared<const std::string>(notification_message(lines));
+    for_each_watcher([&](WebSocketSession& session) { session.notify(message); });
   }
   template <typename Action>
   void for_each_watcher(const Action& action) {

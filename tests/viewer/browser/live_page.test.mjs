@@ -166,7 +166,7 @@ test("the page tells what the terminal is told", { skip: isFake }, async () => {
   const children = readFileSync(`/proc/${running.pid}/task/${running.pid}/children`, "utf8").trim().split(" ");
   const guard = children.find((pid) => readFileSync(`/proc/${pid}/comm`, "utf8").startsWith("softfinger"));
   process.kill(Number(guard), "SIGKILL");
-  await page.locator("#told li", { hasText: "guards port" }).waitFor();
+  await page.locator("#notifications li", { hasText: "guards port" }).waitFor();
   if (process.env.SOFTFINGER_PICTURE) await page.screenshot({ path: process.env.SOFTFINGER_PICTURE });
 });
 

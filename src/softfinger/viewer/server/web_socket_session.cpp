@@ -63,14 +63,14 @@ void WebSocketSession::offer_snapshot() {
   write();
 }
 
-void WebSocketSession::tell(PageHub::Text message) {
-  next_told_ = std::move(message);
+void WebSocketSession::notify(PageHub::Text message) {
+  next_notification_ = std::move(message);
   write();
 }
 
 void WebSocketSession::write() {
   if (writing_ || !open_) return;
-  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_told_}) {
+  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_notification_}) {
     if (!*next) continue;
     text_in_flight_ = std::exchange(*next, nullptr);
     socket_.text(true);

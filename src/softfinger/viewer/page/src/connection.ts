@@ -1,10 +1,10 @@
-import { readSnapshot, type Registration, type Request, type Scene, type Snapshot, type Told } from "./wire";
+import { readSnapshot, type Notifications, type Registration, type Request, type Scene, type Snapshot } from "./wire";
 
 export interface Listener {
   onScene(scene: Scene): void;
   onSnapshot(snapshot: Snapshot): void;
   onRegistration(registration: Registration): void;
-  onTold(lines: string[]): void;
+  onNotifications(lines: string[]): void;
   onState(state: "connecting" | "live" | "lost"): void;
 }
 
@@ -43,9 +43,9 @@ export class Connection {
 
   private receive(data: string | ArrayBuffer): void {
     if (typeof data === "string") {
-      const message = JSON.parse(data) as Scene | Registration | Told;
+      const message = JSON.parse(data) as Scene | Registration | Notifications;
       if (message.type === "registration") return this.listener.onRegistration(message);
-      if (message.type === "told") return this.listener.onTold(message.lines);
+      if (message.type === "notifications") return this.listener.onNotifications(message.lines);
       this.generation = message.generation;
       this.listener.onScene(message);
       return;

@@ -6,6 +6,7 @@ import { emulateHeadset } from "./emulated_headset";
 import { FingerView, place } from "./finger_view";
 import { Hand } from "./hand";
 import { Headset } from "./headset";
+import { Notifications } from "./notifications";
 import { ObjectView } from "./object_view";
 import { Pad, PatchView } from "./patch_view";
 import { Panel } from "./panel";
@@ -13,7 +14,6 @@ import { Plots } from "./plots";
 import { RegistrationDialog } from "./registration";
 import { Room } from "./room";
 import { Stage, View } from "./stage";
-import { Told } from "./told";
 import { WorkspaceView } from "./workspace_view";
 import type { FingerSnapshot, Scene, Snapshot } from "./wire";
 
@@ -128,7 +128,7 @@ const panel = new Panel({
 });
 
 const hand = new Hand(virtual, (request) => connection.send(request));
-const told = new Told(element("told"));
+const notifications = new Notifications(element("notifications"));
 const registration = new RegistrationDialog((request) => connection.send(request));
 const room = new Room(stage.renderer, virtual);
 const headset = new Headset(room, (message) => connection.sendHand(message));
@@ -146,7 +146,7 @@ const connection = new Connection({
     panel.count(snapshot);
   },
   onRegistration: (state) => registration.update(state),
-  onTold: (lines) => lines.forEach((line) => told.add(line)),
+  onNotifications: (lines) => lines.forEach((line) => notifications.add(line)),
   onState: (state) => panel.showConnection(state),
 });
 

@@ -67,9 +67,9 @@ export interface Registration {
   message: string; // what was found, or why nothing was saved
 }
 
-/** What people are told on the terminal, as JSON (told_message.cpp). */
-export interface Told {
-  type: "told";
+/** What people are told on the terminal, as JSON (notification_message.cpp). */
+export interface Notifications {
+  type: "notifications";
   lines: string[];
 }
 

@@ -1,12 +1,12 @@
-#include "softfinger/viewer/told_message.hpp"
+#include "softfinger/viewer/notification_message.hpp"
 
 #include <nlohmann/json.hpp>
 
 namespace softfinger {
 
-std::string told_message(std::span<const std::string> lines) {
+std::string notification_message(std::span<const std::string> lines) {
   const nlohmann::ordered_json message{
-      {"type", "told"}, {"lines", std::vector<std::string>(lines.begin(), lines.end())}};
+      {"type", "notifications"}, {"lines", std::vector<std::string>(lines.begin(), lines.end())}};
   // Lines name files, which may hold broken UTF-8.
   return message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -2,7 +2,7 @@ const kStays = 15_000; // ms
 const kMost = 4;
 
 /** The last lines that people were told, each for a while. */
-export class Told {
+export class Notifications {
   constructor(private readonly list: HTMLElement) {}
 
   add(line: string): void {
