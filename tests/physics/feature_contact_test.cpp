@@ -57,15 +57,15 @@ double depth_in_skin(const FingerSimulation& simulation, const Vector3& p) {
 struct Pressed {
   double sunk = -1.0;  ///< most, m
   double force = 0.0;  ///< at the end, N
+  double least = 1.0;  ///< while held, N
   int unconverged = 0;
 };
 
-/// Comes down on the obstacle at 20 mm/s, by `depth` beyond touch, and stays.
+/// Comes down on the obstacle at `speed` (m/s), by `depth` beyond touch, and stays.
 Pressed press(const VirtualObject& obstacle, const Vector3& at, double depth,
-              std::span<const Vector3> tips) {
+              std::span<const Vector3> tips, double speed = 20.0 * mm) {
   FingerSimulation simulation(finger(), {&obstacle, 1}, kTimeStep);
   const double lowest = -7.4 * mm;  // of the resting skin
-  const double speed = 20.0 * mm;
   const double start = -lowest + 0.5 * mm;
   const double end = -lowest - depth;
   const auto pose = [&](double z) { return Pose{Matrix3::Identity(), at + Vector3(0, 0, z)}; };
@@ -77,6 +77,9 @@ Pressed press(const VirtualObject& obstacle, const Vector3& at, double depth,
     if (!simulation.step(pose(z), k * kTimeStep).converged) ++pressed.unconverged;
     for (const Vector3& tip : tips) {
       pressed.sunk = std::max(pressed.sunk, depth_in_skin(simulation, tip));
+    }
+    if (k > down + 100) {
+      pressed.least = std::min(pressed.least, simulation.contact().normal_force);
     }
   }
   pressed.force = simulation.contact().normal_force;
@@ -134,6 +137,21 @@ TEST(FeatureContact, BladeDoesNotSinkBetweenVertices) {
     EXPECT_LT(pressed.sunk, kMostSunk) << x;
     EXPECT_GT(pressed.force, 0.1) << x;
     EXPECT_EQ(pressed.unconverged, 0) << x;
+  }
+}
+
+// However small, and however fast it is met. Off the smallest without friction skin slips.
+TEST(FeatureContact, SmallBallsAreFelt) {
+  for (const double radius : {0.01, 0.02, 0.04, 0.05, 0.1, 0.3}) {
+    for (const double speed : {4.0 * mm, 20.0 * mm, 80.0 * mm}) {
+      for (const double friction : {0.0, 0.5}) {
+        if (friction == 0.0 && radius < 0.05) continue;
+        VirtualObject ball = object(Ball{radius * mm}, {0, 0, -radius * mm});
+        ball.friction_coefficient = friction;
+        const Pressed pressed = press(ball, {0.45 * mm, 0.3 * mm, 0}, 0.8 * mm, {}, speed);
+        EXPECT_GT(pressed.least, 0.01) << radius << " mm, " << speed << " m/s, mu " << friction;
+      }
+    }
   }
 }
 

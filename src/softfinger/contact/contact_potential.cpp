@@ -54,6 +54,9 @@ ContactPotential::ContactPotential(std::vector<double> rest_areas, std::size_t s
   is_near_.resize(rest_areas_.size());
   positions_.resize(rest_areas_.size());
   X_OW_.resize(obstacle_count_);
+  X_OW_old_.resize(obstacle_count_);
+  entered_.resize(pairs_.size());
+  looked_back_.resize(pairs_.size());
   boxes_O_.resize(obstacle_count_);
   boxes_W_.resize(obstacle_count_);
 }
@@ -65,35 +68,73 @@ std::vector<FrictionAnchor> ContactPotential::no_anchors() const {
 }
 
 void ContactPotential::begin(std::span<const Obstacle> obstacles,
-                             std::span<const FrictionAnchor> anchors) {
+                             std::span<const FrictionAnchor> anchors,
+                             std::span<const Vector3> starts) {
   obstacles_ = obstacles;
   anchors_ = anchors;
+  starts_ = starts;
   planes_.clear();
+  std::fill(looked_back_.begin(), looked_back_.end(), std::uint8_t{0});
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     X_OW_[o] = obstacles[o].X_WO.inverse();
+    X_OW_old_[o] = X_OW_[o];
     boxes_O_[o] = bounds_by_distance(*obstacles[o].shape);
     boxes_W_[o] = box_around(boxes_O_[o], obstacles[o].X_WO);
+    if (obstacles[o].X_WO_old) {
+      X_OW_old_[o] = obstacles[o].X_WO_old->inverse();
+      boxes_W_[o].extend(box_around(boxes_O_[o], *obstacles[o].X_WO_old));
+    }
     box_W_ = o == 0 ? boxes_W_[o] : box_W_.merged(boxes_W_[o]);
   }
   for (std::size_t i = 0; i < tied_.size(); ++i) {
     bool tied = false;
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       const std::size_t k = i * obstacle_count_ + o;
-      held_[k] = anchors[k].limit > 0.0 ? 1 : 0;
+      held_[k] = anchors[k].limit > 0.0 || anchors[k].side.known ? 1 : 0;
       tied = tied || held_[k] != 0;
     }
     tied_[i] = tied ? 1 : 0;
   }
 }
 
+bool ContactPotential::comes_near(const Eigen::AlignedBox3d& box_W, std::size_t i,
+                                  const Vector3& position) const {
+  if (box_W.contains(position)) return true;
+  if (starts_.empty()) return false;
+  return (starts_[i].cwiseMax(position).array() >= box_W.min().array()).all() &&
+         (starts_[i].cwiseMin(position).array() <= box_W.max().array()).all();
+}
+
 bool ContactPotential::may_act(std::size_t i, const Vector3& position) const {
-  return i >= samples_ || tied_[i] != 0 || box_W_.contains(position);
+  return i >= samples_ || tied_[i] != 0 || comes_near(box_W_, i, position);
 }
 
 bool ContactPotential::may_act(std::size_t i, std::size_t o, const Vector3& position) const {
   if (held_[i * obstacle_count_ + o] != 0) return true;
   if (i >= samples_) return planes_[i - samples_].obstacle == static_cast<int>(o);
-  return boxes_W_[o].contains(position);
+  return comes_near(boxes_W_[o], i, position);
+}
+
+ContactSide ContactPotential::side_of(std::size_t i, std::size_t o, const Vector3& position_O,
+                                      const SignedDistance& at, Pair& pair) const {
+  const std::size_t k = i * obstacle_count_ + o;
+  if (anchors_[k].side.known) return anchors_[k].side;
+  if (looked_back_[k] != 0) return entered_[k];
+  if (starts_.empty() || std::holds_alternative<HalfSpace>(*obstacles_[o].shape)) return {};
+  const Vector3 start_O = X_OW_old_[o] * starts_[i];
+  if (!may_have_passed(*obstacles_[o].shape, start_O, position_O, at)) return {};
+  pair.entered = side_on_way(*obstacles_[o].shape, start_O, position_O);
+  pair.looked_back = pair.entered.known;
+  return pair.entered;
+}
+
+SignedDistance ContactPotential::look(std::size_t i, std::size_t o,
+                                      const Vector3& position_O) const {
+  const Shape& shape = *obstacles_[o].shape;
+  const SignedDistance at = distance_and_gradient(shape, position_O);
+  Pair pair;
+  const ContactSide side = side_of(i, o, position_O, at, pair);
+  return is_behind(shape, side, position_O, at) ? distance_to_side(side, position_O) : at;
 }
 
 double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
@@ -130,7 +171,10 @@ bool ContactPotential::meet(std::size_t i, std::size_t o, const Vector3& positio
   }
   pair.gap = bound_by_sighting(i, o, pair.position_O);
   if (pair.gap > 0.0) return false;
-  const SignedDistance d = signed_distance(*obstacle.shape, pair.position_O);
+  SignedDistance d = signed_distance(*obstacle.shape, pair.position_O);
+  const ContactSide side = side_of(i, o, pair.position_O, d, pair);
+  pair.behind = is_behind(*obstacle.shape, side, pair.position_O, d);
+  if (pair.behind) d = distance_to_side(side, pair.position_O);
   pair.gap = d.distance;
   pair.gradient = obstacle.X_WO.rotation * d.gradient;
   if (d.distance < 0.0) {
@@ -142,6 +186,8 @@ bool ContactPotential::meet(std::size_t i, std::size_t o, const Vector3& positio
 double ContactPotential::evaluate(std::size_t i, std::size_t o, const Vector3& position,
                                   Pair& pair) const {
   const Obstacle& obstacle = obstacles_[o];
+  pair.looked_back = false;
+  pair.behind = false;
   pair.far = !meet(i, o, position, pair);
   pair.pressing = 0.0;
   pair.friction_force.setZero();
@@ -175,7 +221,12 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
       if (!near) continue;
       Pair& pair = pairs_[i * obstacle_count_ + o];
       energy += evaluate(i, o, positions[i], pair);
-      if (!pair.far) sightings_[i * obstacle_count_ + o] = {pair.position_O, pair.gap};
+      const std::size_t k = i * obstacle_count_ + o;
+      if (!pair.far) sightings_[k] = {pair.position_O, pair.gap};
+      if (pair.looked_back) {
+        entered_[k] = pair.entered;
+        looked_back_[k] = 1;
+      }
       const Vector3 force = pair.pressing * pair.gradient + pair.friction_force;
       gradient[i] -= force;
       force_squared += force.squaredNorm();
@@ -300,9 +351,21 @@ double ContactPotential::update_anchors(std::span<const Vector3> positions,
         anchor.normal_O = obstacle.X_WO.rotation.transpose() * normal;
       }
       anchor.limit = limit;
+      anchor.side = i < samples_ ? side_after(i, o, pair) : ContactSide{};
     }
   }
   return change;
+}
+
+ContactSide ContactPotential::side_after(std::size_t i, std::size_t o, const Pair& pair) const {
+  if (pair.far || !(pair.gap < 0.0) || std::holds_alternative<HalfSpace>(*obstacles_[o].shape)) {
+    return {};
+  }
+  const std::size_t k = i * obstacle_count_ + o;
+  const ContactSide& side = anchors_[k].side.known ? anchors_[k].side : entered_[k];
+  if (pair.behind) return side_above(*obstacles_[o].shape, side, pair.position_O);
+  const Matrix3& R_OW = X_OW_[o].rotation;
+  return side_at({pair.gap, R_OW * pair.gradient, Matrix3::Zero()}, pair.position_O);
 }
 
 double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const {

@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "softfinger/contact/contact_side.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
 
 namespace softfinger {
@@ -15,6 +17,7 @@ struct Obstacle {
   const Shape* shape = nullptr;
   Pose X_WO;
   double friction_coefficient = 0.0;
+  std::optional<Pose> X_WO_old;  ///< where it was at the start of the step; absent: where it is
 };
 
 /// An obstacle as one point of the skin meets it: gap = normal . p + offset, in W, m.
@@ -29,12 +32,18 @@ struct FrictionAnchor {
   Vector3 anchor_O = Vector3::Zero();
   Vector3 normal_O = Vector3::UnitZ();
   double limit = 0.0;  ///< greatest tangential force, N; 0: no contact at the end of the last step
+  /// Where a sample touched at the end of the last step; unknown where it was clear, and of points
+  /// that are no samples.
+  ContactSide side;
 };
 
 /// Potential energy of points of the skin against obstacles, all in W: the samples, and after them
 /// as many points as the caller has at a time that each meet one obstacle, as a plane. Pairs of a
 /// point and an obstacle whose box it is outside of, and no friction ties it to, are passed over:
 /// they add nothing, so results do not depend on it.
+///
+/// A sample is pushed out on the side it came from: the one it touched at the end of the last step,
+/// else the one that its way in this step goes in by. See distance_from_side().
 ///
 /// Normal contact is a stiff penalty, 1/2 k gap^2 for gap < 0, with k proportional to the point's
 /// area. Tangential contact is Coulomb friction as a Huber potential of the displacement u from an
@@ -56,8 +65,10 @@ class ContactPotential {
   /// Anchors, one per point and obstacle (obstacle fastest): the state between steps.
   [[nodiscard]] std::vector<FrictionAnchor> no_anchors() const;
 
-  /// The obstacles and anchors that evaluations see from now on; both must outlive them. No planes.
-  void begin(std::span<const Obstacle> obstacles, std::span<const FrictionAnchor> anchors);
+  /// The obstacles and anchors that evaluations see from now on, and where the samples are at the
+  /// start of the step (W, m; none: they come from nowhere); all must outlive them. No planes.
+  void begin(std::span<const Obstacle> obstacles, std::span<const FrictionAnchor> anchors,
+             std::span<const Vector3> starts = {});
   /// One more point, behind the others, which meets this plane.
   void add_plane(const ContactPlane& plane) { planes_.push_back(plane); }
 
@@ -89,8 +100,15 @@ class ContactPotential {
   [[nodiscard]] double gap(std::size_t i) const;
   /// Lower bound of the gap of point i to obstacle o at `position_O`, m.
   [[nodiscard]] double gap_bound(std::size_t i, std::size_t o, const Vector3& position_O) const;
-  /// Where W is seen from obstacle o, at the end of the step.
+  /// Distance and gradient of sample i at `position_O` to obstacle o, from the sample's side.
+  [[nodiscard]] SignedDistance look(std::size_t i, std::size_t o, const Vector3& position_O) const;
+  /// Where sample i touched obstacle o at the end of the last step.
+  [[nodiscard]] const ContactSide& side(std::size_t i, std::size_t o) const {
+    return anchors_[i * obstacle_count_ + o].side;
+  }
+  /// Where W is seen from obstacle o, at the end of the step and at its start.
   [[nodiscard]] const Pose& obstacle_view(std::size_t o) const { return X_OW_[o]; }
+  [[nodiscard]] const Pose& old_obstacle_view(std::size_t o) const { return X_OW_old_[o]; }
   [[nodiscard]] double friction_coefficient(std::size_t o) const {
     return obstacles_[o].friction_coefficient;
   }
@@ -138,6 +156,9 @@ class ContactPotential {
     double slip = 0.0;  ///< |u|, m
     Vector3 slip_direction = Vector3::Zero();
     bool slides = false;  ///< meaningless without a friction limit
+    bool behind = false;  ///< the gap is that to the side it came from
+    ContactSide entered;  ///< where it went in, if `looked_back`
+    bool looked_back = false;
   };
   /// A gap once looked up: no sample touches before it has come that far from there.
   struct Sighting {
@@ -156,9 +177,18 @@ class ContactPotential {
   [[nodiscard]] bool may_act(std::size_t i, const Vector3& position) const;
   /// Whether point i at `position` and obstacle o can do anything to each other.
   [[nodiscard]] bool may_act(std::size_t i, std::size_t o, const Vector3& position) const;
+  /// Whether the way of sample i to `position` comes near the box.
+  [[nodiscard]] bool comes_near(const Eigen::AlignedBox3d& box_W, std::size_t i,
+                                const Vector3& position) const;
+  /// The side that sample i comes from, where that may matter at `position_O` with the signed
+  /// distance `at`; unknown where not. Fills `pair` where it had to look back.
+  [[nodiscard]] ContactSide side_of(std::size_t i, std::size_t o, const Vector3& position_O,
+                                    const SignedDistance& at, Pair& pair) const;
   double evaluate(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
   /// Gap and gradient; false where the two cannot touch.
   bool meet(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
+  /// What the pair, as last evaluated, remembers of its side.
+  [[nodiscard]] ContactSide side_after(std::size_t i, std::size_t o, const Pair& pair) const;
   double friction(std::size_t i, const Obstacle& obstacle, const FrictionAnchor& anchor,
                   const Vector3& position, Pair& pair) const;
   /// Adds the second derivative of one pair; returns false if zero.
@@ -172,7 +202,10 @@ class ContactPotential {
   Options options_;
   std::span<const Obstacle> obstacles_;
   std::span<const FrictionAnchor> anchors_;
-  std::vector<Pose> X_OW_;
+  std::span<const Vector3> starts_;
+  std::vector<Pose> X_OW_, X_OW_old_;
+  std::vector<ContactSide> entered_;          ///< per pair: where it went in during this step
+  std::vector<std::uint8_t> looked_back_;     ///< per pair: that is known
   std::vector<Eigen::AlignedBox3d> boxes_O_;  ///< that hold each obstacle
   std::vector<Eigen::AlignedBox3d> boxes_W_;  ///< the same and a little more
   Eigen::AlignedBox3d box_W_;                 ///< about all of these

@@ -1,6 +1,7 @@
 #include "softfinger/contact/deepest_point.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace softfinger {
 namespace {
@@ -9,13 +10,20 @@ using Corners = std::array<Vector3, 3>;
 using Weights = std::array<double, 3>;
 
 constexpr int kIterations = 6;
-/// By how much the solid is shrunk, m: a little, and features narrower are stepped across; see the
-/// halving.
+/// By how much a solid is shrunk where it is flat, m.
 constexpr double kShrink = 3e-4;
 constexpr double kWorthwhile = 1e-7;  // m
 
-Vector3 point_at(const Corners& c, const Weights& w) {
-  return w[0] * c[0] + w[1] * c[1] + w[2] * c[2];
+/// How far below a point the solid shrinks to nothing: its surface's nearest centre of curvature,
+/// so that a ball or an edge is found at once. Of the Hessian's eigenvalues one is 0, along the
+/// gradient.
+double way_to_core(const SignedDistance& at) {
+  const double sum = at.hessian.trace();
+  const double product_twice = sum * sum - at.hessian.squaredNorm();
+  const double greatest = 0.5 * (sum + std::sqrt(std::max(0.0, sum * sum - 2.0 * product_twice)));
+  return greatest * (std::abs(at.distance) + kShrink) > 1e-3
+             ? 1.0 / greatest
+             : at.distance + kShrink + std::max(0.0, -at.distance);
 }
 
 /// Barycentric weights of the point of the triangle nearest to p.
@@ -52,20 +60,20 @@ Weights closest_weights(const Corners& c, const Vector3& p) {
 
 }  // namespace
 
-TrianglePoint deepest_point(const Shape& shape, const Corners& corners_O,
+TrianglePoint deepest_point(const Shape& shape, const ContactSide& side, const Corners& corners_O,
                             const TrianglePoint& start) {
   TrianglePoint best = start;
   Vector3 p = point_at(corners_O, best.weights);
-  SignedDistance at = distance_and_gradient(shape, p);
+  SignedDistance at = distance_from_side(shape, side, p).at;
   best.gap = at.distance;
-  double shrink = kShrink + std::max(0.0, -at.distance);
+  double way = way_to_core(at);
   for (int i = 0; i < kIterations; ++i) {
-    const Weights weights = closest_weights(corners_O, p - (at.distance + shrink) * at.gradient);
+    const Weights weights = closest_weights(corners_O, p - way * at.gradient);
     const Vector3 moved = point_at(corners_O, weights);
-    const SignedDistance there = distance_and_gradient(shape, moved);
+    const SignedDistance there = distance_from_side(shape, side, moved).at;
     if (there.distance > best.gap - kWorthwhile) {
       if (there.distance > best.gap + kWorthwhile) {
-        shrink *= 0.5;
+        way *= 0.5;
         continue;
       }
       break;
@@ -73,19 +81,23 @@ TrianglePoint deepest_point(const Shape& shape, const Corners& corners_O,
     best = {weights, there.distance};
     p = moved;
     at = there;
+    way = way_to_core(at);
   }
   return best;
 }
 
-TrianglePoint least_of_few(const Shape& shape, const Corners& corners_O) {
+TrianglePoint least_of_few(const Shape& shape, const ContactSide& side, const Corners& corners_O) {
   constexpr std::array<Weights, 4> kFew{{{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0},
                                          {2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0},
                                          {1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0},
                                          {1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0}}};
-  TrianglePoint least{kFew[0], distance_and_gradient(shape, point_at(corners_O, kFew[0])).distance};
+  const auto gap = [&](const Weights& weights) {
+    return distance_from_side(shape, side, point_at(corners_O, weights)).at.distance;
+  };
+  TrianglePoint least{kFew[0], gap(kFew[0])};
   for (std::size_t k = 1; k < kFew.size(); ++k) {
-    const double gap = distance_and_gradient(shape, point_at(corners_O, kFew[k])).distance;
-    if (gap < least.gap) least = {kFew[k], gap};
+    const double here = gap(kFew[k]);
+    if (here < least.gap) least = {kFew[k], here};
   }
   return least;
 }

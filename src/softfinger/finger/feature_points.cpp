@@ -17,6 +17,9 @@ constexpr double kSharp = 1e-4;
 /// A point further from the obstacle than this is left out, m: one may come as near within a step
 /// when skin that was balanced on an edge slips off.
 constexpr double kWithin = 1e-4;
+/// A side of an obstacle is met by a triangle where their normals are not further apart than this:
+/// cosine of the angle.
+constexpr double kFacing = 0.5;
 /// No point of a triangle is further from a corner than this, of its longest edge.
 constexpr double kFarthest = 0.58;
 /// Part of the way to the deepest point that a known one goes in a step: all of it, and the skin,
@@ -61,6 +64,36 @@ void FeaturePoints::place_corners(const Step& step, const ContactPotential& cont
   }
 }
 
+ContactSide FeaturePoints::side_of_triangle(const ContactPotential& contact, std::size_t t,
+                                            std::size_t o) const {
+  ContactSide side;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int sample : model_.skin_triangles[t]) {
+    const auto i = static_cast<std::size_t>(sample);
+    const ContactSide& own = contact.side(i, o);
+    if (!own.known || corners_[i].at.distance >= least) continue;
+    least = corners_[i].at.distance;
+    side = own;
+  }
+  return side;
+}
+
+ContactSide FeaturePoints::side_on_way_of(const Step& step, const ContactPotential& contact,
+                                          std::size_t t, std::size_t o,
+                                          const std::array<double, 3>& weights) const {
+  Vector3 from = Vector3::Zero();
+  Vector3 to = Vector3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(model_.skin_triangles[t][k]);
+    const auto node = static_cast<std::size_t>(model_.sample_nodes[i]);
+    from += weights[k] * (contact.old_obstacle_view(o) * step.old_positions[node]);
+    to += weights[k] * corners_[i].position_O;
+  }
+  const Shape& shape = *step.obstacles[o].shape;
+  if (!may_have_passed(shape, from, to, distance_and_gradient(shape, to))) return {};
+  return side_on_way(shape, from, to);
+}
+
 FeaturePoints::Found FeaturePoints::find(const Step& step, const ContactPotential& contact,
                                          std::size_t t, std::size_t o, const Point* known) {
   Found found;
@@ -83,14 +116,18 @@ FeaturePoints::Found FeaturePoints::find(const Step& step, const ContactPotentia
   std::array<SignedDistance, 3> at;
   for (std::size_t k = 0; k < 3; ++k) {
     Corner& corner = corners_[static_cast<std::size_t>(model_.skin_triangles[t][k])];
-    if (!corner.known) corner.at = distance_and_gradient(shape, corner.position_O);
+    if (!corner.known) {
+      const auto sample = static_cast<std::size_t>(model_.skin_triangles[t][k]);
+      corner.at = contact.look(sample, o, corner.position_O);
+    }
     corner.known = true;
     at[k] = corner.at;
   }
   const double least = std::min({at[0].distance, at[1].distance, at[2].distance});
   const double bulge = deepest_bulge(corners, at);
   if (!std::holds_alternative<MeshShape>(shape) && least - bulge > kWithin - kDepth) return found;
-  TrianglePoint start = least_of_few(shape, corners);
+  ContactSide side = known != nullptr ? known->side : side_of_triangle(contact, t, o);
+  TrianglePoint start = least_of_few(shape, side, corners);
   if (known != nullptr) {
     start.weights = known->weights;
   } else {
@@ -103,14 +140,16 @@ FeaturePoints::Found FeaturePoints::find(const Step& step, const ContactPotentia
       start.weights[k] = 1.0;
     }
   }
+  if (!side.known) side = side_on_way_of(step, contact, t, o, start.weights);
+  // Of a blade it is the edge that is met, not its flanks.
+  side.known = side.known && side.normal_O.dot(offset_O) > kFacing * kDepth;
   for (Vector3& corner : corners) corner += offset_O;
-  const TrianglePoint point = deepest_point(shape, corners, start);
+  const TrianglePoint point = deepest_point(shape, side, corners, start);
   found.weights = point.weights;
   const Pose& X_OW = contact.obstacle_view(o);
   const Matrix3 R_WO = X_OW.rotation.transpose();
   found.offset = R_WO * offset_O;
-  const Vector3 p_O =
-      point.weights[0] * corners[0] + point.weights[1] * corners[1] + point.weights[2] * corners[2];
+  const Vector3 p_O = point_at(corners, point.weights);
   // At the deepest point the surface is parallel to the triangle, and a little beside it, as the
   // point is that follows, a sharp feature's is not: the skin's normal counts.
   found.plane = {.obstacle = static_cast<int>(o), .normal = found.offset / kDepth, .offset = 0.0};
@@ -118,23 +157,28 @@ FeaturePoints::Found FeaturePoints::find(const Step& step, const ContactPotentia
   found.plane.offset = point.gap - found.plane.normal.dot(p_W);
   found.known = true;
   found.near = point.gap < kWithin;
+  if (found.near) {
+    const DistanceFromSide seen = distance_from_side(shape, side, p_O);
+    found.side = seen.behind ? side_above(shape, side, p_O) : side_at(seen.at, p_O);
+  }
   return found;
 }
 
-void FeaturePoints::move(const Step& step, std::size_t k, const Found& found,
-                         std::span<FrictionAnchor> anchors) {
+void FeaturePoints::move(const Step& step, const ContactPotential& contact, std::size_t k,
+                         const Found& found, std::span<FrictionAnchor> anchors) {
   Point& point = points_[k];
   const Vector3 before = position(point, step.old_positions);
   for (std::size_t c = 0; c < 3; ++c)
     point.weights[c] += kFollow * (found.weights[c] - point.weights[c]);
   point.offset = found.offset;
   point.plane = found.plane;
+  point.side = found.side;
   point.near = found.near;
   // Friction goes on from where it was: another point of the skin, as far from its anchor.
   const Vector3 shift = position(point, step.old_positions) - before;
   for (std::size_t o = 0; o < step.obstacles.size(); ++o) {
     FrictionAnchor& anchor = anchors[k * step.obstacles.size() + o];
-    if (anchor.limit > 0.0) anchor.anchor_O += step.X_OW_old[o].rotation * shift;
+    if (anchor.limit > 0.0) anchor.anchor_O += contact.old_obstacle_view(o).rotation * shift;
   }
 }
 
@@ -173,6 +217,7 @@ void FeaturePoints::put(std::size_t k, std::size_t t, std::size_t o, const Found
   point.weights = found.weights;
   point.offset = found.offset;
   point.plane = found.plane;
+  point.side = found.side;
   point.near = true;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto sample = static_cast<std::size_t>(model_.skin_triangles[t][c]);
@@ -201,7 +246,7 @@ void FeaturePoints::choose(const Step& step, const ContactPotential& contact,
       const Point* known = place >= 0 ? &points_[static_cast<std::size_t>(place)] : nullptr;
       const Found found = find(step, contact, t, o, known);
       if (known != nullptr) {
-        if (found.known) move(step, static_cast<std::size_t>(place), found, anchors);
+        if (found.known) move(step, contact, static_cast<std::size_t>(place), found, anchors);
       } else if (found.near) {
         const std::size_t k = free_place(correction);
         if (k < kMost) put(k, t, o, found, anchors);

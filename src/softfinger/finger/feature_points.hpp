@@ -33,6 +33,7 @@ class FeaturePoints {
     std::array<double, 3> weights{};
     Vector3 offset = Vector3::Zero();  ///< from the skin to the point, W, m
     ContactPlane plane;                ///< the obstacle as the point meets it in this step
+    ContactSide side;                  ///< where the obstacle is met
     bool near = false;                 ///< may touch in this step
   };
 
@@ -42,7 +43,6 @@ class FeaturePoints {
     std::span<const Vector3> positions;      ///< of all nodes where the step is looked for, W, m
     std::span<const Vector3> old_positions;  ///< and where it starts
     std::span<const Obstacle> obstacles;     ///< at the end of the step
-    std::span<const Pose> X_OW_old;          ///< of the obstacles at its start
   };
   /// Chooses the points of a step, which `contact` has begun. `correction` knows what the factored
   /// matrix holds, of samples and then of these points; `anchors` are these points' and follow
@@ -65,6 +65,7 @@ class FeaturePoints {
     std::array<double, 3> weights{};
     Vector3 offset = Vector3::Zero();
     ContactPlane plane;
+    ContactSide side;
     bool known = false;  ///< else it is too far off to say
     bool near = false;
   };
@@ -83,7 +84,15 @@ class FeaturePoints {
   [[nodiscard]] std::size_t free_place(const ContactCorrection& correction) const;
   void put(std::size_t k, std::size_t triangle, std::size_t obstacle, const Found& found,
            std::span<FrictionAnchor> anchors);
-  void move(const Step& step, std::size_t k, const Found& found, std::span<FrictionAnchor> anchors);
+  void move(const Step& step, const ContactPotential& contact, std::size_t k, const Found& found,
+            std::span<FrictionAnchor> anchors);
+  /// The side from which the triangle meets the obstacle: of its deepest corner that touches.
+  [[nodiscard]] ContactSide side_of_triangle(const ContactPotential& contact, std::size_t triangle,
+                                             std::size_t obstacle) const;
+  /// Where the point with these weights went in during the step.
+  [[nodiscard]] ContactSide side_on_way_of(const Step& step, const ContactPotential& contact,
+                                           std::size_t triangle, std::size_t obstacle,
+                                           const std::array<double, 3>& weights) const;
 
   const FingerModel& model_;
   std::vector<bool> is_free_;  ///< per triangle: no corner is tied

@@ -56,7 +56,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       contact_(contact_areas(model), model.sample_nodes.size(), obstacle_count, options.contact),
       correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks()), team_),
       features_(model, obstacle_count),
-      X_OW_old_(obstacle_count),
+      starts_(model.sample_nodes.size()),
       work_(elastic_.make_work()) {
   const std::size_t nodes = model.mesh.nodes.size();
   const auto unknowns = static_cast<std::size_t>(3 * map_.blocks());
@@ -83,8 +83,10 @@ void FingerPotential::forget() {
 
 void FingerPotential::begin(const Step& step) {
   step_ = step;
-  for (std::size_t o = 0; o < X_OW_old_.size(); ++o) X_OW_old_[o] = contact_.obstacle_view(o);
-  contact_.begin(step.obstacles, step.anchors);
+  for (std::size_t i = 0; i < starts_.size(); ++i) {
+    starts_[i] = step.old_positions[static_cast<std::size_t>(model_.sample_nodes[i])];
+  }
+  contact_.begin(step.obstacles, step.anchors, starts_);
   if (step.relaxed) {
     elastic_.begin_relaxed(work_);
   } else if (step.history != nullptr) {
@@ -106,10 +108,12 @@ void FingerPotential::choose_features() {
   const std::size_t samples = model_.sample_nodes.size();
   FeaturePoints::Step step;
   step.old_positions = step_.old_positions;
-  step.positions =
-      step_.time_step > 0.0 ? std::span<const Vector3>(predicted_) : step.old_positions;
+  step.positions = step_.seen_positions;
+  if (step.positions.empty()) {
+    step.positions =
+        step_.time_step > 0.0 ? std::span<const Vector3>(predicted_) : step.old_positions;
+  }
   step.obstacles = step_.obstacles;
-  step.X_OW_old = X_OW_old_;
   features_.choose(step, contact_, correction_,
                    step_.anchors.subspan(samples * step_.obstacles.size()));
   for (std::size_t k = 0; k < features_.points().size(); ++k) {

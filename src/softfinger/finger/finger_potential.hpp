@@ -35,7 +35,9 @@ class FingerPotential {
   struct Step {
     double time_step = 0.0;                  ///< s; 0: quasi-static (bone prescribed)
     std::span<const Vector3> old_positions;  ///< all nodes, W, m
-    std::span<const Vector3> velocities;     ///< all nodes, W, m/s
+    /// Where features of obstacles are looked for, W, m; empty: where even motion leads.
+    std::span<const Vector3> seen_positions;
+    std::span<const Vector3> velocities;  ///< all nodes, W, m/s
     BoneState old_bone;
     Pose X_WFt_old;  ///< tracked pose of the step before; unused where prescribed
     Pose X_WFt;      ///< tracked pose, or the prescribed one
@@ -129,7 +131,7 @@ class FingerPotential {
   ContactPotential contact_;
   ContactCorrection correction_;
   FeaturePoints features_;
-  std::vector<Pose> X_OW_old_;
+  std::vector<Vector3> starts_;  ///< of the samples, W, m
   Step step_;
 
   Point current_, trial_;

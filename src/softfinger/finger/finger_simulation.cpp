@@ -43,6 +43,7 @@ struct FingerSimulation::Implementation {
 
   void place_obstacles(double time) {
     for (std::size_t o = 0; o < objects.size(); ++o) {
+      obstacles[o].X_WO_old = obstacles[o].X_WO;
       obstacles[o].X_WO = objects[o].motion.sample(time);
     }
   }
@@ -143,6 +144,7 @@ void FingerSimulation::reset(const Pose& X_WFt, double time) {
   for (FrictionAnchor& anchor : self.anchors) anchor = FrictionAnchor{};
   forget(self.history);
   self.place_obstacles(time);
+  for (Obstacle& obstacle : self.obstacles) obstacle.X_WO_old.reset();
   self.potential.forget();
   self.potential.forget_features();
   self.begin(X_WFt);
@@ -182,6 +184,7 @@ std::uint64_t FingerSimulation::state_hash() const {
   for (const FrictionAnchor& anchor : self.anchors) {
     hash.add(anchor.anchor_O);
     hash.add(anchor.limit);
+    if (anchor.side.known) hash.add(anchor.side.point_O).add(anchor.side.normal_O);
   }
   for (const ElementStress& stress : self.history.elastic) add(hash, stress);
   for (const auto& term : self.history.relaxing) {

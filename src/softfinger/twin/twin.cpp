@@ -60,6 +60,7 @@ struct Twin::Implementation {
   std::vector<FrictionAnchor> kept_anchors;
   StressHistory history;
   Configuration kept_q;
+  std::vector<Pose> kept_poses;  ///< of the pieces
   // Of the frame under way.
   double friction_coefficient = 0.0;
   double elapsed = 0.0;
@@ -78,7 +79,8 @@ struct Twin::Implementation {
 
   void reset();
   void place();
-  void begin(std::span<const Vector3> old_positions);
+  void keep_poses();
+  void begin(std::span<const Vector3> seen_positions);
   TwinSummary attempt(const Configuration& at);
   void foresee(const Configuration& at);
   void start(bool was_foreseen);
@@ -98,13 +100,16 @@ void Twin::Implementation::reset() {
   potential.forget();
   potential.forget_features();
   foreseen = positions;
+  kept_poses.clear();
+  for (Obstacle& obstacle : obstacles) obstacle.X_WO_old.reset();
   shifts_known = false;
   friction_coefficient = 0.0;
   elapsed = 0.0;
   q = device->home();
   kept_q = q;
   place();
-  begin(kept_positions);
+  keep_poses();
+  begin({});
   potential.start_from(positions, Pose{});
   report_contact(*wearer, potential, contact);
 }
@@ -115,14 +120,22 @@ void Twin::Implementation::place() {
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     obstacles[k].X_WO = pieces[k].X_FS;
     obstacles[k].friction_coefficient = friction_coefficient;
+    if (!kept_poses.empty()) obstacles[k].X_WO_old = kept_poses[k];
   }
   std::copy(kept_anchors.begin(), kept_anchors.end(), anchors.begin());
 }
 
-/// Prepares the potential for an equilibrium; features are those that skin at `old_positions` sees.
-void Twin::Implementation::begin(std::span<const Vector3> old_positions) {
+void Twin::Implementation::keep_poses() {
+  kept_poses.resize(pieces.size());
+  for (std::size_t k = 0; k < pieces.size(); ++k) kept_poses[k] = pieces[k].X_FS;
+}
+
+/// Prepares the potential for an equilibrium; features are those that skin at `seen_positions`
+/// sees, or where the last frame kept left it.
+void Twin::Implementation::begin(std::span<const Vector3> seen_positions) {
   FingerPotential::Step step;
-  step.old_positions = old_positions;
+  step.old_positions = kept_positions;
+  step.seen_positions = seen_positions;
   step.obstacles = obstacles;
   step.anchors = anchors;
   step.history = &history;
@@ -162,7 +175,7 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
   newton.max_iterations = kIterations;
   TwinSummary summary;
   for (int pass = 0; pass < kFrictionPasses; ++pass) {
-    if (pass < kLooks) begin(pass == 0 ? kept_positions : positions);
+    if (pass < kLooks) begin(pass == 0 ? std::span<const Vector3>{} : positions);
     start(pass == 0 && was_foreseen);
     const NewtonSummary solved = untangle_and_minimise(potential, newton);
     summary.iterations += solved.iterations;
@@ -178,6 +191,7 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
 
 void Twin::Implementation::keep() {
   kept_q = q;
+  keep_poses();
   std::copy(positions.begin(), positions.end(), kept_positions.begin());
   potential.elastic().end_step(potential.elastic_work(), elapsed, history);
   potential.contact().update_anchors(potential.contact_positions(), anchors);
