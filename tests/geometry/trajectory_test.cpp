@@ -98,22 +98,96 @@ TEST(Trajectory, RestsAtBothEndsAndIsHeldOutside) {
   }
 }
 
-TEST(Trajectory, NeverOvershoots) {
-  auto waypoints = random_waypoints(5, 0.0);
-  // Very unequal steps in time, where ordinary splines swing.
+/// Very unequal steps in time, where ordinary splines swing.
+std::vector<Waypoint> unevenly_timed(std::vector<Waypoint> waypoints) {
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     waypoints[i].time = static_cast<double>(i) + (i % 2 == 0 ? 0.0 : 0.95);
   }
+  return waypoints;
+}
+
+// Along no direction, not only those of the axes.
+TEST(Trajectory, NeverOvershoots) {
+  const auto waypoints = unevenly_timed(random_waypoints(5, 0.0));
   const Trajectory trajectory(waypoints);
   for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
     const Vector3& a = waypoints[i].pose.translation;
-    const Vector3& b = waypoints[i + 1].pose.translation;
+    const Vector3 way = waypoints[i + 1].pose.translation - a;
+    double last = 0.0;
     for (int k = 0; k <= 200; ++k) {
       const double s = k / 200.0;
-      const Vector3 p =
-          trajectory.sample((1 - s) * waypoints[i].time + s * waypoints[i + 1].time).translation;
-      EXPECT_TRUE((p.array() >= a.cwiseMin(b).array() - 1e-12).all());
-      EXPECT_TRUE((p.array() <= a.cwiseMax(b).array() + 1e-12).all());
+      const Vector3 from_a =
+          trajectory.sample((1 - s) * waypoints[i].time + s * waypoints[i + 1].time).translation -
+          a;
+      const double done = from_a.dot(way) / way.squaredNorm();
+      EXPECT_GE(done, last - 1e-12);
+      EXPECT_LE(done, 1.0 + 1e-12);
+      EXPECT_LT((from_a - done * way).norm(), 1e-12);
+      last = done;
+    }
+  }
+}
+
+// Slight bends are taken without a halt, whatever the times, and hardly leave the straight line.
+TEST(Trajectory, TakesSlightBendsInOneGo) {
+  for (const double bend : {0.0, 0.5, 2.0, 2.9, 4.0, 4.99}) {
+    std::vector<Waypoint> waypoints(7);
+    double heading = 0.0;
+    for (std::size_t i = 1; i < waypoints.size(); ++i) {
+      waypoints[i].pose.translation =
+          waypoints[i - 1].pose.translation +
+          (i % 3 == 0 ? 2.0 : 8.0) * mm * Vector3(std::cos(heading), std::sin(heading), 0.0);
+      heading += (i % 2 == 0 ? -2.0 : 1.0) * bend * deg / (i % 2 == 0 ? 2.0 : 1.0);
+    }
+    waypoints = unevenly_timed(waypoints);
+    const Trajectory trajectory(waypoints);
+    for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
+      if (i > 0) {
+        EXPECT_GT(trajectory.sample_motion(waypoints[i].time).velocity.norm(), 0.0) << bend;
+      }
+      const Vector3& a = waypoints[i].pose.translation;
+      const Vector3 way = waypoints[i + 1].pose.translation - a;
+      for (int k = 0; k <= 100; ++k) {
+        const double s = k / 100.0;
+        const Vector3 p =
+            trajectory.sample((1 - s) * waypoints[i].time + s * waypoints[i + 1].time).translation;
+        EXPECT_LT((p - a).cross(way).norm(), 0.01 * way.squaredNorm() + 1e-15) << bend;
+      }
+    }
+  }
+}
+
+// Turned, shifted, mirrored waypoints: the turned, shifted, mirrored motion, to rounding.
+TEST(Trajectory, DoesNotDependOnTheWorldsAxes) {
+  for (unsigned seed = 10; seed < 20; ++seed) {
+    auto waypoints = random_waypoints(seed, 1.0);
+    waypoints[4].pose = waypoints[3].pose;  // a dwell
+    // Straight on, and nearly.
+    waypoints[7].pose.translation =
+        2.0 * waypoints[6].pose.translation - waypoints[5].pose.translation;
+    waypoints[8].pose.translation = 2.0 * waypoints[7].pose.translation -
+                                    waypoints[6].pose.translation + Vector3(0.0, 4e-4, 0.0);
+    const Pose turn{exp_rotation(random_waypoints(seed + 50, 3.0).front().pose.translation * 60.0),
+                    {0.3, -0.2, 0.1}};
+    const Matrix3 mirror = Vector3(1.0, -1.0, 1.0).asDiagonal();
+    auto turned = waypoints;
+    auto mirrored = waypoints;
+    for (std::size_t i = 0; i < waypoints.size(); ++i) {
+      turned[i].pose = turn * waypoints[i].pose;
+      turned[i].time += 0.25;
+      mirrored[i].pose = {mirror * waypoints[i].pose.rotation * mirror,
+                          mirror * waypoints[i].pose.translation};
+    }
+    const Trajectory trajectory(waypoints), other(turned), reflection(mirrored);
+    for (double t = 0.0; t < trajectory.end_time(); t += 0.0137) {
+      const PoseMotion motion = trajectory.sample_motion(t);
+      EXPECT_LT(difference(other.sample(t + 0.25), turn * motion.pose), 1e-12);
+      EXPECT_LT((other.sample_motion(t + 0.25).velocity - turn.rotation * motion.velocity).norm(),
+                1e-11);
+      const Pose reflected = reflection.sample(t);
+      EXPECT_LT(difference({mirror * reflected.rotation * mirror, mirror * reflected.translation},
+                           motion.pose),
+                1e-12);
     }
   }
 }

@@ -31,14 +31,37 @@ Matrix3 left_jacobian(const Vector3& v) {
   return Matrix3::Identity() + a * w + b * w * w;
 }
 
-/// Velocity of one coordinate at a waypoint between slopes before and after.
+/// Velocity at a waypoint between slopes, both at least 0, before and after.
 double waypoint_velocity(double slope_before, double time_before, double slope_after,
                          double time_after) {
-  if (slope_before * slope_after <= 0.0) return 0.0;
   const double parabola =
       (time_after * slope_before + time_before * slope_after) / (time_before + time_after);
-  const double limit = 2.0 * std::min(std::abs(slope_before), std::abs(slope_after));
-  return std::clamp(parabola, -limit, limit);
+  return std::min(parabola, 2.0 * std::min(slope_before, slope_after));
+}
+
+/// The same for a coordinate of any sign.
+double turning_velocity(double slope_before, double time_before, double slope_after,
+                        double time_after) {
+  if (slope_before * slope_after <= 0.0) return 0.0;
+  return std::copysign(
+      waypoint_velocity(std::abs(slope_before), time_before, std::abs(slope_after), time_after),
+      slope_before);
+}
+
+/// The same for a position: depends on lengths and the angle between the slopes alone, so that it
+/// turns with the scene.
+Vector3 moving_velocity(const Vector3& slope_before, double time_before, const Vector3& slope_after,
+                        double time_after) {
+  const double before = slope_before.norm();
+  const double after = slope_after.norm();
+  if (!(before > 0.0) || !(after > 0.0)) return Vector3::Zero();
+  // Half the angle, by way of its sine and cosine: a cosine alone is blind near zero.
+  const Vector3 middle = slope_before / before + slope_after / after;
+  const Vector3 across = slope_before / before - slope_after / after;
+  const double bend = 2.0 * std::atan2(across.norm(), middle.norm());
+  if (bend >= Trajectory::kCorner) return Vector3::Zero();
+  const double share = 1.0 - (bend / Trajectory::kCorner) * (bend / Trajectory::kCorner);
+  return share * waypoint_velocity(before, time_before, after, time_after) * middle.normalized();
 }
 
 }  // namespace
@@ -73,9 +96,12 @@ Trajectory::Trajectory(std::vector<Waypoint> waypoints) : waypoints_(std::move(w
   }
   std::vector<Coordinates> velocities(count, Coordinates::Zero());
   for (std::size_t i = 1; i + 1 < count; ++i) {
-    for (int k = 0; k < 6; ++k) {
-      velocities[i][k] = waypoint_velocity(slopes[i - 1][k], segments_[i - 1].duration,
-                                           slopes[i][k], segments_[i].duration);
+    const double before = segments_[i - 1].duration;
+    const double after = segments_[i].duration;
+    velocities[i].head<3>() =
+        moving_velocity(slopes[i - 1].head<3>(), before, slopes[i].head<3>(), after);
+    for (int k = 3; k < 6; ++k) {
+      velocities[i][k] = turning_velocity(slopes[i - 1][k], before, slopes[i][k], after);
     }
   }
   for (std::size_t i = 0; i + 1 < count; ++i) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "softfinger/base/units.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {
@@ -24,14 +25,21 @@ struct PoseMotion {
 /// rest at both ends and held before the first and after the last.
 ///
 /// Each coordinate is a quintic Hermite polynomial per segment, without acceleration at the
-/// waypoints. Its velocity there is that of the parabola through three waypoints, cut to twice the
-/// smaller of the neighbouring slopes and zero where these differ in sign (after Fritsch and
-/// Butland 1984 for cubics). So no coordinate ever leaves the range of the two waypoints around it,
-/// two equal waypoints are an exact dwell, and a waypoint influences only the two segments on
-/// either side. Rotations are interpolated as rotation vectors relative to the first waypoint's,
-/// each taken on the turn nearest to the one before.
+/// waypoints. The speed there is that of the parabola through the lengths of three waypoints, cut
+/// to twice the smaller of the neighbouring slopes (after Fritsch and Butland 1984 for cubics), and
+/// falls to zero as the way bends, at kCorner: so the position goes straight from waypoint to
+/// waypoint and rests at corners, and where the way bends by less it strays from the straight line
+/// by at most 1 % of its length. That holds for any choice of axes: a turned, moved or mirrored
+/// list of waypoints gives the turned, moved or mirrored motion. Two equal waypoints are an exact
+/// dwell, and a waypoint influences only the two segments on either side. Rotations are
+/// interpolated as rotation vectors relative to the first waypoint's, each taken on the turn
+/// nearest to the one before, coordinate by coordinate with the same speeds, zero where a
+/// coordinate turns back; none leaves the range of the two waypoints around it.
 class Trajectory {
  public:
+  /// A way that bends by this much or more at a waypoint stops there, rad.
+  static constexpr double kCorner = 5.0 * deg;
+
   /// One fixed pose for all time.
   explicit Trajectory(const Pose& fixed = {});
   /// Waypoints with strictly increasing times, at least one; else throws InputError.
