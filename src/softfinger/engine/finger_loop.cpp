@@ -36,7 +36,13 @@ void FingerLoop::start(const TrackedInput& tracked) {
   record_.tracked = tracked;
   X_WFt_limited_ = tracked.X_WFt.pose();
   placed_ = tracked.valid;
-  simulation_.reset(X_WFt_limited_, 0.0);
+  if (placed_) {
+    simulation_.reset(X_WFt_limited_, 0.0);
+    // Of a finger that starts inside something, what it touches is known once the skin gave way.
+    if (simulation_.contact().normal_force > 0.0) place(0);
+  } else {
+    simulation_.put_aside(X_WFt_limited_);
+  }
   record_.iterations = 0;
   record_.converged = true;
   record_.residual = 0.0;
@@ -53,11 +59,11 @@ void FingerLoop::step(std::int64_t step, const TrackedInput& tracked) {
   record_.tracked = tracked;
   StepSummary summary;
   if (!placed_ && !tracked.valid) {
-    // Nowhere yet: the finger waits where it was put.
+    // Nowhere yet: the finger waits where it was put aside.
   } else if (!placed_) {
     placed_ = true;
     X_WFt_limited_ = tracked.X_WFt.pose();
-    simulation_.reset(X_WFt_limited_, record_.time);
+    summary = place(step);
   } else {
     X_WFt_limited_ =
         moved_towards(X_WFt_limited_, tracked.X_WFt.pose(), kMaxTrackedSpeed / simulation_rate_,
@@ -71,6 +77,11 @@ void FingerLoop::step(std::int64_t step, const TrackedInput& tracked) {
   record_.cpu_time = thread_cpu_time() - cpu_began;
   record_.wall_time =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+StepSummary FingerLoop::place(std::int64_t step) {
+  simulation_.reset(X_WFt_limited_, static_cast<double>(step - 1) / simulation_rate_);
+  return simulation_.step(X_WFt_limited_, static_cast<double>(step) / simulation_rate_);
 }
 
 void FingerLoop::read_simulation() {

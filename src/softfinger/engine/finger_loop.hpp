@@ -25,7 +25,8 @@ class FingerLoop {
              std::span<const VirtualObject> objects, double simulation_rate, bool with_state,
              ThreadTeam* team = nullptr);
 
-  /// Step 0: at rest at the tracked pose, or waiting for the first valid one.
+  /// Step 0: at rest at the tracked pose; before the first valid one the finger is nowhere and
+  /// touches nothing.
   void start(const TrackedInput& tracked);
   /// Step `step` (from 1), to its end at step / simulation_rate.
   void step(std::int64_t step, const TrackedInput& tracked);
@@ -38,6 +39,8 @@ class FingerLoop {
   [[nodiscard]] const ContactSet& contact() const { return simulation_.contact(); }
 
  private:
+  /// At rest there at the end of the step before, then this step; it may begin inside something.
+  StepSummary place(std::int64_t step);
   void read_simulation();
 
   FingerSimulation simulation_;

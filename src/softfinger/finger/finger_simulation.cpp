@@ -152,6 +152,11 @@ void FingerSimulation::reset(const Pose& X_WFt, double time) {
   report_contact(*self.model, self.potential, self.contact);
 }
 
+void FingerSimulation::put_aside(const Pose& X_WFt) {
+  reset(X_WFt);
+  implementation_->contact = make_contact_set(*implementation_->model);
+}
+
 StepSummary FingerSimulation::step(const Pose& X_WFt, double time) {
   Implementation& self = *implementation_;
   if (self.steps % kRenewalSteps == 0) self.potential.forget();

@@ -36,6 +36,9 @@ class FingerSimulation {
 
   /// Rest shape at rest at X_WFt, no contact history.
   void reset(const Pose& X_WFt, double time = 0.0);
+  /// The same for a finger that is nowhere: nothing is near it, whatever stands at X_WFt. For as
+  /// long as no step is made.
+  void put_aside(const Pose& X_WFt);
   /// Advances to the end of the step, `time` (s), where the tracked finger is at X_WFt.
   StepSummary step(const Pose& X_WFt, double time);
 

@@ -27,11 +27,12 @@ std::string names_of(const std::vector<NatNetBody>& bodies) {
 
 }  // namespace
 
-NatNetTracker::NatNetTracker(const TrackerSpec& spec, double patience)
+NatNetTracker::NatNetTracker(const TrackerSpec& spec, double patience, const Pose& start)
     : spec_(spec),
       server_{find_address(spec.address), spec.port},
       interface_(local_address_towards(server_.address)),
       command_({interface_, 0}),
+      feed_(start),
       session_(spec, feed_),
       buffer_(kLargestDatagram) {
   connect(patience);

@@ -14,15 +14,20 @@
 
 namespace softfinger {
 
+/// How long a NatNet server may take for each stage of a connection, s.
+inline constexpr double kNatNetPatience = 3.0;
+
 /// A rigid body streamed by an OptiTrack NatNet server. A thread of its own keeps the session and
 /// receives; frames are taken from the command and from the data socket, and only from the server's
 /// address. Tracking is lost while the server does not see the body. Has no end.
 class NatNetTracker final : public Tracker {
  public:
-  /// Waits until frames come, for `patience` (s) at each stage. `spec` is of kind kNatnet. Throws
+  /// Waits until frames come, for `patience` (s) at each stage. `spec` is of kind kNatnet. `start`:
+  /// see PoseFeed. Throws
   /// InputError with one line: which socket is silent and why that may be, a version that is not
   /// known, or which bodies there are.
-  explicit NatNetTracker(const TrackerSpec& spec, double patience = 3.0);
+  explicit NatNetTracker(const TrackerSpec& spec, double patience = kNatNetPatience,
+                         const Pose& start = {});
   ~NatNetTracker() override;
   NatNetTracker(const NatNetTracker&) = delete;
   NatNetTracker& operator=(const NatNetTracker&) = delete;

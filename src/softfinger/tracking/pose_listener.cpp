@@ -32,8 +32,8 @@ void PoseReception::receive(const PoseMessage& message, const UdpEndpoint& from,
   }
 }
 
-PoseListener::PoseListener(const UdpEndpoint& own, Decode decode)
-    : socket_(own), decode_(decode), thread_([this] { serve(); }) {}
+PoseListener::PoseListener(const UdpEndpoint& own, Decode decode, const Pose& start)
+    : socket_(own), decode_(decode), feed_(start), thread_([this] { serve(); }) {}
 
 PoseListener::~PoseListener() {
   ending_ = true;

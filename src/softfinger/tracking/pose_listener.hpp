@@ -34,8 +34,9 @@ class PoseListener final : public Tracker {
  public:
   using Decode = std::optional<PoseMessage> (*)(std::span<const std::uint8_t>);
 
-  /// Receives at `own`, its port 0: any free one. Throws InputError, see UdpSocket.
-  PoseListener(const UdpEndpoint& own, Decode decode);
+  /// Receives at `own`, its port 0: any free one. `start`: see PoseFeed. Throws InputError, see
+  /// UdpSocket.
+  PoseListener(const UdpEndpoint& own, Decode decode, const Pose& start = {});
   ~PoseListener() override;
   PoseListener(const PoseListener&) = delete;
   PoseListener& operator=(const PoseListener&) = delete;

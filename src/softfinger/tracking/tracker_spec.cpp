@@ -32,12 +32,14 @@ std::unique_ptr<Tracker> make_tracker(std::string_view spec,
     const UdpEndpoint own{find_address(parsed.address), parsed.port};
     try {
       return std::make_unique<PoseListener>(
-          own, parsed.kind == TrackerKind::kUdp ? decode_pose_datagram : decode_osc_pose);
+          own, parsed.kind == TrackerKind::kUdp ? decode_pose_datagram : decode_osc_pose,
+          start_pose(waypoints));
     } catch (const InputError& error) {
       throw InputError(fmt::format("tracker {}: {}", spec, error.what()));
     }
   }
-  if (parsed.kind == TrackerKind::kNatnet) return std::make_unique<NatNetTracker>(parsed);
+  if (parsed.kind == TrackerKind::kNatnet)
+    return std::make_unique<NatNetTracker>(parsed, kNatNetPatience, start_pose(waypoints));
   if (parsed.kind == TrackerKind::kPage) {
     return std::make_unique<PageTracker>(start_pose(waypoints));
   }
