@@ -19,7 +19,8 @@ TEST(PageTracker, IsWhereThePageWantsItWhileThePageSaysSo) {
   tracker.offer(at(20 * mm));
   const TrackedPose first = tracker.sample(1.0);
   EXPECT_TRUE(first.valid);
-  EXPECT_EQ(first.time, 1.0);
+  EXPECT_NEAR(first.time, 1.0, 0.05) << "when it came";
+  EXPECT_LE(first.time, 1.0);
   EXPECT_EQ(first.X_WFt.translation.z(), 20 * mm) << "the newest";
   EXPECT_TRUE(tracker.sample(1.0 + kLostAfter).valid);
   const TrackedPose lost = tracker.sample(1.01 + kLostAfter);

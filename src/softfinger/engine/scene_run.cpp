@@ -18,6 +18,7 @@
 #include "softfinger/engine/live_twin.hpp"
 #include "softfinger/engine/scene_snapshot.hpp"
 #include "softfinger/engine/step_pacer.hpp"
+#include "softfinger/tracking/conditioned_tracker.hpp"
 #include "softfinger/tracking/page_tracker.hpp"
 #include "softfinger/tracking/registered_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
@@ -83,9 +84,9 @@ struct SceneRun::Finger {
     if (const auto& X_BodyFt = setup.registrations[i]) {
       tracker = std::make_unique<RegisteredTracker>(std::move(tracker), *X_BodyFt);
     }
-    if (options.conditioning.changes_poses()) {
-      tracker = std::make_unique<ConditionedTracker>(std::move(tracker), options.conditioning);
-    }
+    const bool sent = page_tracker != nullptr || webxr_tracker != nullptr ||
+                      is_network_tracker(parse_tracker_spec(scene_finger.tracker).kind);
+    tracker = conditioned(std::move(tracker), options.conditioning, sent);
     if (!setup.devices[i]) return;
     clock = DeviceClock(setup.scene.simulation_rate, device_rate(*setup.devices[i]));
     DeviceLoopOptions device_options;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "softfinger/tracking/interpolated_tracker.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -56,6 +58,15 @@ TrackedPose ConditionedTracker::sample(double time) {
     pose.X_WFt = predicted(std::min(ahead, PoseConditioning::kFarthest));
   }
   return pose;
+}
+
+std::unique_ptr<Tracker> conditioned(std::unique_ptr<Tracker> source,
+                                     const PoseConditioning& conditioning, bool sent) {
+  if (conditioning.changes_poses()) {
+    source = std::make_unique<ConditionedTracker>(std::move(source), conditioning);
+  }
+  if (sent && !conditioning.lead) source = std::make_unique<InterpolatedTracker>(std::move(source));
+  return source;
 }
 
 }  // namespace softfinger

@@ -47,4 +47,10 @@ class ConditionedTracker final : public Tracker {
   Vector3 turn_rate_Ft_ = Vector3::Zero();  ///< rad/s
 };
 
+/// `source` as the loop samples it: conditioned where that changes anything, and, where its poses
+/// are `sent` now and then, played evenly in between (InterpolatedTracker) unless prediction
+/// carries them on.
+[[nodiscard]] std::unique_ptr<Tracker> conditioned(std::unique_ptr<Tracker> source,
+                                                   const PoseConditioning& conditioning, bool sent);
+
 }  // namespace softfinger

@@ -38,15 +38,17 @@ void conclude(ConditioningEffect::Part& part) {
 ConditioningEffect conditioning_effect(const DegradedTracker::Motion& motion, double duration,
                                        const TrackingQuality& quality,
                                        const PoseConditioning& conditioning) {
-  DegradedTracker plain(motion, quality);
-  ConditionedTracker conditioned(std::make_unique<DegradedTracker>(motion, quality), conditioning);
+  const auto plain =
+      conditioned(std::make_unique<DegradedTracker>(motion, quality), PoseConditioning{}, true);
+  const auto changed =
+      conditioned(std::make_unique<DegradedTracker>(motion, quality), conditioning, true);
   const double lead = conditioning.lead.value_or(0.0);
   ConditioningEffect effect;
   const auto looks = static_cast<std::int64_t>(duration / kLookEvery);
   for (std::int64_t look = 0; look <= looks; ++look) {
     const double time = static_cast<double>(look) * kLookEvery;
-    const TrackedPose before = plain.sample(time);
-    const TrackedPose after = conditioned.sample(time);
+    const TrackedPose before = plain->sample(time);
+    const TrackedPose after = changed->sample(time);
     if (!before.valid || time + lead > duration) continue;
     const Pose truth = motion(time + lead);
     ConditioningEffect::Part& part = rests(motion, time) ? effect.resting : effect.moving;

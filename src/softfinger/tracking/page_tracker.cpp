@@ -12,14 +12,16 @@ void PageTracker::offer(const Pose& X_WFt) {
 }
 
 TrackedPose PageTracker::sample(double time) {
+  clock_.step(time, monotonic_time());
   if (offered_.refresh()) {
     known_ = true;
     const Offer& offer = offered_.latest();
     newest_.X_WFt = offer.X_WFt;
-    newest_.time = time;
-    newest_.arrival = time - (monotonic_time() - offer.received);
+    heard_ = time;
+    newest_.arrival = clock_.run_time(offer.received);
+    newest_.time = newest_.arrival;
   }
-  newest_.valid = known_ && time - newest_.time <= kLostAfter;
+  newest_.valid = known_ && time - heard_ <= kLostAfter;
   return newest_;
 }
 

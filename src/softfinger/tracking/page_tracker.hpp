@@ -1,6 +1,7 @@
 #pragma once
 
 #include "softfinger/base/mailbox.hpp"
+#include "softfinger/tracking/run_clock.hpp"
 #include "softfinger/tracking/tracker.hpp"
 
 namespace softfinger {
@@ -26,6 +27,8 @@ class PageTracker final : public Tracker {
   };
 
   Mailbox<Offer> offered_;
+  RunClock clock_;
+  double heard_ = 0.0;  // s, of the run, when a pose came
   TrackedPose newest_;
   bool known_ = false;
 };

@@ -18,12 +18,13 @@ void PoseFeed::lose() {
 }
 
 TrackedPose PoseFeed::sample(double time, double now) {
+  clock_.step(time, now);
   const bool fresh = offered_.refresh();
   const Received& newest = offered_.latest();
   if (fresh && newest.known) {
     sampled_.X_WFt = newest.X_WFt;
-    sampled_.time = time - (now - newest.captured);
-    sampled_.arrival = time - (now - newest.received);
+    sampled_.time = clock_.run_time(newest.captured);
+    sampled_.arrival = clock_.run_time(newest.received);
   }
   sampled_.valid = newest.valid && now - newest.received <= kLostAfter;
   return sampled_;

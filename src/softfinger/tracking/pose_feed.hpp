@@ -2,6 +2,7 @@
 
 #include "softfinger/base/mailbox.hpp"
 #include "softfinger/tracking/jump_gate.hpp"
+#include "softfinger/tracking/run_clock.hpp"
 #include "softfinger/tracking/tracker.hpp"
 
 namespace softfinger {
@@ -9,9 +10,11 @@ namespace softfinger {
 /// Passes the newest pose from a thread that receives poses to the loop that samples them; both
 /// sides are wait-free. Tracking is lost when no valid pose was received for kLostAfter, by the
 /// wall clock, and when the receiver says so; the last pose is held. Before the first there is
-/// none. Glitches are left out, see JumpGate.
+/// none, only where the finger is to be drawn. Glitches are left out, see JumpGate.
 class PoseFeed {
  public:
+  /// `start`: X_WFt until a pose was offered.
+  explicit PoseFeed(const Pose& start = {}) { sampled_.X_WFt = start; }
   /// Receiving thread: a pose that was true at `captured` and arrived at `received`, both in s on
   /// the monotonic clock.
   void offer(const Pose& X_WFt, double captured, double received);
@@ -31,6 +34,7 @@ class PoseFeed {
   JumpGate gate_;    ///< receiving thread's
   Received newest_;  ///< receiving thread's
   Mailbox<Received> offered_;
+  RunClock clock_;       ///< the loop's
   TrackedPose sampled_;  ///< the loop's
 };
 

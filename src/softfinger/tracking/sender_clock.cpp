@@ -3,17 +3,11 @@
 #include <algorithm>
 
 namespace softfinger {
-namespace {
-
-constexpr double kWindow = 5.0;        // s
-constexpr double kLongestDelay = 1.0;  // s
-
-}  // namespace
 
 double SenderClock::local_time(double sent, double received) {
   const double offset = received - sent;
-  if (offset - std::min(least_offset_, earlier_offset_) > kLongestDelay) reset();
-  if (received - window_began_ > kWindow) {
+  if (offset - std::min(least_offset_, earlier_offset_) > longest_delay_) reset();
+  if (received - window_began_ > window_) {
     earlier_offset_ = least_offset_;
     least_offset_ = kUnknown;
     window_began_ = received;

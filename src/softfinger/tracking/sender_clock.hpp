@@ -9,14 +9,19 @@ namespace softfinger {
 /// that counts into the age of their poses. All times in s, ours on the monotonic clock.
 class SenderClock {
  public:
+  /// `window`: s, after so long, or twice that, an offset is forgotten; `longest_delay`: s.
+  explicit SenderClock(double window = 5.0, double longest_delay = 1.0)
+      : window_(window), longest_delay_(longest_delay) {}
   /// Our time of what was true at `sent` on the sender's clock and arrived at `received`; never
-  /// later than `received`. Times that make no sense (over 1 s of delay: the sender set its clock)
-  /// start anew.
+  /// later than `received`. Times that make no sense (over the longest delay: the sender set its
+  /// clock) start anew.
   [[nodiscard]] double local_time(double sent, double received);
-  void reset() { *this = SenderClock(); }
+  void reset() { *this = SenderClock(window_, longest_delay_); }
 
  private:
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  double window_;
+  double longest_delay_;
   double window_began_ = -kUnknown;
   double least_offset_ = kUnknown;    ///< of this window: received - sent
   double earlier_offset_ = kUnknown;  ///< of the window before

@@ -20,6 +20,7 @@ void WebXrTracker::offer(const XrHand& hand) noexcept {
 }
 
 TrackedPose WebXrTracker::sample(double time) {
+  run_clock_.step(time, monotonic_time());
   if (offered_.refresh()) {
     const Offer& offer = offered_.latest();
     // A headset that stands still and repeats itself is gone; after a silence it is another one,
@@ -27,14 +28,16 @@ TrackedPose WebXrTracker::sample(double time) {
     const bool is_new = !known_ || offer.time > headset_time_ ||
                         (time - heard_ > kLostAfter && offer.time != headset_time_);
     if (is_new && (!offer.tracked || gate_.admits(offer.X_WFt, time))) {
+      // A clock that went back is another one.
+      if (!(offer.time > headset_time_)) headset_clock_.reset();
       known_ = true;
       heard_ = time;
       headset_time_ = offer.time;
       tracked_ = offer.tracked;
       if (tracked_) {
         newest_.X_WFt = offer.X_WFt;
-        newest_.time = time;
-        newest_.arrival = time - (monotonic_time() - offer.received);
+        newest_.time = run_clock_.run_time(headset_clock_.local_time(offer.time, offer.received));
+        newest_.arrival = run_clock_.run_time(offer.received);
       }
     }
   }

@@ -2,6 +2,7 @@
 
 #include "softfinger/base/mailbox.hpp"
 #include "softfinger/tracking/jump_gate.hpp"
+#include "softfinger/tracking/run_clock.hpp"
 #include "softfinger/tracking/tracker.hpp"
 #include "softfinger/tracking/xr_hand.hpp"
 
@@ -32,6 +33,8 @@ class WebXrTracker final : public Tracker {
   HandFinger finger_;
   Mailbox<Offer> offered_;
   JumpGate gate_;
+  SenderClock headset_clock_;
+  RunClock run_clock_;
   TrackedPose newest_;
   double heard_ = 0.0;         // s, of the run, when something new came
   double headset_time_ = 0.0;  // s, of what came then
