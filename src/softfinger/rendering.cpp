@@ -10,7 +10,9 @@
 #include "softfinger/engine/device_clock.hpp"
 #include "softfinger/engine/device_loop.hpp"
 #include "softfinger/engine/finger_loop.hpp"
+#include "softfinger/engine/recording_writer.hpp"
 #include "softfinger/engine/run_setup.hpp"
+#include "softfinger/tracking/conditioned_tracker.hpp"
 
 namespace softfinger {
 namespace {
@@ -36,28 +38,88 @@ std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
     run.devices.push_back(read.fingers[finger_index(read, options.finger)].name + "=" +
                           options.device.string());
   }
+  if (!options.person.empty()) run.person = options.person;
   return load_setup(run);
 }
+
+/// Of the whole scene's files, so that a replay can load it, and of this finger.
+RecordingInfo info_of(const RunSetup& whole, std::size_t finger, const RenderingOptions& options) {
+  RecordingInfo info = recording_info(whole);
+  info.fingers = {info.fingers[finger]};
+  info.live = options.open_device;
+  info.with_state = options.record_state;
+  return info;
+}
+
+void check_device(const RunSetup& setup) {
+  const SceneFinger& finger = setup.scene.fingers.front();
+  if (!setup.devices.front()) {
+    throw InputError(
+        fmt::format("{}: finger {} has no device to open; name one in the scene or in the options, "
+                    "or leave open_device false",
+                    setup.scene.file.string(), finger.name));
+  }
+  if (!setup.devices.front()->settings().transport) {
+    throw InputError(fmt::format(
+        "{}: transport: is missing, there is nothing to open; add a [transport] with the port, or "
+        "leave open_device false",
+        finger.device->string()));
+  }
+}
+
+PoseConditioning conditioning_of(const RenderingOptions& options) {
+  PoseConditioning conditioning;
+  if (options.filter) conditioning.filter.emplace();
+  if (options.predict &&
+      !(*options.predict >= 0.0 && *options.predict <= PoseConditioning::kMostLead)) {
+    throw InputError(fmt::format("predict {}: must be 0 to {} s", *options.predict,
+                                 PoseConditioning::kMostLead));
+  }
+  conditioning.lead = options.predict;
+  return conditioning;
+}
+
+/// What the caller hands over, as a tracker.
+struct HandedPose final : Tracker {
+  TrackedPose pose;
+  TrackedPose sample(double) override { return pose; }
+  [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
+};
 
 }  // namespace
 
 struct Rendering::Implementation {
   Implementation(const std::filesystem::path& scene, const RenderingOptions& options)
-      : setup(load(scene, options)),
-        index(finger_index(setup->scene, options.finger)),
+      : Implementation(load(scene, options), options) {}
+
+  Implementation(const std::shared_ptr<const RunSetup>& whole, const RenderingOptions& options)
+      : setup(only_finger(*whole, finger_index(whole->scene, options.finger))),
         rate(setup->scene.simulation_rate),
-        loop(0, setup->models[index], setup->scene.objects, rate, false),
+        loop(0, setup->models.front(), setup->scene.objects, rate,
+             options.record_state && !options.recording.empty()),
         clock(rate, rate) {
-    if (!setup->devices[index]) return;
+    auto source = std::make_unique<HandedPose>();
+    handed = source.get();
+    conditioned = softfinger::conditioned(std::move(source), conditioning_of(options), false);
+    if (options.open_device) check_device(*setup);
+    if (setup->devices.front()) make_device(options);
+    if (options.recording.empty()) return;
+    recording = std::make_unique<RecordingWriter>(
+        options.recording, info_of(*whole, finger_index(whole->scene, options.finger), options),
+        options.open_device ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
+        loop.record());
+  }
+
+  void make_device(const RenderingOptions& options) {
     DeviceLoopOptions device_options;
     if (!options.open_device) {
       device_options.actuator.port = "emulator";
       device_options.actuator.simulated_time = true;
     }
-    device_options.actuator.ceiling = setup->ceilings[index];
-    const Device& description = *setup->devices[index];
+    device_options.actuator.ceiling = setup->ceilings.front();
+    const Device& description = *setup->devices.front();
     clock = DeviceClock(rate, softfinger::device_rate(description));
-    device = std::make_unique<DeviceLoop>(0, setup->devices[index], setup->models[index],
+    device = std::make_unique<DeviceLoop>(0, setup->devices.front(), setup->models.front(),
                                           device_options);
     command.configuration = device->record().command.configuration;
     command.joints = device->record().command.joints;
@@ -69,14 +131,19 @@ struct Rendering::Implementation {
     command.state = state_name(DeviceState::kHoming);
   }
 
-  const RenderingCommand& advance(const TrackedPose& target, double time) {
+  const RenderingCommand& advance(const TrackedPose& given, double time) {
     const auto arrival = std::chrono::steady_clock::now();
     if (!std::isfinite(time)) return command;
+    handed->pose = given;
+    const TrackedPose target = conditioned->sample(given.time);
+    // Nobody was anywhere before the first pose.
+    if (!seen) from = target.X_WFt;
+    seen = seen || target.valid;
     if (!begun) {
       begun = true;
       origin = time;
       loop.start(TrackedInput(target));
-      from = target.X_WFt;
+      record(loop.seal(command.tick, 0));
       return command;
     }
     const auto due = static_cast<std::int64_t>(std::floor((time - origin) * rate + 1e-6));
@@ -93,7 +160,7 @@ struct Rendering::Implementation {
       if (i < steps) tracked.X_WFt = between(start, target.X_WFt, fraction);
       loop.step(done, TrackedInput(tracked));
       if (device && clock.ticks(done)) tick(tracked, arrival);
-      loop.seal(command.tick, device ? device->record().hash : 0);
+      record(loop.seal(command.tick, device && command.tick >= 0 ? device->record().hash : 0));
     }
     if (steps > 0) from = target.X_WFt;
     return command;
@@ -114,6 +181,7 @@ struct Rendering::Implementation {
                       .taken = arrival,
                       .handed = std::chrono::steady_clock::now()},
                      {loop.contact(), simulation.positions(), simulation.bone_pose()});
+    record(tick);
     command.tick = tick.tick;
     command.time = origin + tick.time;
     command.configuration = tick.command.configuration;
@@ -125,15 +193,23 @@ struct Rendering::Implementation {
     command.state = state_name(tick.command.state);
   }
 
-  std::shared_ptr<const RunSetup> setup;
-  std::size_t index;
+  template <typename Record>
+  void record(const Record& row) {
+    if (recording) recording->push(row);
+  }
+
+  std::shared_ptr<const RunSetup> setup;  // of the one finger
   double rate;
+  HandedPose* handed = nullptr;
+  std::unique_ptr<Tracker> conditioned;  // what is made of it
   FingerLoop loop;
   DeviceClock clock;
-  std::unique_ptr<DeviceLoop> device;  // null: none
+  std::unique_ptr<DeviceLoop> device;          // null: none
+  std::unique_ptr<RecordingWriter> recording;  // null: none
   RenderingCommand command;
   double servo_step = 0.0;  // set point of one step of the wire
   bool begun = false;
+  bool seen = false;      // a valid pose
   double origin = 0.0;    // the caller's time at step 0, s
   std::int64_t done = 0;  // steps
   Pose from;              // tracked pose of the last step
@@ -173,6 +249,9 @@ RenderingSnapshot Rendering::snapshot() const {
   snapshot.tangential_force = contact.tangential_force;
   snapshot.centroid_F = contact.centroid_F;
   snapshot.mean_normal_F = contact.mean_normal_F;
+  for (const VirtualObject& object : implementation_->setup->scene.objects) {
+    snapshot.X_WO.push_back(object.motion.sample(loop.record().time));
+  }
   return snapshot;
 }
 
@@ -189,6 +268,30 @@ std::vector<std::string> Rendering::configuration_names() const {
     names.push_back(axis.name);
   }
   return names;
+}
+
+const std::vector<std::array<int, 3>>& Rendering::skin_triangles() const {
+  return implementation_->setup->models.front()->skin_triangles;
+}
+
+std::vector<std::string> Rendering::object_names() const {
+  std::vector<std::string> names;
+  for (const VirtualObject& object : implementation_->setup->scene.objects) {
+    names.push_back(object.name);
+  }
+  return names;
+}
+
+std::optional<Pose> Rendering::registration() const {
+  const RunSetup& setup = *implementation_->setup;
+  const PersonFinger* known =
+      setup.person ? setup.person->find(setup.scene.fingers.front().name) : nullptr;
+  return known != nullptr ? known->X_BodyFt : std::nullopt;
+}
+
+void Rendering::close_recording() {
+  const std::unique_ptr<RecordingWriter> recording = std::move(implementation_->recording);
+  if (recording) recording->close();
 }
 
 }  // namespace softfinger

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,8 +18,20 @@ struct RenderingOptions {
   std::string finger;            ///< name of a finger in the scene; empty: the first
   std::filesystem::path device;  ///< device file instead of the scene's; empty: the scene's
   /// Send the commands to the port named by the device file, at the device's own rate, with its
-  /// watchdog: when calls stop coming, the device retracts. Else commands are only formed.
+  /// watchdog: when calls stop coming, the device retracts. Else commands are only formed. Refused
+  /// where there is no device, or its file names no port.
   bool open_device = false;
+  /// Person file: sizes of the fingers, instead of the finger files'; see also registration().
+  std::filesystem::path person;
+  /// Poses are smoothed by the one-euro filter of `softfinger run --filter`.
+  bool filter = false;
+  /// Poses are carried on by this much at the velocity they have, as by `--predict-ms`: s, 0 to
+  /// 0.05.
+  std::optional<double> predict;
+  /// Records to this file, which must not exist yet; `softfinger replay`, `export` and `report`
+  /// read it. With an open device rows are left out rather than waited for.
+  std::filesystem::path recording;
+  bool record_state = false;  ///< nodes and samples of every step as well
 };
 
 /// What the device of the finger is told. Empty vectors where the scene names no device.
@@ -44,6 +58,7 @@ struct RenderingSnapshot {
   double tangential_force = 0.0;            ///< N, magnitude of the sum
   Vector3 centroid_F = Vector3::Zero();     ///< m, weighted by force; zero without contact
   Vector3 mean_normal_F = Vector3::Zero();  ///< out of the object; zero without contact
+  std::vector<Pose> X_WO;                   ///< where each object is
 };
 
 /// The whole chain for those who bring their own program and tracker: a soft finger explores the
@@ -83,6 +98,19 @@ class Rendering {
   [[nodiscard]] double device_rate() const;      ///< Hz; 0 without a device
   /// Names of the components of q with the unit people read: pitch_deg, ...
   [[nodiscard]] std::vector<std::string> configuration_names() const;
+  /// Corners of the skin's triangles, counter-clockwise from outside, as indices into
+  /// RenderingSnapshot::sample_positions_F.
+  [[nodiscard]] const std::vector<std::array<int, 3>>& skin_triangles() const;
+  /// Names of the objects, in the order of RenderingSnapshot::X_WO; empty where one has none.
+  [[nodiscard]] std::vector<std::string> object_names() const;
+  /// X_BodyFt of the person file for this finger: of a tracked body step() wants X_WBody X_BodyFt.
+  /// Empty where the file says none.
+  [[nodiscard]] std::optional<Pose> registration() const;
+
+  /// Writes what is left of the recording and closes it; steps after that are not recorded. Throws
+  /// OperationError (a std::runtime_error) where something could not be written. The destructor
+  /// does the same without a word.
+  void close_recording();
 
  private:
   struct Implementation;

@@ -4,8 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <limits>
+#include <random>
 #include <stdexcept>
+
+#include "../engine/temporary_directory.hpp"
+#include "softfinger/engine/recording_reader.hpp"
+#include "softfinger/engine/replay.hpp"
 
 namespace softfinger {
 namespace {
@@ -106,6 +112,164 @@ TEST(Rendering, SaysWhatIsWrong) {
     EXPECT_THAT(error.what(), testing::HasSubstr("thumb"));
     EXPECT_THAT(error.what(), testing::HasSubstr("index"));
   }
+}
+
+// Nothing is known of where it is: not at the origin, inside the ball, nor on the way from there.
+TEST(Rendering, AFingerThatWasNeverTrackedTouchesNothing) {
+  Rendering rendering(kScene);
+  double time = 0.0;
+  for (; time < 0.1; time += 1e-3) {
+    rendering.lost(time);
+    EXPECT_EQ(rendering.snapshot().normal_force, 0.0);
+    EXPECT_EQ(rendering.snapshot().contact_area, 0.0);
+  }
+  double force = 0.0;
+  // The first pose comes after 20 ms without a call.
+  for (time += 0.02; time < 0.2; time += 1e-3) {
+    rendering.step(at_height(25.5e-3), time);
+    force = std::max(force, rendering.snapshot().normal_force);
+    EXPECT_LT((rendering.snapshot().X_WF.translation - at_height(25.5e-3).translation).norm(),
+              2e-3);
+  }
+  EXPECT_GT(force, 0.05);
+  EXPECT_LT(force, 30.0);
+}
+
+TEST(Rendering, WhatAProgramDraws) {
+  Rendering rendering(kScene);
+  rendering.step(at_height(40e-3), 0.0);
+  const RenderingSnapshot snapshot = rendering.snapshot();
+  ASSERT_FALSE(rendering.skin_triangles().empty());
+  std::vector<int> used(snapshot.sample_positions_F.size(), 0);
+  const Vector3 inside = Vector3::Zero();  // F's origin is in the bone
+  int outward = 0;
+  for (const auto& triangle : rendering.skin_triangles()) {
+    std::array<Vector3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_GE(triangle[k], 0);
+      ASSERT_LT(static_cast<std::size_t>(triangle[k]), used.size());
+      used[static_cast<std::size_t>(triangle[k])] = 1;
+      corners[k] = snapshot.sample_positions_F[static_cast<std::size_t>(triangle[k])];
+    }
+    const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    EXPECT_GT(normal.norm(), 0.0);
+    outward += normal.dot(corners[0] - inside) > 0.0 ? 1 : 0;
+  }
+  EXPECT_THAT(used, testing::Each(1));
+  EXPECT_EQ(static_cast<std::size_t>(outward), rendering.skin_triangles().size());
+  ASSERT_EQ(snapshot.X_WO.size(), 1u);
+  EXPECT_EQ(snapshot.X_WO[0].translation, Vector3::Zero());
+  EXPECT_THAT(rendering.object_names(), testing::ElementsAre("ball"));
+}
+
+TEST(Rendering, RecordsWhatAReplayRepeats) {
+  const TemporaryDirectory directory;
+  const std::filesystem::path hand = kScene.parent_path() / "hand.toml";
+  for (const bool state : {false, true}) {
+    RenderingOptions options;
+    options.finger = state ? "" : "ring";
+    options.recording = directory / "run.sqlite";
+    options.record_state = state;
+    options.device = kScene.parent_path().parent_path() / "devices/plate-2dof.toml";
+    {
+      Rendering rendering(state ? kScene : hand, options);
+      EXPECT_GT(press(rendering, 2e-3).normal_force, 0.05);
+      rendering.close_recording();
+      rendering.step(at_height(40e-3), 7.0);
+    }
+    const ReplayResult replayed = replay({.recording = options.recording, .scene = {}});
+    EXPECT_TRUE(replayed.agree) << replayed.difference;
+    EXPECT_EQ(replayed.steps, 1000);
+    RecordingReader reader(options.recording);
+    TickRecord tick;
+    EXPECT_TRUE(reader.next(tick));
+    EXPECT_THROW(Rendering(kScene, options), std::runtime_error) << "it exists";
+    std::filesystem::remove(options.recording);
+  }
+}
+
+TEST(Rendering, APersonFileSaysSizesAndRegistration) {
+  const TemporaryDirectory directory;
+  RenderingOptions options;
+  options.person = directory / "anna.toml";
+  std::ofstream(options.person) << "[index.size]\nbreadth_mm = 18.0\n"
+                                   "[index.registration]\ntranslation_mm = [1.0, 2.0, 3.0]\n"
+                                   "rotation_vector_deg = [0.0, 0.0, 90.0]\n";
+  const auto breadth = [](const Rendering& rendering) {
+    double least = 0.0, most = 0.0;
+    for (const Vector3& sample : rendering.snapshot().sample_positions_F) {
+      least = std::min(least, sample.y());
+      most = std::max(most, sample.y());
+    }
+    return most - least;
+  };
+  Rendering anna(kScene, options);
+  EXPECT_NEAR(breadth(anna), 18e-3, 1e-9);
+  ASSERT_TRUE(anna.registration().has_value());
+  EXPECT_NEAR((anna.registration()->translation - Vector3(1e-3, 2e-3, 3e-3)).norm(), 0.0, 1e-12);
+  Rendering model(kScene);
+  EXPECT_GT(std::abs(breadth(model) - 18e-3), 1e-3);
+  EXPECT_FALSE(model.registration().has_value());
+}
+
+TEST(Rendering, FilterAndPredictionAreThoseOfARun) {
+  const auto tremble = [](const RenderingOptions& options) {
+    Rendering rendering(kScene, options);
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise(0.0, 0.1e-3);
+    double square = 0.0;
+    for (int frame = 0; frame < 240; ++frame) {
+      rendering.step(at_height(40e-3 + noise(random)), frame / 120.0);
+      const double off = rendering.snapshot().X_WFt.translation.z() - 40e-3;
+      if (frame > 60) square += off * off;
+    }
+    return std::sqrt(square);
+  };
+  RenderingOptions options;
+  const double plain = tremble(options);
+  options.filter = true;
+  EXPECT_LT(tremble(options), 0.7 * plain);
+  options.filter = false;
+  options.predict = 0.02;
+  Rendering rendering(kScene, options);
+  for (int frame = 0; frame <= 120; ++frame) {
+    rendering.step(at_height(60e-3 - 0.02 * frame / 120.0), frame / 120.0);
+  }
+  EXPECT_NEAR(rendering.snapshot().X_WFt.translation.z(), 40e-3 - 0.02 * 0.02, 1e-5);
+  options.predict = 0.2;
+  EXPECT_THROW(Rendering(kScene, options), std::runtime_error);
+}
+
+TEST(Rendering, ADeviceThatCannotBeOpenedIsAnError) {
+  const TemporaryDirectory directory;
+  const auto message = [](const RenderingOptions& options, const std::filesystem::path& scene) {
+    try {
+      Rendering rendering(scene, options);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  RenderingOptions options;
+  options.device = directory / "bare.toml";
+  std::ifstream shipped(kScene.parent_path().parent_path() / "devices/plate-2dof.toml");
+  std::ofstream bare(options.device);
+  for (std::string line; std::getline(shipped, line) && line.find("[transport]") != 0;) {
+    bare << line << '\n';
+  }
+  bare.close();
+  EXPECT_EQ(message(options, kScene), "");
+  options.open_device = true;
+  EXPECT_THAT(message(options, kScene),
+              testing::AllOf(testing::HasSubstr("bare.toml"), testing::HasSubstr("[transport]"),
+                             testing::Not(testing::HasSubstr("\n"))));
+  const std::filesystem::path scene = directory / "deviceless.toml";
+  std::ofstream(scene) << "[[finger]]\nname = \"index\"\nmodel = \""
+                       << (kScene.parent_path().parent_path() / "fingers/index.toml").string()
+                       << "\"\n[[finger.waypoint]]\ntime_s = 0.0\nposition_mm = [0.0, 0.0, 0.0]\n"
+                          "rotation_vector_deg = [0.0, 0.0, 0.0]\n";
+  options.device.clear();
+  EXPECT_THAT(message(options, scene), testing::HasSubstr("no device"));
 }
 
 }  // namespace

@@ -118,7 +118,16 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
     run = files->run_options();
   }
   run.load_observer = options.load_observer;
-  const std::shared_ptr<const RunSetup> setup = load_setup(run);
+  std::shared_ptr<const RunSetup> setup = load_setup(run);
+  // A program with a loop of its own runs and records one finger of a scene.
+  if (info.fingers.size() == 1 && setup->scene.fingers.size() > 1) {
+    for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {
+      if (setup->scene.fingers[i].name == info.fingers.front().name) {
+        setup = only_finger(*setup, i);
+        break;
+      }
+    }
+  }
   if (setup->scene.fingers.size() != info.fingers.size()) {
     throw InputError(fmt::format("{}: has {} fingers, the recording {} has {}",
                                  setup->scene.file.string(), setup->scene.fingers.size(),

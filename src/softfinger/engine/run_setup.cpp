@@ -190,6 +190,17 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
   return setup;
 }
 
+std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup, std::size_t finger) {
+  auto alone = std::make_shared<RunSetup>(setup);
+  alone->scene.fingers = {setup.scene.fingers[finger]};
+  alone->models = {setup.models[finger]};
+  alone->devices = {setup.devices[finger]};
+  alone->ceilings = {setup.ceilings[finger]};
+  alone->registrations = {setup.registrations[finger]};
+  alone->tracker_directories = {setup.tracker_directories[finger]};
+  return alone;
+}
+
 bool is_registrable(const RunSetup& setup, std::size_t finger) {
   return setup.person && finger < setup.scene.fingers.size() &&
          follows_body(setup.scene.fingers[finger]);

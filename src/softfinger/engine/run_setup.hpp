@@ -72,6 +72,10 @@ struct RunSetup {
 /// Reads the scene and every file it names. Throws InputError.
 [[nodiscard]] std::shared_ptr<const RunSetup> load_setup(const RunOptions& options);
 
+/// The same with this finger alone.
+[[nodiscard]] std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup,
+                                                          std::size_t finger);
+
 /// The device's ticks per second; 30 for a device file without a transport. Hz.
 [[nodiscard]] double device_rate(const Device& device);
 
