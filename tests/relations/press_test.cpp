@@ -1,0 +1,85 @@
+// The two ways to press a finger: `press`, whose bone is where it is told, and a run, whose bone
+// follows through the coupling.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "drawn_exploration.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/finger/indentation.hpp"
+
+namespace softfinger::relations {
+namespace {
+
+/// Couplings so stiff that the bone is where the tracker is.
+std::shared_ptr<FingerModel> with_stiff_coupling(const FingerModel& model) {
+  auto stiff = std::make_shared<FingerModel>(model);
+  stiff->coupling.translation_stiffness *= 3e3;
+  stiff->coupling.translation_damping *= 1e2;
+  stiff->coupling.rotation_stiffness *= 1e4;
+  stiff->coupling.rotation_damping *= 1e3;
+  stiff->friction_coefficient = 0.0;
+  stiff->relaxation = {};
+  return stiff;
+}
+
+VirtualObject obstacle(const Indenter& indenter) {
+  VirtualObject object;
+  object.shape = indenter.shape;
+  object.motion = Trajectory(Pose{Matrix3::Identity(), indenter.p_FO_W});
+  object.friction_coefficient = 0.0;
+  return object;
+}
+
+double pressed(const FingerModel& model, const Indenter& indenter, double depth, double pitch) {
+  double force = 0.0;
+  indent(model, indenter, {.depth = depth, .rows = 12, .pitch = pitch, .friction = false},
+         [&](const IndentationState& state) { force = state.row.normal_force; });
+  return force;
+}
+
+// Depth counts from the touch of the skin's surface, which the drawn points know to 1 um; at rest
+// nothing else differs than how far the stiff coupling gives way, some um of a millimetre.
+void expect_alike(const Indenter& indenter, const char* name, Draw& draw, double tolerance) {
+  std::string what;
+  const auto model = with_stiff_coupling(*draw_finger(draw, what));
+  what += std::string(", ") + name;
+  const double pitch = draw.between(0.0, 20.0) * deg;
+  const double depth = draw.between(0.4, 1.5) * mm;
+  Exploration exploration;
+  exploration.what = what;
+  exploration.model = model;
+  exploration.objects.push_back(obstacle(indenter));
+  const Pose touch = touching(*model, exploration.objects.front(), exp_rotation({0.0, pitch, 0.0}));
+  Pose above = touch, below = touch;
+  above.translation.z() += 0.5 * mm;
+  below.translation.z() -= depth;
+  exploration.motion = Trajectory({{0.0, above}, {0.3, below}, {0.6, below}});
+  const Moment last = explore(exploration).last();
+  const double reached = touch.translation.z() - last.X_WF.translation.z();
+  ASSERT_GT(reached, 0.9 * depth) << what;
+  const double force = pressed(*model, indenter, reached, pitch);
+  ASSERT_GT(force, 0.02) << what;
+  EXPECT_NEAR(last.force_W.z(), force, tolerance * force)
+      << what << " " << reached / mm << " mm deep, " << pitch / deg << " degrees";
+}
+
+TEST(Press, AgainstARunOnAPlane) {
+  for (int number = 0; number < cases(3); ++number) {
+    Draw draw("press", number);
+    expect_alike(Indenter::plane(), "plane", draw, 0.01);
+  }
+}
+
+TEST(Press, DISABLED_AgainstARunOnABallAndAnEdge) {
+  for (int number = 0; number < cases(3); ++number) {
+    Draw draw("press", number);
+    const double at_x = draw.between(-1.0, 1.0) * mm;
+    const double at_y = draw.between(-1.0, 1.0) * mm;
+    expect_alike(Indenter::ball(draw.between(5.0, 20.0) * mm, at_x, at_y), "ball", draw, 0.01);
+    expect_alike(Indenter::edge(draw.between(0.2, 2.0) * mm), "edge", draw, 0.02);
+  }
+}
+
+}  // namespace
+}  // namespace softfinger::relations

@@ -1,0 +1,111 @@
+// One surface described in several ways is touched in one way.
+#include <gtest/gtest.h>
+
+#include "../geometry/generated_mesh.hpp"
+#include "drawn_exploration.hpp"
+#include "softfinger/base/units.hpp"
+
+namespace softfinger::relations {
+namespace {
+
+Exploration on(const Exploration& exploration, Shape shape, const Vector3& place,
+               const Matrix3& turn = Matrix3::Identity()) {
+  Exploration other = exploration;
+  other.objects.front().shape = std::move(shape);
+  other.objects.front().motion = Trajectory(Pose{turn, place});
+  return other;
+}
+
+void expect_alike(const Trace& plane, const Exploration& exploration, const char* what,
+                  double tolerance) {
+  const Departure most = departure(plane, explore(exploration));
+  EXPECT_LT(most.normal_force, tolerance) << exploration.what << ", as " << what;
+  EXPECT_LT(most.force, tolerance) << exploration.what << ", as " << what;
+}
+
+// Exact but for rounding (box, end of a cylinder) and for interpolation of the grid (mesh). A ball
+// of 20 m departs from its tangent plane by 0.1 um within 2 mm of the middle and 1.6 um within 8.
+TEST(Shapes, PlaneBoxCylinderMeshAndLargeBall) {
+  static const MeshShape block = solid_of(box_mesh(Vector3(25, 25, 8) * mm));
+  for (int number = 0; number < cases(4); ++number) {
+    Draw draw("plane", number);
+    const Exploration exploration = draw_exploration(draw, number, {Thing::kPlane});
+    const Trace plane = explore(exploration);
+    ASSERT_GT(plane.most_force, 0.02) << exploration.what;
+    const Matrix3 spin = exp_rotation({0.0, 0.0, draw.between(-3.0, 3.0)});
+    expect_alike(
+        plane,
+        on(exploration, RoundedBox{Vector3(30, 30, 10) * mm, 1 * mm}, {0.0, 0.0, -10 * mm}, spin),
+        "box", 1e-4);
+    expect_alike(
+        plane,
+        on(exploration, RoundedCylinder{30 * mm, 10 * mm, 1 * mm}, {0.0, 0.0, -10 * mm}, spin),
+        "end of a cylinder", 1e-4);
+    expect_alike(plane, on(exploration, block, {0.0, 0.0, -8 * mm}), "mesh", 5e-3);
+    expect_alike(plane, on(exploration, Ball{20.0}, {0.0, 0.0, -20.0}), "large ball", 0.01);
+  }
+}
+
+// A plate is a block to who only sees its face, as far as its rounding: none of either.
+TEST(Shapes, DISABLED_AThinPlateAndABlock) {
+  for (int number = 0; number < cases(3); ++number) {
+    Draw draw("plate", number);
+    const Exploration plate = draw_exploration(draw, number, {Thing::kPlate});
+    const Trace block =
+        explore(on(plate, RoundedBox{Vector3(30, 30, 10) * mm, 0.0}, {0.0, 0.0, -10 * mm}));
+    ASSERT_GT(block.most_force, 0.02) << plate.what;
+    Exploration thin = plate;
+    thin.objects.front().motion =
+        Trajectory(Pose{Matrix3::Identity(), plate.objects.front().motion.sample(0.0).translation});
+    expect_alike(block, thin, "thin plate", 0.01);
+  }
+}
+
+// Of 12 mm, its facets 1.3 mm long and 0.02 mm inside the ball; placed where they are on average.
+TEST(Shapes, ABallAndOneOfTriangles) {
+  static const MeshShape triangles = solid_of(sphere_mesh(12 * mm, 60));
+  for (int number = 0; number < cases(3); ++number) {
+    Draw draw("ball", number);
+    Exploration exploration = draw_exploration(draw, number, {Thing::kMesh});
+    exploration = on(exploration, Ball{12 * mm}, {0.0, 0.0, -12 * mm});
+    const Trace ball = explore(exploration);
+    ASSERT_GT(ball.most_force, 0.02) << exploration.what;
+    expect_alike(ball, on(exploration, triangles, {0.0, 0.0, -12 * mm}), "mesh", 0.01);
+  }
+}
+
+// What the finger does to the object the object may do to the finger: paths without turns, slow
+// enough that accelerating the bone, 10 g, takes little force.
+TEST(Shapes, ObjectToFingerAndFingerToObject) {
+  for (int number = 0; number < cases(4); ++number) {
+    Draw draw("reversed", number);
+    const Exploration exploration =
+        draw_exploration(draw, number, kSmoothThings, {Path::kPress, Path::kSlide});
+    Exploration reversed = exploration;
+    const std::vector<Waypoint>& waypoints = exploration.motion.waypoints();
+    reversed.motion = Trajectory(waypoints.front().pose);
+    reversed.motion =
+        Trajectory({waypoints.front(), {exploration.motion.end_time(), waypoints.front().pose}});
+    const Pose X_WO = exploration.objects.front().motion.sample(0.0);
+    std::vector<Waypoint> opposite;
+    for (const Waypoint& waypoint : waypoints) {
+      Pose pose = X_WO;
+      pose.translation += waypoints.front().pose.translation - waypoint.pose.translation;
+      opposite.push_back({waypoint.time, pose});
+    }
+    reversed.objects.front().motion = Trajectory(opposite);
+    const Trace a = explore(exploration);
+    const Trace b = explore(reversed);
+    ASSERT_GT(a.most_force, 0.02) << exploration.what;
+    // At rest at the end; on the way the bone's inertia tells who moves, and friction remembers
+    // how far the skin swung where a slide ended.
+    EXPECT_NEAR(b.last().normal_force, a.last().normal_force, 0.02 * a.last().normal_force)
+        << exploration.what;
+    EXPECT_LT((b.last().force_W - a.last().force_W).norm(), 0.08 * a.last().normal_force)
+        << exploration.what;
+    EXPECT_LT(departure(a, b).normal_force, 0.15) << exploration.what;
+  }
+}
+
+}  // namespace
+}  // namespace softfinger::relations
