@@ -1,5 +1,6 @@
 #include "exploration.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,7 +76,12 @@ Departure departure(const Trace& a, const Trace& b, const Pose& X_VW) {
     const Moment& other = b.moments[k];
     most.normal_force =
         std::max(most.normal_force, std::abs(one.normal_force - other.normal_force));
-    most.force = std::max(most.force, (X_VW.rotation * one.force_W - other.force_W).norm());
+    const double force = (X_VW.rotation * one.force_W - other.force_W).norm();
+    if (force >= most.force) {
+      most.force = force;
+      most.where = fmt::format("; most at {:.4f} s, {:.4g} and {:.4g} of {:.4g} N", one.time,
+                               one.normal_force, other.normal_force, a.most_force);
+    }
     most.bone = std::max(most.bone, (X_VW * one.X_WF.translation - other.X_WF.translation).norm());
     most.area = std::max(most.area, std::abs(one.contact_area - other.contact_area));
   }

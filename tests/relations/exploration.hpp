@@ -62,6 +62,8 @@ struct Departure {
   double force = 0.0;  ///< of the net force vector, friction with it
   double bone = 0.0;   ///< m
   double area = 0.0;   ///< m^2
+  /// Where the net force departs most: the moment (s), and the normal forces there (N).
+  std::string where;
 };
 [[nodiscard]] Departure departure(const Trace& a, const Trace& b, const Pose& X_VW = {});
 

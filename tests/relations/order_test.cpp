@@ -80,8 +80,8 @@ void expect_alike(const Exploration& exploration, std::shared_ptr<FingerModel> o
   const Trace b = explore(shuffled);
   ASSERT_GT(a.most_force, 0.02) << exploration.what;
   const Departure most = departure(a, b);
-  EXPECT_LT(most.normal_force, tolerance) << exploration.what;
-  EXPECT_LT(most.force, tolerance) << exploration.what;
+  EXPECT_LT(most.normal_force, tolerance) << exploration.what << most.where;
+  EXPECT_LT(most.force, tolerance) << exploration.what << most.where;
 }
 
 // Sums are taken in another order: rounding, and where the iterations of a step end, 1e-6 of its

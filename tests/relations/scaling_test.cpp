@@ -81,9 +81,9 @@ void expect_scaled(const Exploration& exploration, const Scales& by, double tole
   }
   const Departure most = departure(a, b);
   EXPECT_LT(most.normal_force, tolerance)
-      << exploration.what << ", lengths " << by.length << ", moduli " << by.modulus;
-  EXPECT_LT(most.force, tolerance) << exploration.what;
-  EXPECT_LT(most.bone, tolerance * 1 * mm) << exploration.what;
+      << exploration.what << most.where << ", lengths " << by.length << ", moduli " << by.modulus;
+  EXPECT_LT(most.force, tolerance) << exploration.what << most.where;
+  EXPECT_LT(most.bone, tolerance * 1 * mm) << exploration.what << most.where;
 }
 
 const std::initializer_list<Thing> kScalable{Thing::kPlane, Thing::kBlock, Thing::kBall,
