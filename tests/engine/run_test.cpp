@@ -230,6 +230,52 @@ TEST(LiveRun, PausesRestartsAndChangesScene) {
   EXPECT_TRUE(replay({.recording = directory / "live-2.db", .scene = {}}).agree);
 }
 
+TEST(LiveRun, APauseTellsWhatTheDeviceDoesAndOutlastsRestartAndScene) {
+  const ScenesWithoutForceLimit scenes;
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.twin = false;
+  LiveSession session(options, true);
+  std::atomic<bool> stop{false};
+  std::thread viewer([&] {
+    bool loaded = false, ended = false;
+    const auto wait = [&](const auto& condition) {
+      for (int i = 0; i < 60000; ++i) {
+        session.refresh();
+        loaded = loaded || session.loading() == "edge";
+        ended = ended || session.latest().finished;
+        if (condition(session.latest())) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      return false;
+    };
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 300; }));
+    session.request({LiveRequest::Kind::kPause, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.paused; }));
+    session.request({LiveRequest::Kind::kEmergencyStop, ""});
+    EXPECT_TRUE(wait(
+        [](const Snapshot& s) { return s.paused && s.fingers[0].device_state == "retracting"; }));
+    for (const bool restart : {true, false}) {
+      const std::uint64_t generation = session.latest().generation;
+      session.request({restart ? LiveRequest::Kind::kRestart : LiveRequest::Kind::kScene, "edge"});
+      EXPECT_TRUE(wait([&](const Snapshot& s) { return s.generation > generation && s.paused; }));
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      session.refresh();
+      EXPECT_TRUE(session.latest().paused);
+      EXPECT_TRUE(session.latest().emergency);
+      EXPECT_EQ(session.latest().step, 0U);
+    }
+    EXPECT_TRUE(loaded);
+    EXPECT_FALSE(ended) << "the script was cut short";
+    EXPECT_EQ(session.loading(), "");
+    session.request({LiveRequest::Kind::kResume, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 0; }));
+    stop = true;
+  });
+  session.run(stop);
+  viewer.join();
+}
+
 TEST(LiveRun, ASceneThatCannotBeLoadedIsToldAndTheRunGoesOn) {
   const ScenesWithoutForceLimit scenes;
   std::ofstream(scenes.scene("broken")) << "title = 3\n";

@@ -117,7 +117,8 @@ TEST(SceneMessage, HasWhatThePageDraws) {
   const auto json = nlohmann::json::parse(scene_message(*feed.description()));
   EXPECT_EQ(json["type"], "scene");
   EXPECT_EQ(json["scene"], "sphere");
-  EXPECT_EQ(json["scenes"].size(), 3U);
+  EXPECT_EQ(json["scenes"].size(), 7U);
+  EXPECT_EQ(json["notices"].size(), 0U);
   EXPECT_EQ(json["duration_s"], 12.0);
   EXPECT_EQ(json["objects"][0]["shape"]["kind"], "sphere");
   EXPECT_NEAR(json["objects"][0]["shape"]["radius_mm"].get<double>(), 20.0, 1e-9);
@@ -129,6 +130,17 @@ TEST(SceneMessage, HasWhatThePageDraws) {
               1e-3);
   EXPECT_EQ(finger["configuration_names"][0], "pitch_deg");
   EXPECT_NEAR(finger["disk_radius_mm"].get<double>(), 8.0, 1e-9);
+}
+
+TEST(SceneMessage, TellsWhatIsWrongWithADevice) {
+  SyntheticFeed feed;
+  feed.request({.kind = LiveRequest::Kind::kScene, .scene = "hand"});
+  const auto json = nlohmann::json::parse(scene_message(*feed.description()));
+  EXPECT_EQ(json["fingers"].size(), 5U);
+  ASSERT_EQ(json["notices"].size(), 2U);
+  EXPECT_EQ(json["notices"][1]["finger"], 4);
+  EXPECT_EQ(json["notices"][1]["kind"], "approach");
+  EXPECT_EQ(json["notices"][1]["text"], feed.description()->notices[1].text);
 }
 
 TEST(SceneMessage, NamesEachShape) {
@@ -218,6 +230,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.pieces[1].X_FS.translation = Vector3(0, 0, -9 * mm);
   finger.pieces[1].ball_radius = 12 * mm;
   finger.device_state = "rendering";
+  finger.force_limited = true;
   finger.twin.pressed = true;
   finger.twin.skin = finger.skin;
   finger.twin.skin.in_contact = {1, 0, 0, 0, 0};
@@ -234,12 +247,12 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   const std::size_t pose = 28;
-  const std::size_t samples = 48 + pose + 3 * pose + 24 + 28 + 28 + 16;
+  const std::size_t samples = 48 + pose + 3 * pose + 24 + 28 + 32 + 16;
   const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 2 + 3 + 27);
   const std::size_t twin = pieces + 2 * 32;
   ASSERT_EQ(message.size(), twin + 32 + 5 * 16 + 8);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS4", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS5", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U);
@@ -265,7 +278,8 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 16), 2U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 20), 5U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 24), 2U);
-  EXPECT_EQ(std::memcmp(message.data() + counts + 28, "rendering\0\0\0\0\0\0\0", 16), 0);
+  EXPECT_EQ(read_at<std::uint32_t>(message, counts + 28), 1U);
+  EXPECT_EQ(std::memcmp(message.data() + counts + 32, "rendering\0\0\0\0\0\0\0", 16), 0);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 8), 3.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 60), 2.0F);  // kPa
   EXPECT_EQ(read_at<std::uint8_t>(message, samples + 81), 1U);
@@ -298,7 +312,7 @@ TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24 + 28 + 20), 0U);
-  EXPECT_EQ(message.size(), 48U + 3 * 28 + 24 + 28 + 28 + 16);
+  EXPECT_EQ(message.size(), 48U + 3 * 28 + 24 + 28 + 32 + 16);
 }
 
 TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {

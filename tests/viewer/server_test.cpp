@@ -130,7 +130,7 @@ TEST_F(ServerTest, SendsTheSceneThenSnapshots) {
     const auto snapshot = client.read_frame();
     ASSERT_TRUE(snapshot);
     ASSERT_EQ(snapshot->opcode, 2);
-    EXPECT_EQ(snapshot->payload.substr(0, 4), "SFS4");
+    EXPECT_EQ(snapshot->payload.substr(0, 4), "SFS5");
     double time = 0;
     snapshot->payload.copy(std::bit_cast<char*>(&time), sizeof time, 16);
     EXPECT_GT(time, last);
@@ -201,6 +201,20 @@ TEST_F(ServerTest, WhatPeopleAreToldIsToldOnEveryPage) {
         told->payload,
         "{\"type\":\"notifications\",\"lines\":[\"port /dev/tty\xef\xbf\xbd went \\\"away\\\"\"]}");
   }
+}
+
+TEST_F(ServerTest, ASceneThatIsBeingLoadedIsToldOnEveryPage) {
+  RawClient one(server.port());
+  ASSERT_EQ(one.open_web_socket().status, 101);
+  ASSERT_TRUE(one.read_frame(2));
+  feed.set_loading("edge");
+  EXPECT_EQ(one.read_frame(1)->payload, R"({"type":"loading","scene":"edge"})");
+  RawClient late(server.port());
+  ASSERT_EQ(late.open_web_socket().status, 101);
+  ASSERT_TRUE(late.read_frame(1));  // the scene
+  EXPECT_EQ(late.read_frame(1)->payload, R"({"type":"loading","scene":"edge"})");
+  feed.set_loading("");
+  EXPECT_EQ(late.read_frame(1)->payload, R"({"type":"loading","scene":""})");
 }
 
 TEST_F(ServerTest, OnePageMovesFingersAtATime) {

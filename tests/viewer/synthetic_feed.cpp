@@ -56,9 +56,10 @@ Vector3 pad_point(const Vector3& p) {
 }
 
 /// Splits the ellipsoid into skin and nail, adds a bone.
-SceneDescription::Finger make_finger() {
+SceneDescription::Finger make_finger(const std::string& name) {
   SceneDescription::Finger finger;
-  finger.name = "index";
+  finger.name = name;
+  finger.registrable = true;
   finger.device_kind = "platform_3rrs";
   finger.configuration_names = {"pitch_deg", "roll_deg", "travel_mm"};
   finger.disk_radius = 8 * mm;
@@ -160,6 +161,18 @@ double distance_to(const Shape& shape, const Vector3& p, Vector3& normal) {
   return p.z();
 }
 
+/// Where a finger of the hand is over the table, m, and how far it is turned about the vertical.
+struct Place {
+  const char* finger;
+  Vector3 position;
+  double turn;
+};
+const std::array<Place, 5> kHand{{{"thumb", Vector3(-34, 44, 0) * mm, -40 * deg},
+                                  {"index", Vector3(0, 22, 0) * mm, -4 * deg},
+                                  {"middle", Vector3(6, 0, 0) * mm, 0.0},
+                                  {"ring", Vector3(1, -21, 0) * mm, 3 * deg},
+                                  {"pinky", Vector3(-14, -40, 0) * mm, 8 * deg}}};
+
 }  // namespace
 
 SyntheticFeed::SyntheticFeed() { start_scene("sphere"); }
@@ -170,7 +183,7 @@ void SyntheticFeed::start_scene(const std::string& name) {
   auto scene = std::make_shared<SceneDescription>();
   scene->generation = snapshot_.generation + 1;
   scene->scene_name = name;
-  scene->scene_names = {"plane", "edge", "sphere"};
+  scene->scene_names = {"corner", "cylinder", "edge", "hand", "plane", "relief", "sphere"};
   scene->duration = 12.0;
   X_WO_ = {};
   if (name == "sphere") {
@@ -182,20 +195,43 @@ void SyntheticFeed::start_scene(const std::string& name) {
   } else {
     scene->objects.push_back({"table", HalfSpace{}});
   }
-  scene->fingers.push_back(make_finger());
+  if (name == "hand") {
+    for (const Place& place : kHand) scene->fingers.push_back(make_finger(place.finger));
+    for (std::size_t i = 1; i < scene->fingers.size(); ++i) scene->fingers[i].twin = false;
+    scene->notices = {
+        {2, "force_limit", "max_force_N = 0.05 keeps the device from touching: it never presses"},
+        {4, "approach", "approach_mm = 10 presses 2.5 N before any touch"}};
+  } else {
+    scene->fingers.push_back(make_finger("index"));
+    scene->fingers[0].twin = name != "corner";
+    scene->fingers[0].moved_here = name == "plane";
+    scene->fingers[0].in_headset = name == "cylinder";
+    if (name == "relief") {
+      scene->notices = {{0, "force_limit",
+                         "max_force_N = 0.05 keeps the device from touching: it never presses"}};
+    }
+  }
+  const bool paused = snapshot_.paused;
+  const bool emergency = snapshot_.emergency;
   snapshot_ = {};
+  snapshot_.paused = paused;
+  snapshot_.emergency = emergency;
   snapshot_.generation = scene->generation;
   snapshot_.X_WO = {X_WO_};
-  snapshot_.fingers.resize(1);
-  const std::size_t samples = scene->fingers[0].skin_rest_positions_F.size();
-  snapshot_.fingers[0].skin.positions_F.resize(samples);
-  snapshot_.fingers[0].skin.pressures.resize(samples);
-  snapshot_.fingers[0].skin.in_contact.resize(samples);
+  for (const SceneDescription::Finger& model : scene->fingers) {
+    Snapshot::Finger& finger = snapshot_.fingers.emplace_back();
+    const std::size_t samples = model.skin_rest_positions_F.size();
+    finger.skin.positions_F.resize(samples);
+    finger.skin.pressures.resize(samples);
+    finger.skin.in_contact.resize(samples);
+  }
   description_ = std::move(scene);
   fill_snapshot();
 }
 
 bool SyntheticFeed::refresh() {
+  const bool asked = std::exchange(asked_, false);
+  if (frozen_ && !asked) return false;
   if (!snapshot_.paused) {
     snapshot_.step += 16;
     snapshot_.time = static_cast<double>(snapshot_.step) * ms;
@@ -207,15 +243,28 @@ bool SyntheticFeed::refresh() {
 }
 
 void SyntheticFeed::fill_snapshot() {
-  const SceneDescription::Finger& model = description_->fingers[0];
-  Snapshot::Finger& finger = snapshot_.fingers[0];
   const double t = snapshot_.time;
+  for (std::size_t i = 0; i < snapshot_.fingers.size(); ++i) fill_finger(i);
+  snapshot_.step_cpu_time =
+      (0.09 + 0.03 * std::abs(std::sin(7 * t)) + 0.02 * std::sin(90 * t)) * ms;
+  snapshot_.match_cpu_time = 0.01 * ms;
+}
+
+void SyntheticFeed::fill_finger(std::size_t index) {
+  const SceneDescription::Finger& model = description_->fingers[index];
+  Snapshot::Finger& finger = snapshot_.fingers[index];
+  const bool of_hand = snapshot_.fingers.size() > 1;
+  const double t = snapshot_.time + 0.7 * static_cast<double>(index);
   finger.X_WFt.translation =
       Vector3(5 * std::sin(0.9 * t), 4 * std::sin(0.6 * t), 6.2 - 1.5 * std::sin(1.7 * t - 0.6)) *
       mm;
   if (std::holds_alternative<Ball>(description_->objects[0].shape)) {
     const double square = finger.X_WFt.translation.head<2>().squaredNorm();
     finger.X_WFt.translation.z() -= square / (2 * 26 * mm);
+  }
+  if (of_hand) {
+    finger.X_WFt.translation += kHand.at(index).position;
+    finger.X_WFt.rotation = exp_rotation(Vector3(0, 0, kHand.at(index).turn));
   }
   finger.X_WF = finger.X_WFt;
   finger.normal_force = 0;
@@ -251,7 +300,7 @@ void SyntheticFeed::fill_snapshot() {
   finger.X_FP = platform.X_FP;
   finger.linkage_F = platform.linkage;
   finger.pieces = {{platform.X_FP * Pose{Matrix3::Identity(), Vector3(0, 0, -1 * mm)}, 0.0}};
-  finger.twin.pressed = true;
+  finger.twin.pressed = model.twin;
   finger.twin.skin = finger.skin;
   finger.twin.normal_force = 0.9 * finger.normal_force;
   finger.twin.contact_area = finger.contact_area;
@@ -264,10 +313,12 @@ void SyntheticFeed::fill_snapshot() {
     finger.twin.measures.normal_force_bias = -0.1;
   }
   finger.deviation = 0.4 * mm2;
-  finger.device_state = finger.normal_force > 0 ? "rendering" : "ready";
-  snapshot_.step_cpu_time =
-      (0.09 + 0.03 * std::abs(std::sin(7 * t)) + 0.02 * std::sin(90 * t)) * ms;
-  snapshot_.match_cpu_time = 0.01 * ms;
+  finger.device_state = snapshot_.emergency       ? "retracting"
+                        : finger.normal_force > 0 ? "rendering"
+                                                  : "ready";
+  for (const SceneDescription::Notice& notice : description_->notices) {
+    if (notice.finger == index) finger.force_limited = notice.kind == "force_limit";
+  }
 }
 
 void SyntheticFeed::request(const LiveRequest& request) {
@@ -275,6 +326,7 @@ void SyntheticFeed::request(const LiveRequest& request) {
     const std::lock_guard lock(mutex_);
     requests_.push_back(request);
   }
+  asked_ = request.kind != LiveRequest::Kind::kPose;
   switch (request.kind) {
     case LiveRequest::Kind::kPause:
     case LiveRequest::Kind::kResume:
@@ -300,6 +352,8 @@ void SyntheticFeed::request(const LiveRequest& request) {
       break;
     case LiveRequest::Kind::kEmergencyStop:
     case LiveRequest::Kind::kRelease:
+      snapshot_.emergency = request.kind == LiveRequest::Kind::kEmergencyStop;
+      break;
     case LiveRequest::Kind::kPose:
     case LiveRequest::Kind::kReload:
       break;  // it bobs by itself
@@ -322,6 +376,16 @@ std::optional<std::string> SyntheticFeed::take_message() {
   std::string line = std::move(lines_.front());
   lines_.pop_front();
   return line;
+}
+
+std::string SyntheticFeed::loading() {
+  const std::lock_guard lock(mutex_);
+  return loading_;
+}
+
+void SyntheticFeed::set_loading(const std::string& scene) {
+  const std::lock_guard lock(mutex_);
+  loading_ = scene;
 }
 
 void SyntheticFeed::say(const std::string& line) {

@@ -247,8 +247,12 @@ void Actuator::finish() noexcept {
 bool Actuator::finished() const noexcept { return impl_->finished; }
 
 DeviceState Actuator::state() const noexcept {
-  return impl_->line ? impl_->line->channel().state.load(std::memory_order_relaxed)
-                     : impl_->formed.state;
+  return impl_->line ? *line_state() : impl_->formed.state;
+}
+
+std::optional<DeviceState> Actuator::line_state() const noexcept {
+  if (!impl_->line) return std::nullopt;
+  return impl_->line->channel().state.load(std::memory_order_relaxed);
 }
 
 bool Actuator::connected() const noexcept {

@@ -101,6 +101,8 @@ class Actuator {
   /// State on the wire (disconnected while the port is gone, retracting while the loop stalls); of
   /// the last command with the emulator in simulated time. For display: not deterministic.
   [[nodiscard]] DeviceState state() const noexcept;
+  /// The same of what has a line, from any thread; else empty.
+  [[nodiscard]] std::optional<DeviceState> line_state() const noexcept;
   [[nodiscard]] bool connected() const noexcept;
   /// Waits in wall time until the port is open; for --wait-for-device.
   [[nodiscard]] bool wait_until_connected(std::chrono::milliseconds timeout) const;

@@ -47,12 +47,19 @@ struct SceneDescription {
     bool registrable = false;  ///< what its tracker follows can be registered, for a person
     Pose X_WFt_start;          ///< where it is before anybody moves it
   };
+  /// What a person should know of a finger's device before it moves.
+  struct Notice {
+    std::size_t finger = 0;  ///< which of `fingers`
+    std::string kind;        ///< one word for what it is about, e.g. force_limit, approach
+    std::string text;        ///< one line
+  };
   std::uint64_t generation = 0;          ///< grows with each scene or restart
   std::string scene_name;                ///< file stem, e.g. "sphere"
   std::vector<std::string> scene_names;  ///< what the page may choose from
   double duration = 0.0;                 ///< s; 0: endless
   std::vector<Object> objects;
   std::vector<Finger> fingers;
+  std::vector<Notice> notices;
 };
 
 /// State of the loop at one instant, as the page draws it. Vectors keep their size while a scene
@@ -98,8 +105,9 @@ struct Snapshot {
     Pose X_FP;                    ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
     std::vector<Eigen::Vector3f> linkage_F;
-    std::vector<Piece> pieces;  ///< of the commanded q
-    std::string device_state;   ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    std::vector<Piece> pieces;   ///< of the commanded q
+    std::string device_state;    ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    bool force_limited = false;  ///< the device would advance further but for its limit of force
     Twin twin;
   };
   std::uint64_t generation = 0;  ///< of the SceneDescription it belongs to
@@ -107,8 +115,8 @@ struct Snapshot {
   double time = 0.0;       ///< s, simulated
   double wall_time = 0.0;  ///< s, on the monotonic clock: when this was taken
   bool paused = false;
-  bool emergency = false;  ///< devices retract, or are retracted, since somebody said stop
-  bool finished = false;
+  bool emergency = false;       ///< devices retract, or are retracted, since somebody said stop
+  bool finished = false;        ///< the script has come to its end
   double step_cpu_time = 0.0;   ///< s, of the last step
   double match_cpu_time = 0.0;  ///< s, of the last match
   std::uint64_t deadline_misses = 0;
@@ -162,6 +170,9 @@ class LiveFeed {
   virtual void request(const LiveRequest& request) = 0;
   /// A hand that a headset sees, for the fingers that follow it.
   virtual void offer_hand(const XrHand& hand) = 0;
+  /// Name of the scene that is being loaded, or begun anew, in place of the one described; empty:
+  /// none is.
+  [[nodiscard]] virtual std::string loading() { return {}; }
   /// What a person should know, one line, each once.
   [[nodiscard]] virtual std::optional<std::string> take_message() { return std::nullopt; }
   /// Idle for ever where none is offered.

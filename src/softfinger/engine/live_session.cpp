@@ -94,7 +94,9 @@ void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
   description->duration = run->duration().value_or(0.0);
   description->fingers[0].twin = options_.twin && setup_->devices[0];
   const std::lock_guard lock(mutex_);
-  run->set_emergency(emergency_);  // a restart is no release
+  run->set_emergency(emergency_);           // a restart is no release
+  run->set_paused(run_ && run_->paused());  // nor does it resume
+  loading_.clear();
   run_ = std::move(run);
   description_ = std::move(description);
 }
@@ -134,11 +136,13 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
             break;
           case LiveRequest::Kind::kRestart:
             next = setup_;
+            set_loading(setup_->scene.file.stem().string());
             break;
           case LiveRequest::Kind::kScene:
             next = other_scene(request.scene, observer);
             break;
           case LiveRequest::Kind::kReload:
+            set_loading(setup_->scene.file.stem().string());
             next = load(setup_->scene.file, observer);
             break;
           case LiveRequest::Kind::kPose:
@@ -152,7 +156,10 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
       if (next) run_->stop();
       std::this_thread::sleep_for(kPollInterval);
     }
-    if (!next && repeat_ && !stop.load()) next = setup_;
+    if (!next && repeat_ && !stop.load()) {
+      next = setup_;
+      set_loading(setup_->scene.file.stem().string());
+    }
     summary = run_->finish();
     observe(*run_, observer);
     if (next && !stop.load()) {
@@ -168,19 +175,31 @@ std::shared_ptr<const RunSetup> LiveSession::other_scene(const std::string& name
   if (std::find(scene_names_.begin(), scene_names_.end(), name) == scene_names_.end()) {
     return nullptr;
   }
+  set_loading(name);
   return load(options_.scene.parent_path() / (name + ".toml"), observer);
 }
 
 std::shared_ptr<const RunSetup> LiveSession::load(const fs::path& scene,
-                                                  const RunObserver& observer) const {
+                                                  const RunObserver& observer) {
   RunOptions options = options_;
   options.scene = scene;
   try {
     return load_setup(options);
   } catch (const InputError& error) {
     observer.message(error.what());
+    set_loading("");
     return nullptr;
   }
+}
+
+void LiveSession::set_loading(std::string scene) {
+  const std::lock_guard lock(mutex_);
+  loading_ = std::move(scene);
+}
+
+std::string LiveSession::loading() {
+  const std::lock_guard lock(mutex_);
+  return loading_;
 }
 
 std::shared_ptr<const SceneDescription> LiveSession::description() {

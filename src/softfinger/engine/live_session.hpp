@@ -51,17 +51,19 @@ class LiveSession final : public LiveFeed {
   [[nodiscard]] const Snapshot& latest() const override;
   void request(const LiveRequest& request) override;
   void offer_hand(const XrHand& hand) override;
+  [[nodiscard]] std::string loading() override;
   /// What RunObserver::message gets.
   [[nodiscard]] std::optional<std::string> take_message() override;
   [[nodiscard]] const RegistrationState& registration() const override;
 
  private:
   void begin(std::shared_ptr<const RunSetup> setup);
+  void set_loading(std::string scene);
   bool take_request(LiveRequest& request);
   void begin_registration(const LiveRequest& request);
   std::shared_ptr<const RunSetup> other_scene(const std::string& name, const RunObserver& observer);
   std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
-                                       const RunObserver& observer) const;
+                                       const RunObserver& observer);
 
   RunOptions options_;
   bool repeat_;
@@ -76,6 +78,7 @@ class LiveSession final : public LiveFeed {
   std::shared_ptr<const SceneDescription> description_;
   std::vector<LiveRequest> requests_;
   std::deque<std::string> messages_;  ///< for the page
+  std::string loading_;               ///< see LiveFeed
   bool emergency_ = false;            ///< the page said stop, and has not released it
   // Viewer's thread only: keeps the mailbox alive that latest() points into.
   std::shared_ptr<SceneRun> viewed_;

@@ -271,7 +271,8 @@ void SceneRun::simulate() {
     if (hooks_.on_step) hooks_.on_step();
     if (step == 1 && hooks_.on_loop_thread) hooks_.on_loop_thread();
   }
-  if (mode_ == Mode::kLive) publish_snapshot(step, true);
+  // A run that is stopped before its end, for another scene, has not finished its script.
+  if (mode_ == Mode::kLive) publish_snapshot(step, total_steps_ && step >= *total_steps_);
   ended_.store(true);
 }
 
@@ -403,7 +404,13 @@ void SceneRun::publish_snapshot(std::int64_t step, bool finished) {
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
     Finger& finger = *fingers_[i];
     fill(draft.fingers[i], finger.loop);
-    if (finger.device) fill(draft.fingers[i], finger.feedback->latest());
+    if (finger.device) {
+      fill(draft.fingers[i], finger.feedback->latest());
+      // Also where no tick tells it: stopped in a pause.
+      if (const auto state = finger.device->actuator().line_state()) {
+        draft.fingers[i].device_state = state_name(*state);
+      }
+    }
     if (finger.twin) {
       finger.twin->refresh();
       draft.fingers[i].twin = finger.twin->latest();

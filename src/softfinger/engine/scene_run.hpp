@@ -55,6 +55,7 @@ class SceneRun {
   void stop() noexcept { stopping_.store(true); }
   /// Live only. Simulated time stands still; the device keeps its pose.
   void set_paused(bool paused) noexcept { paused_.store(paused); }
+  [[nodiscard]] bool paused() const noexcept { return paused_.load(); }
   /// Emergency stop: every device retracts at once, and stays so until it is released.
   void set_emergency(bool emergency) noexcept { emergency_.store(emergency); }
   /// Live only: X_WFt of a finger whose tracker is the page; others are not moved. One thread.

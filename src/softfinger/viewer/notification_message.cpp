@@ -11,4 +11,9 @@ std::string notification_message(std::span<const std::string> lines) {
   return message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+std::string loading_message(std::string_view scene) {
+  const nlohmann::ordered_json message{{"type", "loading"}, {"scene", scene}};
+  return message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 }  // namespace softfinger

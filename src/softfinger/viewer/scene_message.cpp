@@ -128,12 +128,17 @@ std::string scene_message(const SceneDescription& scene) {
                   {"scenes", scene.scene_names},
                   {"duration_s", scene.duration},
                   {"objects", Json::array()},
-                  {"fingers", Json::array()}};
+                  {"fingers", Json::array()},
+                  {"notices", Json::array()}};
   for (const auto& object : scene.objects) {
     message["objects"].push_back(
         {{"name", object.name}, {"shape", std::visit(ShapeToJson{}, object.shape)}});
   }
   for (const auto& finger : scene.fingers) message["fingers"].push_back(to_json(finger));
+  for (const auto& notice : scene.notices) {
+    message["notices"].push_back(
+        {{"finger", notice.finger}, {"kind", notice.kind}, {"text", notice.text}});
+  }
   // Names come from files and may hold broken UTF-8; that must not end the viewer.
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -137,6 +137,7 @@ struct Server::Implementation {
     }
     untold = hub.feed.refresh() || untold;
     tell_registration();
+    tell_loading();
     notify_people();
     // A snapshot of another generation waits for its description.
     if (!untold || !hub.description ||
@@ -158,6 +159,12 @@ struct Server::Implementation {
     if (hub.registration && message == *hub.registration) return;
     hub.registration = std::make_shared<const std::string>(std::move(message));
     for_each_watcher([](WebSocketSession& session) { session.offer_registration(); });
+  }
+  void tell_loading() {
+    std::string scene = hub.feed.loading();
+    if (scene == hub.loading) return;
+    hub.loading = std::move(scene);
+    for_each_watcher([](WebSocketSession& session) { session.offer_loading(); });
   }
   void notify_people() {
     std::vector<std::string> lines;

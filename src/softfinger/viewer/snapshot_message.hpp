@@ -8,14 +8,14 @@
 
 namespace softfinger {
 
-inline constexpr std::uint32_t kSnapshotMagic = 0x34534653;  ///< "SFS4"
+inline constexpr std::uint32_t kSnapshotMagic = 0x35534653;  ///< "SFS5"
 
 /// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
 /// configuration; it must be the one of the snapshot's generation.
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
-///     u32 magic "SFS4"        u32 generation (low bits)
+///     u32 magic "SFS5"        u32 generation (low bits)
 ///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
@@ -30,6 +30,7 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x34534653;  ///< "SFS4"
 ///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
 ///       u32 pieces k          u32 samples t of the twin; 0: not pressed
 ///       u32 actual a: m, or 0 where the servos do not say where they are
+///       u32 flags of the device: 1 held back by its limit of force
 ///       16 bytes device_state, zero-padded
 ///       f32 positions_mm[3 n] in F    f32 pressures_kPa[n]    u8 in_contact[n], zero-padded to 4
 ///       f32 configuration[m], f32 actual[a] in the units of their names

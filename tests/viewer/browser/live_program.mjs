@@ -9,7 +9,7 @@ const kPatience = 120_000; // ms; software rendering on a busy machine is slow
 
 /** Runs `program` and waits for the address it prints. */
 export async function startProgram(program, args) {
-  const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"] });
+  const child = spawn(program, args, { stdio: ["pipe", "pipe", "pipe"] });
   let output = "";
   const exited = new Promise((resolve) => {
     child.on("error", (error) => resolve({ code: -1, output: String(error) }));
@@ -28,6 +28,8 @@ export async function startProgram(program, args) {
   return {
     url,
     pid: child.pid,
+    /** A line to its standard input. */
+    tell: (line) => child.stdin.write(`${line}\n`),
     /** Ends it as Ctrl-C does; resolves with its exit status. */
     async stop() {
       child.kill("SIGINT");

@@ -40,6 +40,7 @@ struct PageHub {
   Text scene = nullptr;         ///< message of `description`
   Bytes snapshot = nullptr;     ///< newest one of that scene, may be null
   Text registration = nullptr;  ///< null until somebody asks for one
+  std::string loading;          ///< LiveFeed::loading()
 
   /// `local`: the address that the request came to.
   [[nodiscard]] bool is_foreign(const HttpRequest& request, std::string_view local) const;

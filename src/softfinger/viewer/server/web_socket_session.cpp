@@ -5,6 +5,7 @@
 #include <string>
 
 #include "softfinger/viewer/hand_message.hpp"
+#include "softfinger/viewer/notification_message.hpp"
 #include "softfinger/viewer/page_request.hpp"
 
 namespace softfinger {
@@ -42,6 +43,7 @@ void WebSocketSession::accept(const HttpRequest& request) {
     self->open_ = true;
     self->offer_scene();
     self->offer_registration();
+    if (!self->hub_.loading.empty()) self->offer_loading();
     self->offer_snapshot();
     self->read();
   });
@@ -58,6 +60,11 @@ void WebSocketSession::offer_registration() {
   write();
 }
 
+void WebSocketSession::offer_loading() {
+  next_loading_ = std::make_shared<const std::string>(loading_message(hub_.loading));
+  write();
+}
+
 void WebSocketSession::offer_snapshot() {
   next_snapshot_ = hub_.snapshot;
   write();
@@ -70,7 +77,8 @@ void WebSocketSession::notify(PageHub::Text message) {
 
 void WebSocketSession::write() {
   if (writing_ || !open_) return;
-  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_notification_}) {
+  for (PageHub::Text* next :
+       {&next_scene_, &next_registration_, &next_loading_, &next_notification_}) {
     if (!*next) continue;
     text_in_flight_ = std::exchange(*next, nullptr);
     socket_.text(true);

@@ -26,6 +26,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   // What the hub has now.
   void offer_scene();
   void offer_registration();
+  void offer_loading();
   void offer_snapshot();
   /// What people are told; replaces what was to be told and has not been sent.
   void notify(PageHub::Text message);
@@ -46,7 +47,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   boost::beast::websocket::stream<PageStream> socket_;
   boost::asio::steady_timer pause_;
   boost::beast::flat_buffer buffer_{PageHub::kMaxRequestBytes};
-  PageHub::Text next_scene_, next_registration_, next_notification_;
+  PageHub::Text next_scene_, next_registration_, next_loading_, next_notification_;
   PageHub::Text text_in_flight_;
   PageHub::Bytes next_snapshot_, snapshot_in_flight_;
   bool open_ = false;

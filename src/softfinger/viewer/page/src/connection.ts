@@ -1,10 +1,11 @@
-import { readSnapshot, type Notifications, type Registration, type Request, type Scene, type Snapshot } from "./wire";
+import { readSnapshot, type Loading, type Notifications, type Registration, type Request, type Scene, type Snapshot } from "./wire";
 
 export interface Listener {
   onScene(scene: Scene): void;
   onSnapshot(snapshot: Snapshot): void;
   onRegistration(registration: Registration): void;
   onNotifications(lines: string[]): void;
+  onLoading(scene: string): void;
   onState(state: "connecting" | "live" | "lost"): void;
 }
 
@@ -43,9 +44,10 @@ export class Connection {
 
   private receive(data: string | ArrayBuffer): void {
     if (typeof data === "string") {
-      const message = JSON.parse(data) as Scene | Registration | Notifications;
+      const message = JSON.parse(data) as Scene | Registration | Notifications | Loading;
       if (message.type === "registration") return this.listener.onRegistration(message);
       if (message.type === "notifications") return this.listener.onNotifications(message.lines);
+      if (message.type === "loading") return this.listener.onLoading(message.scene);
       this.generation = message.generation;
       this.listener.onScene(message);
       return;

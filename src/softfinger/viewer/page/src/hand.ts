@@ -1,5 +1,6 @@
 import { Plane, Quaternion, Raycaster, Sphere, Vector2, Vector3 } from "three";
 import type { View } from "./stage";
+import { kHand, type Shown } from "./shown";
 import type { FingerSnapshot, Request, Scene } from "./wire";
 
 const kReach = 13; // mm about the finger's middle that the pointer takes hold of
@@ -55,9 +56,12 @@ export class Hand {
     return this.grip !== null;
   }
 
-  begin(scene: Scene, number: number): void {
-    this.active = scene.fingers[number]?.moved_here ?? false;
-    this.finger = number;
+  /** Of all fingers the first that may be moved. */
+  begin(scene: Scene, shown: Shown): void {
+    this.finger = shown === kHand ? scene.fingers.findIndex((finger) => finger.moved_here) : shown;
+    const finger = scene.fingers[this.finger];
+    this.active = finger?.moved_here ?? false;
+    document.getElementById("moved-finger")!.textContent = shown === kHand && finger ? finger.name : "finger";
     this.known = false;
     this.grip = null;
     this.held.clear();
@@ -65,8 +69,9 @@ export class Hand {
   }
 
   /** Where the finger is before anyone moved it. */
-  see(finger: FingerSnapshot): void {
-    if (!this.active || this.known) return;
+  see(fingers: FingerSnapshot[]): void {
+    const finger = fingers[this.finger];
+    if (!this.active || this.known || !finger) return;
     const pose = finger.X_WFt;
     this.position.set(pose[0]!, pose[1]!, pose[2]!);
     this.rotation.set(pose[3]!, pose[4]!, pose[5]!, pose[6]!);

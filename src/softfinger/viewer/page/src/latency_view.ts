@@ -1,5 +1,5 @@
 import { palette } from "./palette";
-import { clearedContext } from "./sharp_canvas";
+import { clearedContext, redrawOnResize } from "./sharp_canvas";
 import { type FingerSnapshot, kStages } from "./wire";
 
 const kKept = 600; // device ticks
@@ -41,6 +41,7 @@ export class LatencyView {
     title.replaceChildren(turn);
     this.canvas.className = "stages";
     plot.append(this.canvas);
+    redrawOnResize(this.canvas, () => this.draw());
     show(LatencyView.shown);
   }
 

@@ -1,10 +1,13 @@
 import "./style.css";
 import { type Group, Vector3 } from "three";
 import { Connection } from "./connection";
+import { DeviceMarks } from "./device_marks";
 import { DeviceView } from "./device_view";
 import { emulateHeadset } from "./emulated_headset";
+import { FingerLabel } from "./finger_label";
 import { FingerView, place } from "./finger_view";
 import { Hand } from "./hand";
+import { fingerColor, stateOf } from "./hand_table";
 import { Headset } from "./headset";
 import { Notifications } from "./notifications";
 import { ObjectView } from "./object_view";
@@ -13,35 +16,40 @@ import { Panel } from "./panel";
 import { Plots } from "./plots";
 import { RegistrationDialog } from "./registration";
 import { Room } from "./room";
-import { Stage, View } from "./stage";
+import { keepInAddress, kHand, type Shown, shownByAddress } from "./shown";
+import { kBeforeTips, kHome, Stage, View } from "./stage";
 import { WorkspaceView } from "./workspace_view";
 import type { FingerSnapshot, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
+const kNear = 68; // mm, from which one finger is seen
+const kFarther = 2.4; // mm more for each mm that fingers are apart
 const canvas = (id: string) => element(id) as HTMLCanvasElement;
 
-const virtual = new View({ pane: element("virtual"), distance: 68, target: new Vector3(0, 0, 0) });
-const rendered = new View({ pane: element("rendered"), distance: 92, target: new Vector3(0.5, 0, 4.5) });
+const virtual = new View({ pane: element("virtual-view"), distance: kNear, target: new Vector3(0, 0, 0) });
+const rendered = new View({ pane: element("rendered-view"), distance: 92, target: new Vector3(0.5, 0, 4.5) });
 const stage = new Stage(canvas("stage"), [virtual, rendered]);
 const plots = new Plots(element("plots"), element("measures"));
 const patches = { virtual: new PatchView(canvas("patch-virtual")), twin: new PatchView(canvas("patch-twin")) };
+const marks = new DeviceMarks();
 
 let objects: ObjectView[] = [];
 let fingers: FingerView[] = [];
 let fingersInWorld: Group[] = []; // in the virtual scene
+let labels: FingerLabel[] = []; // of all fingers, where they are shown together
 let scene: Scene | null = null;
-let chosen = 0; // of the scene's fingers: the one that is followed, and its device drawn
-let twin: FingerView | null = null; // of the chosen finger
-let wearer: Group | null = null; // on the device: the twin, or without one the chosen finger
-let pad: Pad | null = null; // of the chosen finger
+let shown: Shown = 0; // what is followed; of one finger the device is drawn
+let twin: FingerView | null = null; // of that finger
+let wearer: Group | null = null; // on the device: the twin, or without one that finger
+let pad: Pad | null = null; // of that finger
 let workspace: WorkspaceView | null = null;
 let device: DeviceView | null = null;
 let newest: Snapshot | null = null;
 let drawn: Snapshot | null = null;
-let arrived = false; // the view has jumped to the finger
+let arrived = false; // the view has jumped to what is followed
 
 function build(scene: Scene): void {
-  for (const view of [...objects, ...fingers, ...(twin ? [twin] : [])]) view.dispose();
+  for (const view of [...objects, ...fingers, ...labels, ...(twin ? [twin] : [])]) view.dispose();
   virtual.scene.remove(...objects.map((view) => view.group), ...fingersInWorld);
   if (wearer) rendered.scene.remove(wearer);
   if (device) rendered.scene.remove(device.group);
@@ -50,10 +58,12 @@ function build(scene: Scene): void {
   fingers = scene.fingers.map((finger) => new FingerView(finger));
   fingersInWorld = fingers.map((view) => view.show());
   virtual.scene.add(...objects.map((view) => view.group), ...fingersInWorld);
-  const finger = scene.fingers[chosen];
+  labels = shown === kHand ? scene.fingers.map(({ name }, i) => new FingerLabel(name, fingerColor(i))) : [];
+  labels.forEach((label, i) => fingersInWorld[i]!.add(label.sprite));
+  const finger = shown === kHand ? undefined : scene.fingers[shown];
   twin = finger?.twin ? new FingerView(finger) : null;
   pad = finger?.twin ? new Pad(finger) : null;
-  wearer = (twin ?? fingers[chosen])?.show() ?? null;
+  wearer = shown === kHand ? null : (twin ?? fingers[shown])?.show() ?? null;
   device = finger && finger.device_kind ? new DeviceView(finger) : null;
   if (wearer) rendered.scene.add(wearer);
   if (device) rendered.scene.add(device.group);
@@ -64,15 +74,16 @@ function build(scene: Scene): void {
   arrived = false;
 }
 
-/** Draws a scene anew, and another of its fingers where one is chosen. */
-function begin(next: Scene, finger: number): void {
+/** Draws a scene anew, or something else of it. */
+function begin(next: Scene, wanted: Shown): void {
   scene = next;
-  chosen = finger < next.fingers.length ? finger : 0;
+  shown = wanted;
+  marks.begin(next);
   build(next);
-  hand.begin(next, chosen);
-  plots.reset(next.fingers[chosen], chosen);
-  panel.showScene(next, chosen);
-  registration.begin(next, chosen);
+  hand.begin(next, shown);
+  plots.reset(next, shown);
+  panel.showScene(next, shown);
+  registration.begin(next, shown);
 }
 
 function show(snapshot: Snapshot): void {
@@ -83,7 +94,11 @@ function show(snapshot: Snapshot): void {
     view.update(finger);
     place(fingersInWorld[i]!, finger.X_WF);
   });
-  const finger = snapshot.fingers[chosen];
+  labels.forEach((label, i) => {
+    const finger = snapshot.fingers[i];
+    if (finger) label.write(stateOf(finger), marks.of(i).length > 0 || marks.isLimited(i, performance.now()));
+  });
+  const finger = shown === kHand ? undefined : snapshot.fingers[shown];
   if (!finger) return;
   device?.update(finger);
   const surroundings = device?.surroundings();
@@ -103,28 +118,44 @@ function showPatches(pad: Pad, finger: FingerSnapshot, time: number): void {
   element("pressure-most").textContent = pad.most.toFixed(0);
 }
 
-/** After `elapsed` ms: keeps the virtual finger in sight and the glass sorted against the skin, seen from `eye`. */
-function followFinger(elapsed: number, eye: Vector3): void {
-  const finger = fingersInWorld[chosen];
-  if (!finger || !drawn) return;
-  if (!hand.holds) {
-    virtual.follow(finger.position.clone().add(new Vector3(0, 0, -2.5)), arrived ? 1 - Math.exp(-elapsed / 180) : 1);
-  }
+/** Middle of what is shown in the world, and how far from it the fingers are, mm. */
+function whereabouts(): { middle: Vector3; spread: number } | null {
+  const followed = shown === kHand ? fingersInWorld : fingersInWorld.slice(shown, shown + 1);
+  if (followed.length === 0) return null;
+  const middle = new Vector3();
+  for (const { position } of followed) middle.addScaledVector(position, 1 / followed.length);
+  return { middle, spread: Math.max(...followed.map(({ position }) => position.distanceTo(middle))) };
+}
+
+/** After `elapsed` ms: keeps the virtual fingers in sight and the glass sorted against the skin, seen from `eye`. */
+function follow(elapsed: number, eye: Vector3): void {
+  const at = drawn && whereabouts();
+  if (!at) return;
+  const { middle, spread } = at;
+  const sight = middle.clone().add(new Vector3(0, 0, -2.5));
+  if (!arrived) virtual.frame(sight, kNear + kFarther * spread, shown === kHand ? kBeforeTips : kHome);
+  if (!hand.holds) virtual.follow(sight, arrived ? 1 - Math.exp(-elapsed / 180) : 1);
   arrived = true;
-  const below = eye.z < finger.position.z - 5;
+  const below = eye.z < middle.z - 5;
   for (const object of objects) {
-    object.lookAround(finger.position);
+    object.lookAround(middle, spread);
     object.drawBehindSkin(!below);
   }
 }
 
-const panel = new Panel({
+const panel = new Panel(marks, {
   send: (request) => connection.send(request),
   resetView: () => {
     stage.reset();
     arrived = false;
   },
-  chooseFinger: (number) => scene && begin(scene, number),
+  choose: (wanted) => {
+    if (!scene) return;
+    const kept = newest; // also where nothing newer comes
+    begin(scene, wanted);
+    newest = kept;
+    keepInAddress(scene, wanted);
+  },
 });
 
 const hand = new Hand(virtual, (request) => connection.send(request));
@@ -137,16 +168,18 @@ void (wantsEmulation ? emulateHeadset() : Promise.resolve()).then(() => headset.
 
 const connection = new Connection({
   onScene: (next) => {
-    begin(next, chosen);
+    begin(next, shownByAddress(next));
     headset.begin(next);
   },
   onSnapshot: (snapshot) => {
     newest = snapshot;
+    marks.see(snapshot, performance.now());
     plots.add(snapshot);
     panel.count(snapshot);
   },
   onRegistration: (state) => registration.update(state),
   onNotifications: (lines) => lines.forEach((line) => notifications.add(line)),
+  onLoading: (name) => panel.showLoading(name),
   onState: (state) => panel.showConnection(state),
 });
 
@@ -157,11 +190,11 @@ let lastFrame = 0;
 let lastMove = 0;
 
 function frame(now: number, worn: XRFrame | undefined): void {
-  const finger = newest?.fingers[chosen];
-  if (finger) hand.see(finger);
+  if (newest) hand.see(newest.fingers);
   hand.advance(now - lastMove);
   lastMove = now;
   if (worn) headset.follow(worn);
+  for (const label of labels) label.sprite.visible = !worn;
   if (!worn && now - lastFrame < kLeastInterval) return;
   const elapsed = now - lastFrame;
   lastFrame = now;
@@ -169,10 +202,10 @@ function frame(now: number, worn: XRFrame | undefined): void {
     if (!drawn?.paused || !newest.paused) stage.touch();
     drawn = newest;
     show(newest);
-    panel.showSnapshot(newest);
+    panel.showSnapshot(newest, now);
     if (!worn) plots.draw(); // nobody sees them
   }
-  followFinger(elapsed, worn ? room.eye() : virtual.camera.position);
+  follow(elapsed, worn ? room.eye() : virtual.camera.position);
   if (worn) headset.draw();
   else stage.render();
 }

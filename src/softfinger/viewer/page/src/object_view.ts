@@ -10,12 +10,14 @@ const kPlaneReach = 62; // mm; farther away a plane has faded
 export class ObjectView {
   readonly group = new Group();
   private readonly material: ShaderMaterial;
+  private readonly fades: boolean;
 
   constructor(shape: Shape) {
     this.material = glass({
       color: palette.object, body: 0.07, rim: 0.42, grid: 5,
       reach: shape.kind === "plane" ? kPlaneReach : Infinity,
     });
+    this.fades = shape.kind === "plane";
     const mesh = new Mesh(geometryOf(shape), this.material);
     mesh.renderOrder = 3;
     this.group.add(mesh);
@@ -26,8 +28,9 @@ export class ObjectView {
     (this.group.children[0] as Mesh).geometry.dispose();
   }
 
-  /** Where the object's grid fades around: the finger, in the world. */
-  lookAround(centre: Vector3): void {
+  /** Where the object's grid fades around, in the world, mm: a finger, or fingers that far apart. */
+  lookAround(centre: Vector3, spread = 0): void {
+    if (this.fades) this.material.uniforms.reach!.value = kPlaneReach + 1.5 * spread;
     (this.material.uniforms.centre!.value as Vector3).copy(centre).sub(this.group.position)
       .applyQuaternion(this.group.quaternion.clone().invert());
   }

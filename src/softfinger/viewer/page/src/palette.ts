@@ -21,9 +21,10 @@ export const palette = {
   travel: "#c792ea",
   step: "#8bd17c",
   match: "#e6db74",
-  text: "#8d98a9",
-  faint: "#667386",
+  text: "#97a3b4",
+  faint: "#8592a6",
   line: "#232b37",
+  fingers: ["#ff7a59", "#f2b84b", "#8bd17c", "#7aa7ff", "#c792ea"],
   // Pressure from none to the most.
   pressure: ["#74243a", "#c2323c", "#ff7a45", "#ffe08a"],
 } as const;

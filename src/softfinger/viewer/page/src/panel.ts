@@ -1,4 +1,8 @@
-import type { Request, Scene, Skin, Snapshot } from "./wire";
+import { type DeviceMarks, noticeLines, showWarning } from "./device_marks";
+import { commonState, contactCount, HandTable, stateOf } from "./hand_table";
+import { RadioGroup } from "./radio_group";
+import { kHand, type Shown } from "./shown";
+import type { FingerSnapshot, Request, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
 const kDeviceNames: Record<string, string> = {
@@ -11,23 +15,41 @@ const kDeviceNames: Record<string, string> = {
   roller: "roller",
   mechanism: "mechanism",
 };
+const kSoon = 250; // ms; what is loaded sooner is not told
 
 /** Everything on the page that is neither a drawing nor a plot. */
 export class Panel {
   private scene: Scene | null = null;
-  private finger = 0; // shown, of the scene's
+  private shown: Shown = 0;
   private paused = false;
   private stopped = false;
+  private state = ""; // running, paused, finished
+  private connection = "connecting";
+  private loading = "";
+  private loadingSoon = 0; // a timer
   private received = 0;
   private readonly history: { wall_ms: number; step: number }[] = [];
+  private readonly scenes: RadioGroup;
+  private readonly fingers: RadioGroup;
+  private readonly table: HandTable;
 
   constructor(
+    private readonly marks: DeviceMarks,
     private readonly actions: {
       send(request: Request): void;
       resetView(): void;
-      chooseFinger(number: number): void;
+      choose(shown: Shown): void;
     },
   ) {
+    this.scenes = new RadioGroup(element("scenes"), "scene", (i) => {
+      const name = this.scene?.scenes[i];
+      if (name !== undefined) actions.send({ request: "scene", scene: name });
+    });
+    this.fingers = new RadioGroup(element("fingers"), "finger", (i) => actions.choose(i === 0 ? kHand : i - 1));
+    this.table = new HandTable(element("hand-fingers"), element("hand-notices"), (finger) => {
+      actions.choose(finger);
+      element("fingers").querySelector<HTMLElement>('[aria-checked="true"]')?.focus(); // the table is gone
+    });
     element("pause").onclick = () => this.togglePause();
     element("stop").onclick = () => actions.send({ request: this.stopped ? "release" : "stop" });
     element("restart").onclick = () => actions.send({ request: "restart" });
@@ -36,7 +58,9 @@ export class Panel {
       // Nothing keeps this key from stopping, and it never releases.
       if (event.key === "Escape") return actions.send({ request: "stop" });
       if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
-      if (event.target instanceof HTMLButtonElement && event.key === " ") return;
+      // Space presses a button, but for one that is chosen already.
+      const button = event.target instanceof HTMLButtonElement ? event.target : null;
+      if (button && event.key === " " && button.getAttribute("aria-checked") !== "true") return;
       if (event.key === " ") this.togglePause();
       else if (event.key === "r") actions.send({ request: "restart" });
       else if (event.key === "Home") actions.resetView();
@@ -46,37 +70,66 @@ export class Panel {
   }
 
   showConnection(state: "connecting" | "live" | "lost"): void {
+    this.connection = state;
     document.body.dataset.connection = state;
     element("connection").textContent =
       state === "live" ? "live" : state === "lost" ? "no connection" : "connecting";
+    if (state === "lost") {
+      element("device-state").textContent = "unknown";
+      element("device-state").dataset.device = "";
+      element("rate").textContent = "–";
+      this.showLoading("");
+    }
     if (state !== "live") this.history.length = 0;
+    this.tell();
   }
 
-  /** A scene, and the number of its finger that is shown. */
-  showScene(scene: Scene, number: number): void {
+  /** The name of a scene that is on its way; empty: none. */
+  showLoading(scene: string): void {
+    window.clearTimeout(this.loadingSoon);
+    const show = (name: string) => {
+      this.loading = name;
+      document.body.dataset.loading = name;
+      for (const button of element("scenes").querySelectorAll<HTMLElement>("button")) {
+        button.toggleAttribute("data-loading", button.dataset.scene === name);
+      }
+      this.tell();
+    };
+    if (scene === "") show("");
+    else this.loadingSoon = window.setTimeout(() => show(scene), kSoon);
+  }
+
+  /** A scene, and what of it is shown. */
+  showScene(scene: Scene, shown: Shown): void {
     this.scene = scene;
-    this.finger = number;
+    this.shown = shown;
     this.history.length = 0;
-    element("scenes").replaceChildren(...scene.scenes.map((name) =>
-      choice("scene", name, name === scene.scene, () => this.actions.send({ request: "scene", scene: name }))));
+    const whole = shown === kHand;
+    this.scenes.show(scene.scenes, scene.scenes.indexOf(scene.scene));
     const several = scene.fingers.length > 1;
     element("fingers").hidden = !several;
-    element("fingers").replaceChildren(...(several ? scene.fingers : []).map(({ name }, i) =>
-      choice("finger", name, i === number, () => this.actions.chooseFinger(i))));
-    const finger = scene.fingers[number];
-    document.body.dataset.scene = scene.scene;
-    document.body.dataset.finger = finger?.name ?? "";
-    document.body.dataset.generation = String(scene.generation);
-    document.body.dataset.contacts = document.body.dataset.twinContacts = "0";
+    this.fingers.show(several ? ["All fingers", ...scene.fingers.map(({ name }) => name)] : [], whole ? 0 : shown + 1);
+    const finger = whole ? undefined : scene.fingers[shown];
+    Object.assign(document.body.dataset, {
+      scene: scene.scene, finger: finger?.name ?? "", view: whole ? "hand" : "finger", device: "",
+      generation: String(scene.generation), contacts: "0", twinContacts: "0",
+      twin: finger?.twin ? "on" : "off", deviceKind: finger?.device_kind ?? "",
+    });
+    element("hand").hidden = !whole;
     element("twin").hidden = !finger?.twin;
-    document.body.dataset.twin = finger?.twin ? "on" : "off";
-    document.body.dataset.deviceKind = finger?.device_kind ?? "";
+    element(finger?.twin ? "side" : "rendered-foot").append(element("workspace"));
     document.title = `softfinger · ${scene.scene}`;
+    const objects = scene.objects.map((object) => object.name).join(", ");
     element("virtual-what").textContent =
-      `${finger?.name ?? "finger"} · ${scene.objects.map((object) => object.name).join(", ")}`;
+      `${whole ? `${scene.fingers.length} fingers` : finger?.name ?? "finger"} · ${objects}`;
     element("rendered-what").textContent = finger?.device_kind
       ? `${finger.name} · ${kDeviceNames[finger.device_kind] ?? finger.device_kind}`
       : "no device";
+    const notices = whole ? scene.notices : this.marks.of(shown);
+    showWarning(element("device-warning"), notices);
+    element("device-notices").replaceChildren(...(whole ? [] : noticeLines(notices, () => "")));
+    element("device-limited").hidden = true;
+    this.table.begin(scene, this.marks);
   }
 
   /** Called for every snapshot received, drawn or not. */
@@ -86,8 +139,7 @@ export class Panel {
     if (this.history.length > 120) this.history.shift();
   }
 
-  showSnapshot(snapshot: Snapshot): void {
-    const finger = snapshot.fingers[this.finger];
+  showSnapshot(snapshot: Snapshot, now: number): void {
     const duration = this.scene?.duration_s ?? 0;
     element("time").textContent = snapshot.time_s.toFixed(2);
     element("duration").textContent = duration > 0 ? ` / ${duration.toFixed(1)} s` : " s";
@@ -95,25 +147,38 @@ export class Panel {
       `scaleX(${duration > 0 ? Math.min(1, snapshot.time_s / duration) : 0})`;
     element("rate").textContent = this.stepRate(snapshot);
     element("misses").textContent = String(snapshot.deadline_misses);
-    element("misses-item").hidden = snapshot.deadline_misses === 0;
+    document.body.dataset.time = snapshot.time_s.toFixed(3);
 
     this.paused = snapshot.paused;
-    const state = snapshot.finished ? "finished" : snapshot.paused ? "paused" : "running";
-    document.body.dataset.state = state;
     this.stopped = snapshot.stopped;
+    this.state = snapshot.finished ? "finished" : snapshot.paused ? "paused" : "running";
+    document.body.dataset.state = this.state;
     document.body.dataset.stopped = String(snapshot.stopped);
     element("stop-label").textContent = snapshot.stopped ? "Release" : "Stop device";
     element("pause-label").textContent = snapshot.paused ? "Resume" : "Pause";
-    element("notice").textContent =
-      snapshot.stopped ? "Device stopped" : state === "paused" ? "Paused" : state === "finished" ? "End of the script" : "";
+    this.tell();
 
-    if (!finger) return;
-    element("device-state").textContent = finger.device_state || "no device";
-    document.body.dataset.device = finger.device_state;
+    if (this.shown === kHand) {
+      this.showHand(snapshot, now);
+    } else {
+      const finger = snapshot.fingers[this.shown];
+      if (finger) this.showFinger(finger, this.shown, now);
+    }
+  }
+
+  private showHand(snapshot: Snapshot, now: number): void {
+    const { state, text } = commonState(snapshot.fingers);
+    this.showDevice(state, text, snapshot.fingers.some((_, i) => this.marks.isLimited(i, now)));
+    this.table.show(snapshot, this.marks, now);
+    const counts = snapshot.fingers.map(contactCount);
+    const samples = snapshot.fingers.map((finger) => finger.in_contact.length);
+    this.showContacts(sum(counts), sum(samples));
+  }
+
+  private showFinger(finger: FingerSnapshot, number: number, now: number): void {
+    this.showDevice(finger.device_state, stateOf(finger), this.marks.isLimited(number, now));
     const contacts = contactCount(finger);
-    document.body.dataset.contacts = String(contacts);
-    document.body.dataset.samples = String(finger.in_contact.length);
-    document.body.dataset.time = snapshot.time_s.toFixed(3);
+    this.showContacts(contacts, finger.in_contact.length);
     if (finger.twin) {
       const twinContacts = contactCount(finger.twin);
       document.body.dataset.twinContacts = String(twinContacts);
@@ -122,13 +187,40 @@ export class Panel {
       element("patch-virtual-count").textContent = `${contacts}`;
       element("patch-twin-count").textContent = `${twinContacts}`;
     }
-    element("contacts").textContent = `${contacts}`;
-    element("samples").textContent = `of ${finger.in_contact.length}`;
     element("stuck").textContent = contacts > 0 ? (100 * finger.stuck_fraction).toFixed(0) : "–";
     element("slip").textContent = contacts > 0 ? finger.slip_ratio.toFixed(2) : "–";
     element("deviation").textContent = finger.deviation_mm2.toFixed(3);
     element("joints").textContent =
-      jointText(finger.joint_values, this.scene?.fingers[this.finger]?.joint_unit ?? "deg");
+      jointText(finger.joint_values, this.scene?.fingers[number]?.joint_unit ?? "deg");
+  }
+
+  private showDevice(state: string, text: string, limited: boolean): void {
+    element("device-state").textContent = text;
+    element("device-state").dataset.device = state;
+    element("device-limited").hidden = !limited;
+    document.body.dataset.device = state;
+    document.body.dataset.limited = String(limited);
+  }
+
+  private showContacts(contacts: number, samples: number): void {
+    document.body.dataset.contacts = String(contacts);
+    document.body.dataset.samples = String(samples);
+    element("contacts").textContent = `${contacts}`;
+    element("samples").textContent = `of ${samples}`;
+  }
+
+  /** One line over the views, which a screen reader reads as it changes. */
+  private tell(): void {
+    const line =
+      this.connection === "lost" ? "No connection: the program has ended, or cannot be reached"
+      : this.loading !== "" ? `Loading ${this.loading} …`
+      : this.stopped ? (this.paused ? "Device stopped, run paused" : "Device stopped")
+      : this.state === "paused" ? "Paused"
+      : this.state === "finished" ? "End of the script"
+      : "";
+    setText(element("notice"), line);
+    // That it goes on is seen; who does not see it has to be told.
+    setText(element("announcer"), line === "" && this.state === "running" ? "Running" : "");
   }
 
   private togglePause(): void {
@@ -146,22 +238,12 @@ export class Panel {
   }
 }
 
-/** A button of a radio group; `kind` names what is chosen, for style and tests. */
-function choice(kind: string, name: string, checked: boolean, choose: () => void): HTMLButtonElement {
-  const button = document.createElement("button");
-  button.textContent = name;
-  button.dataset[kind] = name;
-  button.setAttribute("role", "radio");
-  button.setAttribute("aria-checked", String(checked));
-  button.onclick = choose;
-  return button;
+/** Unchanged, a live region stays silent. */
+function setText(node: HTMLElement, text: string): void {
+  if (node.textContent !== text) node.textContent = text;
 }
 
-function contactCount(skin: Skin): number {
-  let count = 0;
-  for (const touching of skin.in_contact) count += touching;
-  return count;
-}
+const sum = (values: number[]) => values.reduce((a, b) => a + b, 0);
 
 /** The first joints' values; a field of pins has too many to show. */
 function jointText(values: Float32Array, unit: "deg" | "mm"): string {

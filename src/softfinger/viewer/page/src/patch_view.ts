@@ -1,5 +1,5 @@
 import { mixed, palette } from "./palette";
-import { clearedContext } from "./sharp_canvas";
+import { clearedContext, redrawOnResize } from "./sharp_canvas";
 import type { FingerDescription, Skin } from "./wire";
 
 const kPieces = 4; // a triangle's side is cut into so many
@@ -56,9 +56,14 @@ export class Pad {
 }
 
 export class PatchView {
-  constructor(private readonly canvas: HTMLCanvasElement) {}
+  private drawn: { pad: Pad; skin: Skin | null } | null = null;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    redrawOnResize(canvas, () => this.drawn && this.draw(this.drawn.pad, this.drawn.skin));
+  }
 
   draw(pad: Pad, skin: Skin | null): void {
+    this.drawn = { pad, skin };
     const context = clearedContext(this.canvas);
     if (!context) return;
     const { clientWidth: width, clientHeight: height } = this.canvas;

@@ -2,7 +2,9 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { LatencyView } from "./latency_view";
 import { palette } from "./palette";
-import type { FingerDescription, FingerSnapshot, Snapshot, Twin } from "./wire";
+import { fingerColor } from "./hand_table";
+import { kHand, type Shown } from "./shown";
+import type { FingerDescription, FingerSnapshot, Scene, Snapshot, Twin } from "./wire";
 
 const kWindow = 10; // s of simulated time shown
 const kCapacity = 1500;
@@ -89,13 +91,30 @@ function loopPlots(finger: FingerDescription): PlotDescription[] {
       curves: [area, ...twins(area, (t) => t.contact_area_mm2)],
     },
     configurationPlot(finger),
-    {
-      id: "step", title: "Computing time", range: [0, 0.25],
-      curves: [
-        { label: "step", unit: "ms", color: palette.step, digits: 3, value: (_, s) => s.step_ms },
-        { label: "match", unit: "ms", color: palette.match, digits: 3, value: (_, s) => s.match_ms },
-      ],
-    },
+    kComputingTime,
+  ];
+}
+
+const kComputingTime: PlotDescription = {
+  id: "step", title: "Computing time", range: [0, 0.25],
+  curves: [
+    { label: "step", unit: "ms", color: palette.step, digits: 3, value: (_, s) => s.step_ms },
+    { label: "match", unit: "ms", color: palette.match, digits: 3, value: (_, s) => s.match_ms },
+  ],
+};
+
+/** A curve a finger, in the colours of the table beside the view. */
+function handPlots(scene: Scene): PlotDescription[] {
+  const each = (unit: string, digits: number, value: (finger: FingerSnapshot) => number): Curve[] =>
+    scene.fingers.map(({ name }, i) => ({
+      label: name, unit, color: fingerColor(i), digits,
+      value: (_, snapshot) => (snapshot.fingers[i] ? value(snapshot.fingers[i]!) : NaN),
+    }));
+  return [
+    { id: "force", title: "Force", range: [0, 1], curves: each("N", 2, (f) => f.normal_force_N) },
+    { id: "area", title: "Contact area", range: [0, 40], curves: each("mm²", 0, (f) => f.contact_area_mm2) },
+    { id: "deviation", title: "Deviation", range: [0, 1], curves: each("mm²", 2, (f) => f.deviation_mm2) },
+    kComputingTime,
   ];
 }
 
@@ -129,12 +148,24 @@ export class Plots {
 
   constructor(private readonly strip: HTMLElement, private readonly measures: HTMLElement) {}
 
-  /** Begins anew with a finger of a scene, the one of that number. */
-  reset(finger: FingerDescription | undefined, number: number): void {
+  /** Begins anew with what is shown of a scene. */
+  reset(scene: Scene, shown: Shown): void {
+    const focused = this.strip.querySelector(".turn:focus") !== null;
+    this.build(scene, shown);
+    if (focused) this.strip.querySelector<HTMLElement>(".turn")?.focus();
+  }
+
+  private build(scene: Scene, shown: Shown): void {
     for (const plot of this.plots) plot.dispose();
     this.plots = [];
-    this.finger = number;
+    this.latency = null;
+    this.finger = shown === kHand ? 0 : shown;
+    const finger = scene.fingers[this.finger];
     if (!finger) return;
+    if (shown === kHand) {
+      this.plots = handPlots(scene).map((d) => new LivePlot(this.strip, d));
+      return;
+    }
     this.plots = loopPlots(finger).map((d) => new LivePlot(this.strip, d));
     const last = this.plots[this.plots.length - 1]!;
     this.latency = finger.device_kind ? new LatencyView(last.element) : null;
@@ -164,7 +195,7 @@ class LivePlot {
   constructor(parent: HTMLElement, private readonly description: PlotDescription) {
     this.data = [[], ...description.curves.map(() => [])];
     const told = description.curves.filter((curve) => !curve.dashed);
-    this.element.className = description.small ? "plot small" : told.length > 2 ? "plot many" : "plot";
+    this.element.className = description.small ? "plot small" : told.length > 3 ? "plot most" : told.length > 2 ? "plot many" : "plot";
     this.element.id = `plot-${description.id}`;
     this.element.append(this.makeHeader(), this.box);
     this.box.className = "plot-box";

@@ -1,32 +1,142 @@
-import { InstancedMesh, Matrix4, MeshBasicMaterial, Scene, SphereGeometry } from "three";
+import {
+  BufferAttribute, BufferGeometry, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, MeshStandardMaterial, Scene,
+  Vector3,
+} from "three";
 import { palette } from "./palette";
-import { kJoints, positionOf, radiusOf } from "./xr_hand";
+import { positionOf, radiusOf } from "./xr_hand";
 
-/** The joints of hands as a headset sees them, so that the wearer sees where they are. */
+const kAround = 16; // corners of a ring
+const kRings = 6; // of each end
+const kThinnest = 1e-3; // m
+const kMostHands = 2;
+const kFingers = ["index-finger", "middle-finger", "ring-finger", "pinky-finger"] as const;
+
+/** A stretch of skin from one joint to another; `between`: halfway to the same stretch of another finger. */
+interface Stretch {
+  from: XRHandJoint;
+  to: XRHandJoint;
+  between?: { from: XRHandJoint; to: XRHandJoint };
+}
+
+function chain(...joints: string[]): Stretch[] {
+  return joints.slice(1).map((to, i) => ({ from: joints[i] as XRHandJoint, to: to as XRHandJoint }));
+}
+
+/** All of a hand: its fingers, and the palm filled between them. */
+const kStretches: Stretch[] = [
+  ...chain("wrist", "thumb-metacarpal", "thumb-phalanx-proximal", "thumb-phalanx-distal", "thumb-tip"),
+  ...kFingers.flatMap((finger) => chain("wrist", `${finger}-metacarpal`, `${finger}-phalanx-proximal`,
+    `${finger}-phalanx-intermediate`, `${finger}-phalanx-distal`, `${finger}-tip`)),
+  ...kFingers.slice(1).flatMap((finger, i): Stretch[] => {
+    const [own] = chain(`${finger}-metacarpal`, `${finger}-phalanx-proximal`);
+    const [next] = chain(`${kFingers[i]}-metacarpal`, `${kFingers[i]}-phalanx-proximal`);
+    return [{ ...own!, between: next }];
+  }),
+  { ...chain("thumb-metacarpal", "thumb-phalanx-proximal")[0]!,
+    between: chain("index-finger-metacarpal", "index-finger-phalanx-proximal")[0] },
+];
+
+/** Hands as a headset sees them, in skin, so that the wearer sees where they are. */
 export class SeenHands {
   readonly scene = new Scene();
-  private readonly joints: InstancedMesh;
-  private readonly matrix = new Matrix4();
+  private readonly geometry = new BufferGeometry();
+  private readonly positions: Float32Array;
+  private readonly normals: Float32Array;
+  private readonly perStretch = 2 * kRings * (kAround + 1);
 
   constructor() {
-    const material = new MeshBasicMaterial({ color: palette.skin, transparent: true, opacity: 0.3, depthWrite: false });
-    this.joints = new InstancedMesh(new SphereGeometry(1, 12, 8), material, 2 * kJoints.length);
-    this.joints.frustumCulled = false;
-    this.scene.add(this.joints);
+    const most = kMostHands * kStretches.length;
+    this.positions = new Float32Array(3 * most * this.perStretch);
+    this.normals = new Float32Array(3 * most * this.perStretch);
+    this.geometry.setAttribute("position", new BufferAttribute(this.positions, 3));
+    this.geometry.setAttribute("normal", new BufferAttribute(this.normals, 3));
+    this.geometry.setIndex(new BufferAttribute(this.indices(most), 1));
+    // Depth first: of stretches that reach into each other only the outermost skin is drawn, so that they are one.
+    const depth = new Mesh(this.geometry, new MeshBasicMaterial({ colorWrite: false }));
+    const skin = new Mesh(this.geometry, new MeshStandardMaterial({
+      color: palette.skin, roughness: 0.6, emissive: "#9a4630", emissiveIntensity: 0.2, transparent: true, opacity: 0.72,
+    }));
+    depth.renderOrder = 0;
+    skin.renderOrder = 1;
+    for (const mesh of [depth, skin]) mesh.frustumCulled = false;
+    const key = new DirectionalLight("#fff4e6", 1.6);
+    key.position.set(-0.4, 1, 0.5);
+    this.scene.add(depth, skin, new HemisphereLight("#e9f1ff", "#6b5a54", 1.2), key);
   }
 
-  /** Poses as readJoints gives them; joints in `instead` are drawn by somebody else. */
+  /** Poses as readJoints gives them; what lies between joints of `instead` is drawn by somebody else. */
   show(hands: { joints: Float32Array; instead: Set<XRHandJoint> }[]): void {
     let count = 0;
-    for (const { joints, instead } of hands.slice(0, 2)) {
-      for (const joint of kJoints) {
-        if (instead.has(joint)) continue;
-        const radius = Math.max(radiusOf(joints, joint), 1e-3);
-        this.matrix.makeScale(radius, radius, radius).setPosition(...positionOf(joints, joint));
-        this.joints.setMatrixAt(count++, this.matrix);
+    for (const { joints, instead } of hands.slice(0, kMostHands)) {
+      for (const stretch of kStretches) {
+        if (instead.has(stretch.from) && instead.has(stretch.to)) continue;
+        const [a, b] = [endOf(joints, stretch.from, stretch.between?.from), endOf(joints, stretch.to, stretch.between?.to)];
+        this.fill(count++ * this.perStretch, a, b);
       }
     }
-    this.joints.count = count;
-    this.joints.instanceMatrix.needsUpdate = true;
+    this.geometry.setDrawRange(0, count * kRingsIndices);
+    for (const name of ["position", "normal"]) (this.geometry.getAttribute(name) as BufferAttribute).needsUpdate = true;
   }
+
+  /** The skin of two balls and what is stretched between them. */
+  private fill(first: number, a: End, b: End): void {
+    const along = b.at.clone().sub(a.at);
+    const length = along.length();
+    if (length > 1e-6) along.divideScalar(length);
+    else along.set(0, 0, 1);
+    const side = new Vector3(Math.abs(along.x) < 0.8 ? 1 : 0, Math.abs(along.x) < 0.8 ? 0 : 1, 0).cross(along).normalize();
+    const other = along.clone().cross(side);
+    // Where the cone touches both balls: as far from the axis's direction as this.
+    const slope = Math.min(Math.max((a.radius - b.radius) / Math.max(length, 1e-6), -0.98), 0.98);
+    const touch = Math.acos(slope);
+    let vertex = first;
+    for (let ring = 0; ring < 2 * kRings; ++ring) {
+      const near = ring < kRings;
+      const share = (near ? ring : ring - kRings) / (kRings - 1);
+      const angle = near ? Math.PI + (touch - Math.PI) * share : touch * (1 - share);
+      const { at, radius } = near ? a : b;
+      const [forward, outward] = [Math.cos(angle), Math.sin(angle)];
+      for (let corner = 0; corner <= kAround; ++corner, ++vertex) {
+        const turn = (2 * Math.PI * corner) / kAround;
+        const [u, v] = [outward * Math.cos(turn), outward * Math.sin(turn)];
+        for (const [c, axis] of (["x", "y", "z"] as const).entries()) {
+          const normal = forward * along[axis] + u * side[axis] + v * other[axis];
+          this.normals[3 * vertex + c] = normal;
+          this.positions[3 * vertex + c] = at[axis] + radius * normal;
+        }
+      }
+    }
+  }
+
+  private indices(stretches: number): Uint32Array {
+    const indices = new Uint32Array(stretches * kRingsIndices);
+    let out = 0;
+    for (let k = 0; k < stretches; ++k) {
+      for (let ring = 0; ring + 1 < 2 * kRings; ++ring) {
+        for (let corner = 0; corner < kAround; ++corner) {
+          const i = k * this.perStretch + ring * (kAround + 1) + corner;
+          indices.set([i, i + 1, i + kAround + 1, i + 1, i + kAround + 2, i + kAround + 1], out);
+          out += 6;
+        }
+      }
+    }
+    return indices;
+  }
+}
+
+const kRingsIndices = 6 * kAround * (2 * kRings - 1); // of a stretch
+
+interface End {
+  at: Vector3;
+  radius: number; // m
+}
+
+function endOf(joints: Float32Array, joint: XRHandJoint, other?: XRHandJoint): End {
+  const at = new Vector3(...positionOf(joints, joint));
+  const radius = Math.max(radiusOf(joints, joint), kThinnest);
+  if (!other) return { at, radius };
+  return {
+    at: at.add(new Vector3(...positionOf(joints, other))).multiplyScalar(0.5),
+    radius: 0.5 * (radius + Math.max(radiusOf(joints, other), kThinnest)),
+  };
 }

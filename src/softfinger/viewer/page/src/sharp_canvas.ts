@@ -10,3 +10,12 @@ export function clearedContext(canvas: HTMLCanvasElement): CanvasRenderingContex
   context.clearRect(0, 0, width, height);
   return context;
 }
+
+const redraws = new WeakMap<Element, () => void>();
+const observer = new ResizeObserver((entries) => entries.forEach(({ target }) => redraws.get(target)?.()));
+
+/** Calls `draw`, and no earlier one of that canvas, when its size changes: also where nothing new comes to draw. */
+export function redrawOnResize(canvas: HTMLCanvasElement, draw: () => void): void {
+  redraws.set(canvas, draw);
+  observer.observe(canvas);
+}

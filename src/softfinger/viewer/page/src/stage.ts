@@ -4,14 +4,18 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
+import { turnByKeys } from "./turning";
 
 // From the finger's right, a little from the tip and from below, so that the pad is seen.
-const kHome = new Vector3(0.5, -1.0, -0.56).normalize();
+export const kHome = new Vector3(0.5, -1.0, -0.56).normalize();
+/** From before the tips and below, so that fingers beside each other are beside each other. */
+export const kBeforeTips = new Vector3(1.0, -0.42, -0.4).normalize();
 
 export interface ViewOptions {
   pane: HTMLElement;
   distance: number; // mm
   target: Vector3;
+  from?: Vector3; // the direction it is seen from, kHome where none is given
 }
 
 /** One pane: its scene, camera and orbit controls. */
@@ -31,7 +35,7 @@ export class View {
     this.controls.dampingFactor = 0.12;
     this.controls.enablePan = false;
     this.controls.minDistance = 25;
-    this.controls.maxDistance = 260;
+    this.controls.maxDistance = 400;
     this.scene.add(new HemisphereLight("#e9f1ff", "#6b5a54", 1.1));
     const key = new DirectionalLight("#fff4e6", 1.9);
     key.position.set(60, -90, 110);
@@ -45,14 +49,15 @@ export class View {
 
   reset(): void {
     this.controls.target.copy(this.home.target);
-    this.camera.position.copy(this.home.target).addScaledVector(kHome, this.home.distance);
+    this.camera.position.copy(this.home.target).addScaledVector(this.home.from ?? kHome, this.home.distance);
     this.controls.update();
   }
-  /** Puts home elsewhere, and the eye there along the direction it looks in now. */
-  frame(target: Vector3, distance: number): void {
-    if (this.home.target.distanceTo(target) < 1 && Math.abs(this.home.distance - distance) < 2) return;
-    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
-    this.home = { ...this.home, target: target.clone(), distance };
+  /** Puts home elsewhere, and the eye there along the direction it looks in now; or along `from`, where that is new. */
+  frame(target: Vector3, distance: number, from: Vector3 = this.home.from ?? kHome): void {
+    const turned = from !== (this.home.from ?? kHome);
+    if (!turned && this.home.target.distanceTo(target) < 1 && Math.abs(this.home.distance - distance) < 2) return;
+    const direction = turned ? from : this.camera.position.clone().sub(this.controls.target).normalize();
+    this.home = { ...this.home, target: target.clone(), distance, from };
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(direction, distance);
     this.controls.update();
@@ -68,6 +73,12 @@ export class View {
   /** Direction to the eye, as angles about the target. */
   angles(): Spherical {
     return new Spherical().setFromVector3(toYUp(this.camera.position.clone().sub(this.controls.target)));
+  }
+  /** Puts the eye there and tells whoever turns with this view. */
+  lookFrom(angles: Spherical): void {
+    angles.radius = Math.min(Math.max(angles.radius, this.controls.minDistance), this.controls.maxDistance);
+    this.camera.position.copy(this.controls.target).add(toZUp(new Vector3().setFromSpherical(angles)));
+    this.controls.update();
   }
   turnTo(angles: Spherical): void {
     const own = this.angles();
@@ -95,6 +106,7 @@ export class Stage {
     for (const view of views) {
       view.controls.addEventListener("change", () => this.link(view));
       view.pane.addEventListener("dblclick", () => this.reset());
+      turnByKeys(view, () => this.reset());
     }
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.renderer.xr.addEventListener("sessionend", () => this.resize());

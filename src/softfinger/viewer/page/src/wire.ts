@@ -53,6 +53,20 @@ export interface Scene {
   duration_s: number;
   objects: { name: string; shape: Shape }[];
   fingers: FingerDescription[];
+  notices: Notice[];
+}
+
+/** What a person should know of a finger's device before it moves. */
+export interface Notice {
+  finger: number; // of the scene's
+  kind: string;
+  text: string;
+}
+
+/** Which scene is on its way in place of the one shown, as JSON (notification_message.cpp). */
+export interface Loading {
+  type: "loading";
+  scene: string; // "": none
 }
 
 /** How a registration stands, as JSON (registration_message.cpp). */
@@ -111,6 +125,7 @@ export interface FingerSnapshot extends Skin {
   tick: number; // of the device
   stages_ms: Float32Array; // of that tick, one each of kStages; NaN: unknown
   device_state: string;
+  force_limited: boolean; // the device would advance further but for its limit of force
   configuration: Float32Array; // in the units of configuration_names
   actual: Float32Array; // the same as the servos say; empty: they do not
   joint_values: Float32Array; // in joint_unit
@@ -135,7 +150,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x34534653;
+const kMagic = 0x35534653;
 
 /** Reads a binary frame; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
@@ -191,6 +206,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const stages_ms = floats(kStages.length);
     const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
     const known = u32();
+    const flags = u32();
     const device_state = new TextDecoder().decode(bytes(16)).replace(/\0+$/, "");
     const touched = skin(samples);
     const configuration = floats(dofs);
@@ -201,7 +217,8 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
     return {
       X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
-      slip_ratio, stuck_fraction, tick, stages_ms, device_state, ...touched, configuration, actual,
+      slip_ratio, stuck_fraction, tick, stages_ms, device_state, force_limited: (flags & 1) !== 0,
+      ...touched, configuration, actual,
       joint_values, linkage_mm, pieces, twin,
     };
   };

@@ -1,5 +1,5 @@
 import { mixed, palette } from "./palette";
-import { clearedContext } from "./sharp_canvas";
+import { clearedContext, redrawOnResize } from "./sharp_canvas";
 import type { FingerDescription, Workspace } from "./wire";
 
 const kTrail = 45; // past configurations shown
@@ -26,7 +26,8 @@ export class WorkspaceView {
     else if (workspace.tilt_layers.length > 0) this.draws = oneTilt(workspace);
     else this.draws = reaches(workspace, configuration_names);
     const bars = workspace.tilt_layers.length === 0 && !mapOf(configuration_names);
-    canvas.style.height = bars ? `${kBarHeight * workspace.reaches.length}px` : "";
+    canvas.parentElement!.style.height = bars ? `${kBarHeight * workspace.reaches.length}px` : "";
+    redrawOnResize(canvas, () => this.redraw());
   }
 
   /** Whether there is anything to show. */
@@ -38,6 +39,12 @@ export class WorkspaceView {
     if (q.length === 0) return;
     this.trail.push(q.slice());
     if (this.trail.length > kTrail) this.trail.shift();
+    this.redraw();
+  }
+
+  private redraw(): void {
+    const q = this.trail[this.trail.length - 1];
+    if (!q) return;
     const context = clearedContext(this.canvas);
     if (!context) return;
     context.font = kFont;
