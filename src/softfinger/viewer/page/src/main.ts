@@ -23,7 +23,7 @@ import type { FingerSnapshot, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
 const kNear = 68; // mm, from which one finger is seen
-const kFarther = 2.4; // mm more for each mm that fingers are apart
+const kFarther = 2.0; // mm more for each mm that fingers are apart
 const canvas = (id: string) => element(id) as HTMLCanvasElement;
 
 const virtual = new View({ pane: element("virtual-view"), distance: kNear, target: new Vector3(0, 0, 0) });
