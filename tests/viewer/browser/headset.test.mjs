@@ -33,7 +33,8 @@ test("a hand in a headset brings the finger to the sphere and away", { timeout: 
     await headsetIs("placed");
     await deviceIs("ready");
     await free();
-    const { red } = countColors(await page.screenshot());
+    const { red, skin } = countColors(await page.screenshot());
+    assert.ok(skin > 10_000, `${skin} pixels of the hand's skin`);
 
     await moveBy(100);
     await touching();

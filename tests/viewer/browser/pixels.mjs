@@ -46,15 +46,16 @@ function predict(filter, left, up, corner) {
   }
 }
 
-/** Numbers of clearly red (samples in contact), clearly blue (free), teal (device) and any coloured pixels. */
+/** Numbers of clearly red (samples in contact), clearly blue (free), teal (device), skin's and any coloured pixels. */
 export function countColors(png) {
   const { channels, pixels } = decode(png);
-  const counts = { red: 0, blue: 0, teal: 0, colored: 0 };
+  const counts = { red: 0, blue: 0, teal: 0, skin: 0, colored: 0 };
   for (let i = 0; i < pixels.length; i += channels) {
     const [r, g, b] = [pixels[i], pixels[i + 1], pixels[i + 2]];
     if (r > 170 && g < 100 && b < 110) ++counts.red;
     if (b > 150 && b > r + 70 && b > g + 40) ++counts.blue;
     if (g > r + 40 && b > r + 30 && Math.abs(g - b) < 45) ++counts.teal;
+    if (r > 100 && r > g + 12 && r < g + 70 && g > b + 2 && g < b + 40) ++counts.skin;
     if (Math.max(r, g, b) - Math.min(r, g, b) > 60) ++counts.colored;
   }
   return counts;

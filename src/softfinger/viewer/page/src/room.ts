@@ -31,11 +31,12 @@ export class Room {
     this.view.scene.quaternion.copy(new Quaternion());
   }
 
-  /** The scene, where it has its place, and what else is in the room. */
+  /** The hands, and before them the scene where it has its place: its skin and glass are clear. */
   draw(placed: boolean, hands: Scene): void {
-    if (placed) this.renderer.render(this.view.scene, this.camera);
-    this.renderer.autoClear = !placed;
     this.renderer.render(hands, this.camera);
+    if (!placed) return;
+    this.renderer.autoClear = false;
+    this.renderer.render(this.view.scene, this.camera);
     this.renderer.autoClear = true;
   }
 

@@ -71,6 +71,8 @@ export class SeenHands {
       for (const stretch of kStretches) {
         if (instead.has(stretch.from) && instead.has(stretch.to)) continue;
         const [a, b] = [endOf(joints, stretch.from, stretch.between?.from), endOf(joints, stretch.to, stretch.between?.to)];
+        // It ends where the finger that is drawn by somebody else begins.
+        if (instead.has(stretch.to)) b.at.lerp(a.at, Math.min(b.radius / Math.max(a.at.distanceTo(b.at), 1e-6), 0.9));
         this.fill(count++ * this.perStretch, a, b);
       }
     }
