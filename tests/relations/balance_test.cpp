@@ -12,8 +12,10 @@ namespace softfinger::relations {
 namespace {
 
 // At rest the coupling bears what the objects push: force and torque about F's origin. Residuals
-// of the steps are 1e-6, and the bone has all but stopped.
+// of the steps are 1e-6; the bone has stopped, but for one whose skin still relaxes, and the
+// coupling's damper bears the rest.
 TEST(Balance, OfContactAndCoupling) {
+  int at_rest = 0;
   for (int number = 0; number < cases(8); ++number) {
     Draw draw("coupling", number);
     const Exploration exploration =
@@ -22,17 +24,22 @@ TEST(Balance, OfContactAndCoupling) {
     std::vector<Waypoint> waypoints = exploration.motion.waypoints();
     waypoints.push_back({waypoints.back().time + 0.5, waypoints.back().pose});
     held.motion = Trajectory(waypoints);
-    const Moment last = explore(held).last();
-    ASSERT_GT(last.normal_force, 0.02) << exploration.what;
+    const Trace trace = explore(held);
+    ASSERT_GT(trace.most_force, 0.01) << exploration.what;
+    const Moment& last = trace.last();
+    if (last.normal_force < 0.01) continue;  // slid off the object
+    ++at_rest;
+    const double tolerance = held.model->relaxation.terms.empty() ? 1e-3 : 0.01;
     const Coupling& coupling = held.model->coupling;
     const Vector3 pull =
         coupling.translation_stiffness * (last.X_WFt.translation - last.X_WF.translation);
-    EXPECT_LT((pull + last.force_W).norm(), 2e-3 * last.normal_force) << exploration.what;
+    EXPECT_LT((pull + last.force_W).norm(), tolerance * last.normal_force) << exploration.what;
     const Vector3 twist = coupling.rotation_stiffness *
                           log_rotation(last.X_WFt.rotation * last.X_WF.rotation.transpose());
-    EXPECT_LT((twist + last.torque_W).norm(), 2e-3 * last.normal_force * 10 * mm)
+    EXPECT_LT((twist + last.torque_W).norm(), tolerance * last.normal_force * 10 * mm)
         << exploration.what;
   }
+  EXPECT_GT(at_rest, cases(4));
 }
 
 // Friction in no step beyond what the normal force of that step allows, sample by sample and in
@@ -56,7 +63,7 @@ TEST(Balance, DISABLED_FrictionStaysInsideItsCone) {
           }
           EXPECT_LT(simulation.contact().slip_ratio, 1.0 + 1e-6) << exploration.what;
         });
-    ASSERT_GT(trace.most_force, 0.02) << exploration.what;
+    ASSERT_GT(trace.most_force, 0.01) << exploration.what;
     EXPECT_LT(most_ratio, 1.0 + 1e-3) << exploration.what;
   }
 }
@@ -88,7 +95,7 @@ TEST(Balance, DISABLED_WhatBearsForceIsInContact) {
             untouched = std::max(untouched, moment.normal_force);
           }
         });
-    ASSERT_GT(trace.most_force, 0.02) << exploration.what;
+    ASSERT_GT(trace.most_force, 0.01) << exploration.what;
     EXPECT_GT(touched, 20) << exploration.what;
     EXPECT_LT(left_out, 1e-3) << exploration.what;
     EXPECT_LT(untouched, 1e-3) << exploration.what;
@@ -109,7 +116,7 @@ TEST(Balance, DISABLED_TheNormalForceIsTheMagnitudeOfTheSum) {
           }
           apart = std::max(apart, std::abs(sum.norm() - moment.normal_force));
         });
-    ASSERT_GT(trace.most_force, 0.02) << exploration.what;
+    ASSERT_GT(trace.most_force, 0.01) << exploration.what;
     EXPECT_LT(apart, 1e-9 * trace.most_force) << exploration.what;
   }
 }

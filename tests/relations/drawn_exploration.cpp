@@ -173,7 +173,7 @@ Exploration draw_exploration(Draw& draw, int number, std::initializer_list<Thing
                        exp_rotation({draw.between(-8.0, 8.0) * deg, 0.0, 0.0}) *
                        exp_rotation({0.0, 0.0, draw.between(-20.0, 20.0) * deg});
   const Pose touch = touching(*drawn.model, drawn.objects.front(), turn);
-  const double depth = draw.between(0.5, 1.6) * mm;
+  const double depth = draw.between(0.7, 1.6) * mm;
   const double speed = draw.between(20.0, 80.0) * mm;  // a second, on the way down
   std::vector<Waypoint> waypoints;
   double time = 0.0;
@@ -203,7 +203,7 @@ Exploration draw_exploration(Draw& draw, int number, std::initializer_list<Thing
       break;
     case Path::kSlide: {
       const double heading = draw.between(-3.1, 3.1);
-      const double way = draw.between(2.0, 6.0) * mm;
+      const double way = draw.between(1.0, 5.0) * mm;
       const double stroke = draw.between(20.0, 100.0) * mm;  // a second
       Pose there = pressed;
       there.translation += way * Vector3(std::cos(heading), std::sin(heading), 0.0);

@@ -46,7 +46,7 @@ inline constexpr std::initializer_list<Path> kAllPaths{Path::kTap, Path::kPress,
                             const Matrix3& turn);
 
 /// One case of a relation: the case's number goes round the things and paths, all else is drawn. At
-/// most half a second, 0.5 to 1.6 mm deep.
+/// most half a second, 0.7 to 1.6 mm deep.
 [[nodiscard]] Exploration draw_exploration(Draw& draw, int number,
                                            std::initializer_list<Thing> things,
                                            std::initializer_list<Path> paths = kAllPaths);

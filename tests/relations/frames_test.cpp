@@ -11,26 +11,46 @@ namespace {
 // Both sides solve each step to a residual of 1e-6; what rounding does before is far below. A
 // touch in steps of 1 ms forgets such differences, it does not pile them up.
 constexpr double kSolved = 1e-4;
-// At a sharp feature a point of it may be found one step earlier or later.
+// A point inside a triangle may be found one step earlier or later.
+constexpr double kFeatures = 0.06;
+// Samples pass an edge.
 constexpr double kSharp = 0.01;
+// The second derivative of a grid's distance is only continuous: what rounding decides counts more.
+constexpr double kGrid = 1e-3;
 
 double tolerance(int number, std::initializer_list<Thing> things) {
   const Thing thing = things.begin()[static_cast<std::size_t>(number) % things.size()];
+  if (thing == Thing::kMesh) return kGrid;
   for (const Thing smooth : kSmoothThings) {
     if (thing == smooth) return kSolved;
   }
   return kSharp;
 }
 
-void expect_alike(const Exploration& one, const Exploration& other, const Pose& X_VW,
-                  double tolerance) {
+void expect_near(const Exploration& one, const Exploration& other, const Pose& X_VW,
+                 double tolerance) {
   const Trace a = explore(one);
   const Trace b = explore(other);
-  ASSERT_GT(a.most_force, 0.02) << one.what << ": touches nothing";
+  ASSERT_GT(a.most_force, 0.01) << one.what << ": touches nothing";
   const Departure most = departure(a, b, X_VW);
   EXPECT_LT(most.normal_force, tolerance) << one.what << most.where;
   EXPECT_LT(most.force, tolerance) << one.what << most.where;
   EXPECT_LT(most.bone, tolerance * 1 * mm) << one.what << most.where;
+}
+
+Exploration of_samples(const Exploration& exploration) {
+  Exploration plain = exploration;
+  auto model = std::make_shared<FingerModel>(*exploration.model);
+  model->feature_contact = false;
+  plain.model = model;
+  return plain;
+}
+
+/// With points inside triangles, and of the samples alone.
+void expect_alike(const Exploration& one, const Exploration& other, const Pose& X_VW, int number,
+                  std::initializer_list<Thing> things) {
+  expect_near(one, other, X_VW, kFeatures);
+  expect_near(of_samples(one), of_samples(other), X_VW, tolerance(number, things));
 }
 
 const std::initializer_list<Thing> kThings{Thing::kPlane,    Thing::kBlock, Thing::kBall,
@@ -42,7 +62,7 @@ TEST(Frames, ATurnedAndMovedSceneIsTheSame) {
     Draw draw("turned", number);
     const Exploration exploration = draw_exploration(draw, number, kThings);
     const Pose X_VW = draw.pose(0.3);
-    expect_alike(exploration, moved(exploration, X_VW), X_VW, tolerance(number, kThings));
+    expect_alike(exploration, moved(exploration, X_VW), X_VW, number, kThings);
   }
 }
 
@@ -51,7 +71,7 @@ TEST(Frames, DISABLED_ATurnedPlateOrBeadIsTheSame) {
     Draw draw("turned plate", number);
     const Exploration exploration = draw_exploration(draw, number, {Thing::kPlate, Thing::kBead});
     const Pose X_VW = draw.pose(0.3);
-    expect_alike(exploration, moved(exploration, X_VW), X_VW, kSharp);
+    expect_alike(exploration, moved(exploration, X_VW), X_VW, number, {Thing::kPlate});
   }
 }
 
@@ -59,8 +79,8 @@ TEST(Frames, ALaterSceneIsTheSame) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("later", number);
     const Exploration exploration = draw_exploration(draw, number, kThings);
-    expect_alike(exploration, moved(exploration, {}, draw.between(0.1, 100.0)), {},
-                 tolerance(number, kThings));
+    expect_alike(exploration, moved(exploration, {}, draw.between(0.1, 100.0)), {}, number,
+                 kThings);
   }
 }
 
@@ -95,16 +115,20 @@ TEST(Frames, AMirroredSceneIsTheMirroredSame) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("mirrored", number);
     const Exploration exploration = draw_exploration(draw, number, things);
-    const Trace a = explore(exploration);
-    Trace b = explore(mirrored(exploration));
-    for (Moment& moment : b.moments) {
-      moment.force_W.y() = -moment.force_W.y();
-      moment.X_WF.translation.y() = -moment.X_WF.translation.y();
+    for (const bool features : {true, false}) {
+      const Exploration seen = features ? exploration : of_samples(exploration);
+      const Trace a = explore(seen);
+      Trace b = explore(mirrored(seen));
+      for (Moment& moment : b.moments) {
+        moment.force_W.y() = -moment.force_W.y();
+        moment.X_WF.translation.y() = -moment.X_WF.translation.y();
+      }
+      ASSERT_GT(a.most_force, 0.01) << exploration.what;
+      const Departure most = departure(a, b);
+      const double room = features ? kFeatures : tolerance(number, things);
+      EXPECT_LT(most.normal_force, room) << exploration.what << most.where;
+      EXPECT_LT(most.force, room) << exploration.what << most.where;
     }
-    ASSERT_GT(a.most_force, 0.02) << exploration.what;
-    const Departure most = departure(a, b);
-    EXPECT_LT(most.normal_force, tolerance(number, things)) << exploration.what << most.where;
-    EXPECT_LT(most.force, tolerance(number, things)) << exploration.what << most.where;
   }
 }
 

@@ -78,43 +78,65 @@ void expect_alike(const Exploration& exploration, std::shared_ptr<FingerModel> o
   Exploration shuffled = exploration;
   shuffled.model = std::move(other);
   const Trace b = explore(shuffled);
-  ASSERT_GT(a.most_force, 0.02) << exploration.what;
+  ASSERT_GT(a.most_force, 0.01) << exploration.what;
   const Departure most = departure(a, b);
   EXPECT_LT(most.normal_force, tolerance) << exploration.what << most.where;
   EXPECT_LT(most.force, tolerance) << exploration.what << most.where;
 }
 
+/// Of the samples alone, without points inside triangles, and of elements each by itself.
+std::shared_ptr<const FingerModel> plain(const FingerModel& model) {
+  auto bare = std::make_shared<FingerModel>(model);
+  bare->feature_contact = false;
+  bare->dilatation = Dilatation::kElement;
+  return bare;
+}
+
 // Sums are taken in another order: rounding, and where the iterations of a step end, 1e-6 of its
-// residual.
+// residual. Points inside triangles take places in the order in which they are found, and two
+// that are alike may take turns.
+constexpr double kSamples = 1e-4;
+constexpr double kFeatures = 0.02;
+
 TEST(Order, OfNodesAndSamples) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("nodes", number);
-    const Exploration exploration = draw_exploration(draw, number, kSmoothThings);
-    expect_alike(exploration, with_other_nodes(*exploration.model, draw), 1e-4);
+    Exploration exploration = draw_exploration(draw, number, kSmoothThings);
+    expect_alike(exploration, with_other_nodes(*exploration.model, draw), kFeatures);
+    exploration.model = plain(*exploration.model);
+    expect_alike(exploration, with_other_nodes(*exploration.model, draw), kSamples);
   }
-}
-
-/// Of the samples alone, without points inside triangles.
-std::shared_ptr<const FingerModel> without_features(const FingerModel& model) {
-  auto plain = std::make_shared<FingerModel>(model);
-  plain->feature_contact = false;
-  return plain;
 }
 
 TEST(Order, OfElementsAndTriangles) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("elements", number);
     Exploration exploration = draw_exploration(draw, number, kSmoothThings);
-    exploration.model = without_features(*exploration.model);
-    expect_alike(exploration, with_other_elements(*exploration.model, draw), 1e-4);
+    exploration.model = plain(*exploration.model);
+    expect_alike(exploration, with_other_elements(*exploration.model, draw), kSamples);
+  }
+}
+
+// Which elements share a patch depends on where the search begins.
+TEST(Order, DISABLED_OfElementsInPatches) {
+  for (int number = 0; number < cases(5); ++number) {
+    Draw draw("patches", number);
+    Exploration exploration = draw_exploration(draw, number, kSmoothThings);
+    auto model = std::make_shared<FingerModel>(*plain(*exploration.model));
+    model->dilatation = Dilatation::kPatch;
+    exploration.model = model;
+    expect_alike(exploration, with_other_elements(*model, draw), kSamples);
   }
 }
 
 TEST(Order, DISABLED_OfElementsAndTrianglesWithFeatures) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("elements", number);
-    const Exploration exploration = draw_exploration(draw, number, kSmoothThings);
-    expect_alike(exploration, with_other_elements(*exploration.model, draw), 1e-4);
+    Exploration exploration = draw_exploration(draw, number, kAllThings);
+    auto model = std::make_shared<FingerModel>(*exploration.model);
+    model->dilatation = Dilatation::kElement;
+    exploration.model = model;
+    expect_alike(exploration, with_other_elements(*model, draw), kFeatures);
   }
 }
 
@@ -134,10 +156,9 @@ TEST(Order, OfObjects) {
     Exploration other = exploration;
     std::reverse(other.objects.begin(), other.objects.end());
     const Trace a = explore(exploration);
-    ASSERT_GT(a.most_force, 0.02) << exploration.what;
-    // Points inside triangles are met object by object, and between two in an order.
-    EXPECT_LT(departure(a, explore(other)).force, 0.01) << exploration.what;
-    exploration.model = other.model = without_features(*exploration.model);
+    ASSERT_GT(a.most_force, 0.01) << exploration.what;
+    EXPECT_LT(departure(a, explore(other)).force, kFeatures) << exploration.what;
+    exploration.model = other.model = plain(*exploration.model);
     EXPECT_LT(departure(explore(exploration), explore(other)).force, 1e-6) << exploration.what;
   }
 }

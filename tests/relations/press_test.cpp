@@ -59,7 +59,7 @@ void expect_alike(const Indenter& indenter, const char* name, Draw& draw, double
   const double reached = touch.translation.z() - last.X_WF.translation.z();
   ASSERT_GT(reached, 0.9 * depth) << what;
   const double force = pressed(*model, indenter, reached, pitch);
-  ASSERT_GT(force, 0.02) << what;
+  ASSERT_GT(force, 0.01) << what;
   EXPECT_NEAR(last.force_W.z(), force, tolerance * force)
       << what << " " << reached / mm << " mm deep, " << pitch / deg << " degrees";
 }

@@ -73,7 +73,7 @@ Exploration scaled(const Exploration& exploration, const Scales& by) {
 void expect_scaled(const Exploration& exploration, const Scales& by, double tolerance) {
   const Trace a = explore(exploration);
   Trace b = explore(scaled(exploration, by));
-  ASSERT_GT(a.most_force, 0.02) << exploration.what;
+  ASSERT_GT(a.most_force, 0.01) << exploration.what;
   for (Moment& moment : b.moments) {
     moment.normal_force /= by.force();
     moment.force_W /= by.force();
