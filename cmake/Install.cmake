@@ -5,6 +5,13 @@ get_property(softfinger_targets GLOBAL PROPERTY SOFTFINGER_TARGETS)
 install(TARGETS ${softfinger_targets} EXPORT softfingerTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+# What `cmake --install` takes from the build: without it, installing fails half way.
+add_custom_target(to_install DEPENDS ${softfinger_targets})
+foreach(program softfinger softfinger-guard)
+  if(TARGET ${program})
+    add_dependencies(to_install ${program})
+  endif()
+endforeach()
 install(DIRECTORY src/softfinger DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE)
 

@@ -13,9 +13,11 @@
 #include <vector>
 
 #include "softfinger/actuation/servo_calibration.hpp"
+#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/device/transport_file.hpp"
 #include "softfinger/device/transport_text.hpp"
 
 using namespace softfinger;
@@ -53,6 +55,48 @@ void check_answers(const CalibrateFlags& flags, int servos) {
   };
   if (!finite(flags.at) || !finite(flags.moved)) {
     throw InputError("--at and --moved: must be finite numbers");
+  }
+}
+
+/// What the section would be refused for when it is read again.
+void check_cover(const CalibrateFlags& flags, const TransportSettings& found,
+                 const JointLimits& limits) {
+  const double unit = limits.linear ? mm : deg;
+  double least = limits.min.maxCoeff();
+  double largest = limits.max.minCoeff();
+  double missing = 0.0;  // set points, in the unit of the file
+  int worst = 0;
+  for (std::size_t i = 0; i < found.servos.size(); ++i) {
+    const ServoSettings& servo = found.servos[i];
+    const auto joint = static_cast<Eigen::Index>(i);
+    const JointRange range = joint_range(servo);
+    least = std::max(least, range.min);
+    largest = std::min(largest, range.max);
+    const double beyond = std::max(range.min - limits.min[joint], limits.max[joint] - range.max) *
+                          std::abs(servo.per_radian) / found.unit_scale;
+    if (beyond > missing) {
+      missing = beyond;
+      worst = static_cast<int>(i) + 1;
+    }
+  }
+  constexpr double kRounding = 1e-4;
+  if (missing > kRounding) {
+    const std::string narrower = least < largest
+                                     ? fmt::format("narrow the joints' limits to [{:.1f}, {:.1f}]",
+                                                   std::ceil(least / unit * 10.0) / 10.0,
+                                                   std::floor(largest / unit * 10.0) / 10.0)
+                                     : std::string("look again where it stands");
+    throw InputError(fmt::format(
+        "{}: not written: joint {} does not reach its limits with the set points allowed; widen "
+        "them by {:.0f} {}, put its horn on anew, or {}, in {}",
+        flags.out, worst, std::ceil(missing), found.unit.empty() ? "(its unit)" : found.unit,
+        narrower, flags.device));
+  }
+  try {
+    const ConfigFile again(flags.out, transport_text(found, limits.linear));
+    (void)read_transport(again.root().table("transport"), limits);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("not written, a device could not have it: {}", error.what()));
   }
 }
 
@@ -94,11 +138,17 @@ void calibrate(const CalibrateFlags& flags) {
     remarks += fmt::format("# joint {} reaches {:.1f} to {:.1f} {}\n", i + 1, range.min / unit,
                            range.max / unit, unit_name);
   }
+  check_cover(flags, result, limits);
   std::ofstream file(flags.out);
   file << "# Servos as calibrated; take this in place of [transport] in " << flags.device << ".\n"
        << remarks << transport_text(result, limits.linear);
   file.close();
-  if (!file) throw OperationError(fmt::format("{} cannot be written", flags.out));
+  if (!file) {
+    std::error_code ignored;
+    std::filesystem::remove(flags.out, ignored);
+    throw OperationError(
+        fmt::format("{}: cannot be written (is there room on the disk?)", flags.out));
+  }
   fmt::print("{}wrote {}\n", remarks, flags.out);
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "commands.hpp"
+#include "port_option.hpp"
 #include "pose_source.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/thread_clock.hpp"
@@ -101,7 +102,6 @@ using Encode = std::function<std::vector<std::uint8_t>(const TrackedPose&, std::
 
 /// Sends poses to a tracker that listens; `encode` gives no bytes where there is nothing to say.
 void send_poses(const EmulateFlags& flags, const Encode& encode) {
-  if (flags.port == 0) throw InputError("--port: name the port that the tracker listens at");
   Motion motion(flags);
   const std::atomic<bool>& stop = stop_on_signals();
   const UdpEndpoint listener{find_address(flags.address), flags.port};
@@ -152,8 +152,7 @@ void add_emulate_command(CLI::App& app) {
   CLI::App* natnet = add_peer(*emulate, "natnet",
                               "An OptiTrack server with one rigid body that moves", natnet_flags);
   natnet->add_option("--address", natnet_flags->address, "own address")->capture_default_str();
-  natnet->add_option("--port", natnet_flags->port, "of commands; 0: any free one")
-      ->capture_default_str();
+  add_port_option(*natnet, "--port", natnet_flags->port, "of commands; 0: any free one");
   natnet->add_option("--body", natnet_flags->body, "name of the rigid body")->capture_default_str();
   natnet->add_option("--version", natnet_flags->version, "of NatNet, 3.0 to 4.2")
       ->capture_default_str();
@@ -167,7 +166,9 @@ void add_emulate_command(CLI::App& app) {
     const auto flags = std::make_shared<EmulateFlags>();
     CLI::App* sender = add_peer(*emulate, name, what, flags);
     sender->add_option("--address", flags->address, "of the tracker")->capture_default_str();
-    sender->add_option("--port", flags->port, "that the tracker listens at")->required();
+    add_port_option(*sender, "--port", flags->port, "that the tracker listens at", 1)
+        ->default_str("")
+        ->required();
     sender->callback([flags, run] { run(*flags); });
   };
   add_sender("udp", "A sender of pose datagrams", emulate_udp);

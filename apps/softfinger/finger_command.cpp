@@ -11,6 +11,8 @@
 #include "finger_fit_command.hpp"
 #include "finger_register_command.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/engine/person.hpp"
+#include "softfinger/finger/finger_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace {
@@ -112,6 +114,12 @@ void add_finger_command(CLI::App& app) {
   command->add_flag("--json", flags->json,
                     "one JSON object on stdout: the file's keys, defaults filled in");
   command->callback([flags] { show(*flags); });
+  CLI::App* describing =
+      finger->add_subcommand("schema", "JSON Schema of finger files, or of person files");
+  auto of_person = std::make_shared<bool>(false);
+  describing->add_flag("--person", *of_person, "of the files that --person takes");
+  describing->callback(
+      [of_person] { fmt::print("{}\n", *of_person ? person_schema() : finger_schema()); });
   add_finger_fit_command(*finger);
   add_finger_register_command(*finger);
 }

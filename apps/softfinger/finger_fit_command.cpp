@@ -69,7 +69,10 @@ void write_new(const std::string& out, const std::string& text) {
   if (file == nullptr) throw OperationError("finger fit: cannot write " + out);
   const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
   const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) throw OperationError("finger fit: cannot write " + out);
+  if (written && closed) return;
+  std::error_code ignored;
+  std::filesystem::remove(out, ignored);
+  throw OperationError(fmt::format("{}: cannot be written (is there room on the disk?)", out));
 }
 
 FitInput read_input(const FitFlags& flags, const FingerModel& model) {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -11,7 +12,9 @@
 #include <thread>
 
 #include "progress_bar.hpp"
+#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/hand_part.hpp"
 #include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/engine/person_registration.hpp"
@@ -28,7 +31,7 @@ using namespace softfinger;
 constexpr double kPollInterval = 5e-3;  // s
 
 struct FingerRegisterFlags {
-  std::string person, model, tracker;
+  std::string person, model, tracker, scene;
   std::string finger = "index";
   std::optional<double> length_mm, breadth_mm, depth_mm, table_mm;
   bool json = false;
@@ -43,10 +46,30 @@ std::optional<double> size_of(const char* flag, std::optional<double> size_mm) {
   return *size_mm * mm;
 }
 
+/// Of a scene file, whose other content does not matter here; never where none is named.
+bool is_finger_of(const std::string& scene, const std::string& name) {
+  if (scene.empty()) return false;
+  const ConfigFile file(scene);
+  return std::ranges::any_of(file.root().tables("finger"), [&](const ConfigTable& finger) {
+    return finger.text("name") == name;
+  });
+}
+
 RegistrationTask task_of(const FingerRegisterFlags& flags) {
   if (!is_finger_name(flags.finger)) {
     throw InputError(
         fmt::format("--finger '{}': expected 1 to 64 letters, digits, - or _", flags.finger));
+  }
+  if (!hand_finger_of(flags.finger) && !is_finger_of(flags.scene, flags.finger)) {
+    throw InputError(
+        flags.scene.empty()
+            ? fmt::format(
+                  "--finger '{}': expected thumb, index, middle, ring or pinky, or a finger "
+                  "of a scene given by --scene; runs refuse any other",
+                  flags.finger)
+            : fmt::format("--finger '{}': neither a finger of a hand (thumb, index, middle, ring, "
+                          "pinky) nor of {}",
+                          flags.finger, flags.scene));
   }
   RegistrationTask task;
   task.finger = flags.finger;
@@ -221,6 +244,8 @@ void add_finger_register_command(CLI::App& finger) {
   auto flags = std::make_shared<FingerRegisterFlags>();
   command->add_option("--person", flags->person, "person file to write or change")->required();
   command->add_option("--finger", flags->finger, "whose tables are written")->capture_default_str();
+  command->add_option("--scene", flags->scene,
+                      "scene whose finger it is, where its name is none of a hand's");
   command->add_option("--length-mm", flags->length_mm, "of the fingertip, measured");
   command->add_option("--breadth-mm", flags->breadth_mm, "of the fingertip, measured");
   command->add_option("--depth-mm", flags->depth_mm, "of the fingertip, measured");

@@ -1,12 +1,14 @@
-#include <fmt/core.h>
-#include <fmt/os.h>
+#include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
@@ -102,6 +104,32 @@ nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
           {"time_s", row.time}};
 }
 
+/// A file that is written anew; whatever does not fit on the disk is an error by the end of
+/// close().
+class NewFile {
+ public:
+  explicit NewFile(const std::filesystem::path& file)
+      : file_(file), stream_(std::fopen(file.c_str(), "w"), std::fclose) {
+    if (!stream_) fail();
+  }
+  template <typename... Values>
+  void print(fmt::format_string<Values...> form, Values&&... values) {
+    const std::string text = fmt::format(form, std::forward<Values>(values)...);
+    if (std::fwrite(text.data(), 1, text.size(), stream_.get()) != text.size()) fail();
+  }
+  void close() {
+    if (std::fclose(stream_.release()) != 0) fail();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw softfinger::OperationError(
+        fmt::format("{}: cannot be written (is there room on the disk?)", file_.string()));
+  }
+  std::filesystem::path file_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_;
+};
+
 /// nodes.csv and contact.csv, and patches.csv where dilatation is taken over patches: enough for
 /// anyone to recompute the balance of forces.
 class Export {
@@ -130,28 +158,29 @@ class Export {
     }
   }
 
+  void close() {
+    nodes_.close();
+    contact_.close();
+  }
+
  private:
-  static fmt::ostream open(const std::string& directory, const char* name) {
+  static NewFile open(const std::string& directory, const char* name) {
     std::error_code failure;
     std::filesystem::create_directories(directory, failure);
-    const std::filesystem::path file = std::filesystem::path(directory) / name;
-    try {
-      return fmt::output_file(file.string());
-    } catch (const std::system_error&) {
-      throw softfinger::OperationError("press: cannot write " + file.string());
-    }
+    return NewFile(std::filesystem::path(directory) / name);
   }
   /// Tetrahedra in the order of the mesh file; those that do not deform are in no patch.
   void write_patches(std::span<const int> patches) const {
-    fmt::ostream file = open(directory_, "patches.csv");
+    NewFile file = open(directory_, "patches.csv");
     file.print("tetrahedron,patch\n");
     for (std::size_t t = 0; t < patches.size(); ++t) {
       if (patches[t] >= 0) file.print("{},{}\n", t, patches[t]);
     }
+    file.close();
   }
 
   std::string directory_;
-  fmt::ostream nodes_, contact_;
+  NewFile nodes_, contact_;
 };
 
 void press(const PressFlags& flags) {
@@ -198,6 +227,7 @@ void press(const PressFlags& flags) {
     }
     rows.push_back(std::move(row));
   });
+  if (files) files->close();
   if (flags.json) fmt::print("{}\n", rows.dump());
   if (!all_converged) throw OperationError("press: some rows did not reach equilibrium");
 }

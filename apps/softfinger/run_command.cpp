@@ -9,6 +9,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "port_option.hpp"
 #include "progress_bar.hpp"
 #include "run_report.hpp"
 #include "softfinger/base/error.hpp"
@@ -85,9 +86,10 @@ void check(const RunFlags& flags) {
   }
   if (flags.headless && (flags.listen || flags.token || flags.certificate.is_given())) {
     throw InputError(fmt::format("{}: a headless run serves no page; leave it out",
-                                 flags.listen  ? "--listen"
-                                 : flags.token ? "--token"
-                                               : "--certificate"));
+                                 flags.listen                      ? "--listen"
+                                 : flags.token                     ? "--token"
+                                 : flags.certificate.chain.empty() ? "--key"
+                                                                   : "--certificate"));
   }
 }
 
@@ -136,6 +138,7 @@ void run(RunFlags flags) {
   const RunSummary summary = flags.headless ? run_headless(flags.options, stop, observer)
                                             : run_live(flags, stop, observer);
   bar.clear();
+  for (const std::string& remark : summary.remarks) observer.message(remark);
   if (flags.json) {
     fmt::print("{}\n", run_report(summary).dump(2));
   } else {
@@ -184,8 +187,7 @@ void add_run_command(CLI::App& app) {
                       "PEM file: the page is served by HTTPS; needs --key");
   command->add_option("--key", flags->certificate.key,
                       "PEM file with the private key of --certificate");
-  command->add_option("--port", flags->port, "port of the page; 0: any free one")
-      ->capture_default_str();
+  add_port_option(*command, "--port", flags->port, "port of the page; 0: any free one");
   command->add_flag("--as-fast-as-possible", options.as_fast_as_possible,
                     "headless: do not keep to the wall clock");
   command->add_flag("--wait-for-device", options.wait_for_device,

@@ -15,6 +15,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/engine/run_setup.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
+#include "softfinger/scene/scene_schema.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
 namespace {
@@ -162,6 +163,8 @@ void print_summary(const Json& scene) {
 
 void add_scene_command(CLI::App& app) {
   CLI::App* scene = app.add_subcommand("scene", "Look at scene files");
+  CLI::App* describing = scene->add_subcommand("schema", "JSON Schema of scene files");
+  describing->callback([] { fmt::print("{}\n", scene_schema()); });
   scene->require_subcommand(1);
   CLI::App* command =
       scene->add_subcommand("check", "Read a scene and every file it names; say what is in it");

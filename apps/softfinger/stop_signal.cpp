@@ -20,8 +20,14 @@ const std::atomic<bool>& stop_on_signals() {
   const auto stop = [](int) { stop_asked.store(true); };
   on_signal(SIGINT, stop);
   on_signal(SIGTERM, stop);
+  // A terminal that closes; who started the program by nohup wants it to go on.
+  struct sigaction hang_up {};
+  sigaction(SIGHUP, nullptr, &hang_up);
+  if (hang_up.sa_handler != SIG_IGN) on_signal(SIGHUP, stop);
   return stop_asked;
 }
+
+void outlive_quotas() { on_signal(SIGXFSZ, SIG_IGN); }
 
 const std::atomic<bool>& emergency_stop_on_signal() {
   on_signal(SIGUSR1, [](int) { emergency.store(true); });

@@ -148,6 +148,16 @@ INSTANTIATE_TEST_SUITE_P(
                    {"us_per_deg"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
+TEST(BadInput, SceneWithoutAFinger) {
+  const Workplace place;
+  place.write("scenes/empty.toml", "[[object]]\nshape = \"sphere\"\nradius_mm = 20.0\n");
+  expect_refused({"scene", "check", place.path("scenes/empty.toml")}, {"finger: a scene needs"});
+  // A misspelt table may be the reason.
+  place.write("scenes/empty.toml", "[[object]]\nshape = \"plane\"\n[[fingr]]\nname = \"index\"\n");
+  expect_refused({"scene", "check", place.path("scenes/empty.toml")},
+                 {"empty.toml:3: fingr: unknown key 'fingr'; did you mean 'finger'?"});
+}
+
 TEST(BadInput, MissingFilesAreNamed) {
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"scene", "check"}, {"finger", "show"}, {"device", "show"}}) {
@@ -371,6 +381,11 @@ TEST(BadInput, SerialPortAbsentIsNoErrorForThoseWhoWait) {
       run_program({"run", place.path("scenes/plane.toml"), "--headless", "--as-fast-as-possible",
                    "--duration-s", "0.1", "--wait-for-device", "--json"});
   EXPECT_EQ(run.status, 0) << run.errors;
+  // While it waits, and at the end.
+  EXPECT_THAT(run.errors, HasSubstr("port /dev/ttyNOTTHERE cannot be opened: "));
+  EXPECT_THAT(run.errors, HasSubstr("finger index: port /dev/ttyNOTTHERE was not to be opened to "
+                                    "the end"));
+  EXPECT_EQ(std::ranges::count(run.errors, '\n'), 2) << run.errors;
 }
 
 TEST(BadInput, PoseFileIsNamedWithItsLine) {
@@ -390,7 +405,17 @@ TEST(BadInput, WrongUsage) {
   expect_refused({"explode"}, {"explode"});
   expect_refused({"run"}, {"SCENE"});
   expect_refused({"run", scene, "--loudly"}, {"--loudly"});
-  expect_refused({"run", scene, "--headless", "--duration-s", "soon"}, {"--duration-s"});
+  expect_refused({"run", scene, "--headless", "--duration-s", "soon"}, {"--duration-s soon: not"});
+  for (const std::string port : {"70000", "-1", "http", "1.5", "999999999999999999999"}) {
+    expect_refused({"run", scene, "--port", port}, {"--port " + port + ": ", "0 to 65535"});
+    expect_refused({"emulate", "udp", finger, "--port", port}, {"--port " + port, "1 to 65535"});
+  }
+  expect_refused({"run", scene, "--headless", "--key", finger}, {"--key: a headless run"});
+  expect_refused({"run", scene, "--headless", "--certificate", finger}, {"--certificate: a head"});
+  expect_refused({"run", scene, "--port", "0", "--certificate", "/nowhere.pem", "--key", finger},
+                 {"--certificate /nowhere.pem: no such file"});
+  expect_refused({"run", scene, "--port", "0", "--certificate", finger, "--key", "/nowhere.pem"},
+                 {"--key /nowhere.pem: no such file"});
   expect_refused({"run", scene, "--headless", "--duration-s", "-1"}, {"--duration-s"});
   expect_refused({"run", scene, "--headless", "--duration-s", "nan"}, {"--duration-s"});
   expect_refused({"run", scene, "--headless", "--simd", "abacus"}, {"abacus"});
@@ -458,10 +483,12 @@ TEST(BadInput, ForceOfADeviceThatNothingAdvances) {
   const std::vector<std::string> run{"run",        place.path("scenes/plane.toml"),
                                      "--device",   place.path(device),
                                      "--headless", "--as-fast-as-possible"};
-  expect_refused(run, {"five-bar.toml:", "limits.max_force_N", "leave it out"});
+  expect_refused(run,
+                 {"five-bar.toml:", "limits.max_force_N", "[matching] approach", "leave it out"});
   place.replace_line(device, "max_force_N", "");
   place.write(device, place.read(device) + "\n[force_sensor]\nkind = \"emulator\"\n");
-  expect_refused(run, {"five-bar.toml:", "force_sensor.kind", "leave the table out"});
+  expect_refused(
+      run, {"five-bar.toml:", "force_sensor.kind", "[matching] approach", "leave the table out"});
 }
 
 }  // namespace

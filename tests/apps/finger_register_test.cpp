@@ -112,6 +112,31 @@ TEST_F(FingerRegister, SizesAloneAreWritten) {
               HasSubstr("[ring.size]\nlength_mm = 23\nbreadth_mm = 15.5\n"));
 }
 
+// What is written is what runs take.
+TEST_F(FingerRegister, FingersThatRunsWouldRefuseAreRefused) {
+  const auto run_with_person = [&] {
+    return run_program({"run", place_.path("scenes/sphere.toml"), "--headless", "--duration-s",
+                        "0.01", "--as-fast-as-possible", "--person", place_.path("anna.toml")});
+  };
+  expect_refused(run({"--finger", "toe", "--breadth-mm", "16"}), "thumb, index, middle, ring");
+  expect_refused(
+      run({"--finger", "toe", "--breadth-mm", "16", "--scene", place_.path("scenes/sphere.toml")}),
+      "sphere.toml");
+  for (const char* name : {"thumb", "index", "middle", "ring", "pinky"}) {
+    EXPECT_EQ(run({"--finger", name, "--breadth-mm", "16"}).status, 0);
+    const ProgramRun taken = run_with_person();
+    EXPECT_EQ(taken.status, 0) << taken.errors;
+  }
+  // Or those of the scene at hand.
+  place_.replace_line("scenes/sphere.toml", "name = \"index\"", "name = \"toe\"");
+  EXPECT_EQ(
+      run({"--finger", "toe", "--breadth-mm", "16", "--scene", place_.path("scenes/sphere.toml")})
+          .status,
+      0);
+  const ProgramRun taken = run_with_person();
+  EXPECT_EQ(taken.status, 0) << taken.errors;
+}
+
 TEST_F(FingerRegister, BadInputWritesNothing) {
   write_poses(1.0);
   expect_refused(run({}), "--tracker SPEC");

@@ -3,39 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "help_text.hpp"
 #include "program.hpp"
 
 namespace softfinger {
 namespace {
 
 using testing::HasSubstr;
-
-/// Names under "Subcommands:" in a help text.
-std::set<std::string> commands_in(const std::string& help) {
-  std::set<std::string> names;
-  std::istringstream in(help);
-  bool listed = false;
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("Subcommands:")) {
-      listed = true;
-    } else if (listed && line.starts_with("  ") && line.size() > 2 && line[2] != ' ') {
-      names.insert(line.substr(2, line.find(' ', 2) - 2));
-    }
-  }
-  return names;
-}
-
-std::string help_of(std::vector<std::string> command) {
-  command.emplace_back("--help");
-  const ProgramRun run = run_program(command);
-  EXPECT_EQ(run.status, 0) << run.errors;
-  EXPECT_EQ(run.errors, "");
-  return run.output;
-}
 
 TEST(Help, ListsTheCommands) {
   std::set<std::string> names = commands_in(help_of({}));
@@ -55,8 +32,9 @@ TEST(Help, EveryCommandListedExists) {
 TEST(Help, PartsOfCommands) {
   EXPECT_EQ(commands_in(help_of({"device"})),
             (std::set<std::string>{"show", "solve", "pose", "workspace", "calibrate", "schema"}));
-  EXPECT_EQ(commands_in(help_of({"finger"})), (std::set<std::string>{"fit", "register", "show"}));
-  EXPECT_EQ(commands_in(help_of({"scene"})), std::set<std::string>{"check"});
+  EXPECT_EQ(commands_in(help_of({"finger"})),
+            (std::set<std::string>{"fit", "register", "schema", "show"}));
+  EXPECT_EQ(commands_in(help_of({"scene"})), (std::set<std::string>{"check", "schema"}));
   EXPECT_EQ(commands_in(help_of({"emulate"})), (std::set<std::string>{"natnet", "udp", "osc"}));
 }
 
@@ -68,6 +46,20 @@ TEST(Help, AsACommand) {
   EXPECT_EQ(one.status, 0) << one.errors;
   EXPECT_EQ(one.output, help_of({"press"}));
   EXPECT_EQ(run_program({"help", "explode"}).status, 2);
+}
+
+TEST(Help, OfAPartOfACommand) {
+  for (const std::vector<std::string>& leaf : leaf_commands()) {
+    std::vector<std::string> asked{"help"};
+    asked.insert(asked.end(), leaf.begin(), leaf.end());
+    const ProgramRun run = run_program(asked);
+    EXPECT_EQ(run.status, 0) << run.errors;
+    EXPECT_EQ(run.output, help_of(leaf));
+  }
+  const ProgramRun wrong = run_program({"help", "device", "explode"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("explode"));
+  EXPECT_THAT(wrong.errors, HasSubstr("softfinger help device lists them"));
 }
 
 TEST(Help, Version) {

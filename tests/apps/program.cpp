@@ -25,13 +25,16 @@ std::string content(const std::string& file) {
 
 }  // namespace
 
-RunningProgram::RunningProgram(const std::vector<std::string>& arguments) {
+RunningProgram::RunningProgram(const std::vector<std::string>& arguments,
+                               const std::string& shell_line) {
   static std::atomic<int> count{0};
   const std::string stem =
       testing::TempDir() + "softfinger-" + std::to_string(getpid()) + "-" + std::to_string(count++);
   output_file_ = stem + ".out";
   errors_file_ = stem + ".err";
-  std::vector<std::string> words{SOFTFINGER_PROGRAM};
+  std::vector<std::string> words;
+  if (!shell_line.empty()) words = {"/bin/bash", "-c", shell_line, "bash"};
+  words.emplace_back(SOFTFINGER_PROGRAM);
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -43,8 +46,8 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments) {
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 1, output_file_.c_str(), kNew, 0600);
   posix_spawn_file_actions_addopen(&actions, 2, errors_file_.c_str(), kNew, 0600);
-  if (posix_spawn(&process_, SOFTFINGER_PROGRAM, &actions, nullptr, argv.data(), environ) != 0) {
-    ADD_FAILURE() << "cannot start " << SOFTFINGER_PROGRAM;
+  if (posix_spawn(&process_, argv.front(), &actions, nullptr, argv.data(), environ) != 0) {
+    ADD_FAILURE() << "cannot start " << argv.front();
     reaped_ = true;
   }
   posix_spawn_file_actions_destroy(&actions);
@@ -91,6 +94,10 @@ ProgramRun RunningProgram::stop(int signal) {
 
 ProgramRun run_program(const std::vector<std::string>& arguments) {
   return RunningProgram(arguments).stop(0);
+}
+
+ProgramRun run_in_shell(const std::string& line, const std::vector<std::string>& arguments) {
+  return RunningProgram(arguments, line).stop(0);
 }
 
 }  // namespace softfinger

@@ -14,10 +14,17 @@ struct ProgramRun {
 /// Runs build/softfinger with these arguments and waits for it.
 [[nodiscard]] ProgramRun run_program(const std::vector<std::string>& arguments);
 
+/// Runs a line of bash, in which "$@" is the program with these arguments, and waits for it:
+/// `exec "$@" >/dev/full`.
+[[nodiscard]] ProgramRun run_in_shell(const std::string& line,
+                                      const std::vector<std::string>& arguments);
+
 /// The same, started and left running until stop().
 class RunningProgram {
  public:
-  explicit RunningProgram(const std::vector<std::string>& arguments);
+  /// `shell_line`: as for run_in_shell(); empty: the program alone.
+  explicit RunningProgram(const std::vector<std::string>& arguments,
+                          const std::string& shell_line = {});
   ~RunningProgram();
   RunningProgram(const RunningProgram&) = delete;
   RunningProgram& operator=(const RunningProgram&) = delete;

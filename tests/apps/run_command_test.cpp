@@ -128,6 +128,33 @@ TEST(RunCommand, InterruptEndsCleanly) {
   EXPECT_EQ(run_program({"replay", place.path("run.db")}).status, 0);
 }
 
+// As a service manager and a closed terminal do; nohup is told apart.
+TEST(RunCommand, TerminateAndHangUpEndCleanly) {
+  const Workplace place;
+  const std::vector<std::string> command{"run", place.path("scenes/sphere.toml"), "--headless",
+                                         "--record"};
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    std::vector<std::string> words = command;
+    words.push_back(place.path("run" + std::to_string(signal) + ".db"));
+    RunningProgram program(words);
+    for (int i = 0; i < 1000 && !std::filesystem::exists(words.back()); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const ProgramRun run = program.stop(signal);
+    EXPECT_EQ(run.status, 0) << signal << run.errors;
+    EXPECT_THAT(run.output, HasSubstr("commands sent"));
+    EXPECT_EQ(run_program({"replay", words.back()}).status, 0);
+  }
+  std::vector<std::string> words = command;
+  words.insert(words.end(), {place.path("nohup.db"), "--duration-s", "1"});
+  RunningProgram program(words, R"(trap "" HUP; exec "$@")");
+  for (int i = 0; i < 1000 && !std::filesystem::exists(place.path("nohup.db")); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_THAT(program.stop(SIGHUP).output, testing::StartsWith("1000 steps"));
+}
+
 TEST(RunCommand, PortInUseIsSaidAndLeavesNothing) {
   const Workplace place;
   RunningProgram first({"run", place.path("scenes/sphere.toml"), "--port", "18537", "--repeat"});

@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
 
 #include "kinds.hpp"
+#include "softfinger/base/error.hpp"
 #include "softfinger/device/cable_platform.hpp"
 #include "softfinger/device/delta_tactor.hpp"
 #include "softfinger/device/membrane.hpp"
@@ -292,6 +296,51 @@ TEST(DeltaTactor, LinksKeepTheirLengths) {
       EXPECT_NEAR((points[3 * leg + 2] - points[3 * leg + 1]).norm(), geometry.forearm, 1e-12);
     }
   }
+}
+
+// Sizes at random: wherever it solves, it finds the way back, with the tip above the knees or
+// below.
+TEST(DeltaTactor, ForwardUndoesInverseForAnySizes) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / ("delta_" + std::to_string(getpid()) + ".toml");
+  std::mt19937 random(11);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int tried = 0;
+  int below = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double crank = i == 0 ? 30.0 : between(6.0, 40.0);
+    const double forearm = i == 0 ? 20.0 : between(10.0, 40.0);
+    std::ofstream(file) << "kind = \"delta_tactor\"\n[geometry]\nbase_radius_mm = 12.0\n"
+                           "platform_radius_mm = 4.0\ncrank_mm = "
+                        << crank << "\nforearm_mm = " << forearm
+                        << "\nneutral_height_mm = " << (i == 0 ? 17.0 : between(8.0, 40.0))
+                        << "\ntip_radius_mm = 3.0\n[limits]\njoint_deg = [-40.0, 100.0]\n"
+                           "joint_rate_deg_per_s = 400.0\n";
+    std::shared_ptr<const Device> device;
+    try {
+      device = load_device(file);
+    } catch (const InputError&) {
+      ASSERT_NE(i, 0);
+      continue;
+    }
+    const DeltaTactorGeometry& geometry = dynamic_cast<const DeltaTactor&>(*device).geometry();
+    for (int k = 0; k < 40; ++k) {
+      const Configuration q = k == 0 ? device->home() : random_reachable(*device, random);
+      JointAngles joints;
+      Configuration back;
+      ASSERT_TRUE(device->inverse_kinematics(q, joints));
+      ++tried;
+      below +=
+          q[2] + geometry.neutral_height < geometry.crank * std::sin(joints.minCoeff()) ? 1 : 0;
+      ASSERT_TRUE(device->forward_kinematics(joints, back)) << crank << " " << q.transpose();
+      EXPECT_LT((back - q).norm(), 1e-9);
+    }
+  }
+  std::filesystem::remove(file);
+  EXPECT_GT(tried, 1000);
+  EXPECT_GT(below, 50);
 }
 
 // What the device file claims.

@@ -127,6 +127,8 @@ struct Actuator::Impl {
   std::unique_ptr<LineEnd> line;
   std::uint64_t sent_to_simulated = 0;
 
+  std::string absence;  ///< why the port was not open at the start; empty: it was
+  bool absence_told = false;
   std::uint32_t losses_told = 0;
   std::uint32_t connections_told = 0;
   std::uint32_t stalls_told = 0;
@@ -163,6 +165,7 @@ void Actuator::Impl::open() {
   }
   const std::string reason = line->start(options.wait_for_device);
   if (!reason.empty() && !options.wait_for_device) refuse_port(options, port, reason);
+  absence = reason;
 }
 
 void Actuator::Impl::form(const Configuration& goal, double dt) {
@@ -302,6 +305,10 @@ std::optional<ActuatorEvent> Actuator::take_event() noexcept {
   Impl& self = *impl_;
   if (!self.line) return std::nullopt;
   const LineChannel& line = self.line->channel();
+  if (!self.absence.empty() && !self.absence_told) {
+    self.absence_told = true;
+    return ActuatorEvent::kPortAwaited;
+  }
   // One event for any number of losses since the last look, and in the order they happen.
   if (line.times_lost != self.losses_told && self.losses_told <= self.connections_told) {
     ++self.losses_told;
@@ -322,8 +329,18 @@ std::optional<ActuatorEvent> Actuator::take_event() noexcept {
   return std::nullopt;
 }
 
+std::optional<std::string> Actuator::never_opened() const {
+  const Impl& self = *impl_;
+  if (self.absence.empty() || self.line->channel().times_connected != 0) return std::nullopt;
+  return fmt::format("port {} was not to be opened to the end, {}; no command was sent", self.port,
+                     self.absence);
+}
+
 std::string Actuator::message(ActuatorEvent event) const {
   switch (event) {
+    case ActuatorEvent::kPortAwaited:
+      return fmt::format("port {} cannot be opened: {}; the run goes on and waits for it",
+                         impl_->port, impl_->absence);
     case ActuatorEvent::kPortLost:
       return fmt::format("port {} went away; the run goes on and tries to open it again",
                          impl_->port);

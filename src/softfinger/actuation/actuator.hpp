@@ -61,6 +61,7 @@ struct FormedCommand {
 
 /// Something worth one line to the user while a run goes on.
 enum class ActuatorEvent : std::uint8_t {
+  kPortAwaited,  ///< not to be opened at the start; only with wait_for_device
   kPortLost,
   kPortConnected,
   kLoopStalled,
@@ -122,6 +123,8 @@ class Actuator {
   std::optional<ActuatorEvent> take_event() noexcept;
   /// One line for people about an event, with the port's name.
   [[nodiscard]] std::string message(ActuatorEvent event) const;
+  /// One line with the port and the reason where it has never been open yet.
+  [[nodiscard]] std::optional<std::string> never_opened() const;
 
  private:
   struct Impl;

@@ -50,7 +50,7 @@ int serve_guarded_line() {
   // What else the parent has open (a page's port, a recording) is none of the guard's business.
   ::close_range(guard_socket::kFirstForeign, ~0U, 0);
   // It ends when its parent does, and never before the device is retracted.
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   LineChannel* channel = shared_channel();
   return channel == nullptr ? 1 : serve(*channel);
 }

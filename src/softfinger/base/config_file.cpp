@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/text_file.hpp"
+#include "softfinger/base/unit_words.hpp"
 #include "softfinger/base/units.hpp"
 
 namespace softfinger {
@@ -102,8 +105,9 @@ double in_file_unit(double si, double scale) {
 }
 
 /// What a key may hold, in the words of JSON Schema.
-Json number_schema(const Range& range) {
+Json number_schema(std::string_view key, const Range& range) {
   Json schema{{"type", "number"}};
+  if (const auto unit = unit_words(key); !unit.empty()) schema["description"] = unit;
   if (std::isfinite(range.min)) schema[range.open_min ? "exclusiveMinimum" : "minimum"] = range.min;
   if (std::isfinite(range.max)) schema[range.open_max ? "exclusiveMaximum" : "maximum"] = range.max;
   return schema;
@@ -113,9 +117,22 @@ Json integer_schema(int min, int max) {
   return {{"type", "integer"}, {"minimum", min}, {"maximum", max}};
 }
 
-Json numbers_schema(int size, const Range& range) {
-  return {
-      {"type", "array"}, {"items", number_schema(range)}, {"minItems", size}, {"maxItems", size}};
+Json numbers_schema(std::string_view key, int size, const Range& range) {
+  return {{"type", "array"},
+          {"items", number_schema(key, range)},
+          {"minItems", size},
+          {"maxItems", size}};
+}
+
+/// One of several schemas, each once.
+Json any_of(const std::vector<Json>& schemas) {
+  Json distinct = Json::array();
+  for (const Json& schema : schemas) {
+    if (std::find(distinct.begin(), distinct.end(), schema) == distinct.end()) {
+      distinct.push_back(schema);
+    }
+  }
+  return distinct.size() == 1 ? distinct[0] : Json{{"anyOf", distinct}};
 }
 
 /// The part of a key before its unit, roughly: up to the last underscore.
@@ -143,9 +160,19 @@ struct ConfigTable::Node {
     std::string key;
     bool required;
     Json schema;
+    bool any_name = false;
+    std::string pattern = {};  // of its name
   };
   std::vector<Rule> rules;
 
+  Rule& rule_of(std::string_view key) {
+    const auto known =
+        std::find_if(rules.begin(), rules.end(), [&](const Rule& rule) { return rule.key == key; });
+    if (known == rules.end()) {
+      throw std::logic_error(fmt::format("{}: was not asked for", path_of(key)));
+    }
+    return *known;
+  }
   /// The first rule about a key stands.
   void rule(std::string_view key, bool required, Json schema) {
     const auto known =
@@ -310,29 +337,39 @@ struct ConfigTable::Node {
     return object;
   }
 
+  [[nodiscard]] Json schema_of(const Rule& rule) {
+    const Answer& value = answer(rule.key);
+    if (const Child* table_node = std::get_if<Child>(&value)) return (*table_node)->schema();
+    Json schema = rule.schema;
+    if (const auto* list = std::get_if<std::vector<Child>>(&value); list && !list->empty()) {
+      std::vector<Json> kinds;
+      for (const Child& element : *list) kinds.push_back(element->schema());
+      schema["items"] = any_of(kinds);
+    }
+    return schema;
+  }
   [[nodiscard]] Json schema() {
     Json object{{"type", "object"},
                 {"properties", Json::object()},
                 {"required", Json::array()},
                 {"additionalProperties", false}};
+    std::map<std::string, std::vector<Json>> of_any_name;  // by the pattern of the name
     for (const Rule& rule : rules) {
-      Json schema = rule.schema;
-      const Answer& value = answer(rule.key);
-      if (const Child* table_node = std::get_if<Child>(&value)) schema = (*table_node)->schema();
-      if (const auto* list = std::get_if<std::vector<Child>>(&value)) {
-        Json kinds = Json::array();
-        for (const Child& element : *list) {
-          Json of_element = element->schema();
-          if (std::find(kinds.begin(), kinds.end(), of_element) == kinds.end()) {
-            kinds.push_back(std::move(of_element));
-          }
-        }
-        schema["items"] = kinds.size() == 1 ? kinds[0] : Json{{"anyOf", kinds}};
+      if (rule.any_name) {
+        of_any_name[rule.pattern].push_back(schema_of(rule));
+        continue;
       }
       if (rule.required) object["required"].push_back(rule.key);
-      object["properties"][rule.key] = std::move(schema);
+      object["properties"][rule.key] = schema_of(rule);
     }
     if (object["required"].empty()) object.erase("required");
+    for (const auto& [pattern, schemas] : of_any_name) {
+      if (pattern.empty()) {
+        object["additionalProperties"] = any_of(schemas);
+      } else {
+        object["patternProperties"][pattern] = any_of(schemas);
+      }
+    }
     return object;
   }
 
@@ -398,19 +435,19 @@ const toml::node& ConfigTable::Node::require(std::string_view key, std::string_v
 }
 
 double ConfigTable::number(std::string_view key, Range range) const {
-  node_->rule(key, true, number_schema(range));
+  node_->rule(key, true, number_schema(key, range));
   return node_->take_number(key, node_->require(key, "a number"), range);
 }
 
 double ConfigTable::number(std::string_view key, Range range, double fallback) const {
-  node_->rule(key, false, number_schema(range));
+  node_->rule(key, false, number_schema(key, range));
   if (const toml::node* value = node_->find(key)) return node_->take_number(key, *value, range);
   node_->answer(key) = Json(in_file_unit(fallback, unit_scale(key)));
   return fallback;
 }
 
 std::optional<double> ConfigTable::optional_number(std::string_view key, Range range) const {
-  node_->rule(key, false, number_schema(range));
+  node_->rule(key, false, number_schema(key, range));
   const toml::node* value = node_->find(key);
   if (value == nullptr) return std::nullopt;
   return node_->take_number(key, *value, range);
@@ -492,14 +529,14 @@ std::optional<std::filesystem::path> ConfigTable::optional_path(std::string_view
 }
 
 Eigen::VectorXd ConfigTable::numbers(std::string_view key, int size, Range range) const {
-  node_->rule(key, true, numbers_schema(size, range));
+  node_->rule(key, true, numbers_schema(key, size, range));
   const toml::node& value = node_->require(key, fmt::format("an array of {} numbers", size));
   return node_->take_numbers(key, value, size, range);
 }
 
 Eigen::VectorXd ConfigTable::numbers(std::string_view key, int size, Range range,
                                      const Eigen::VectorXd& fallback) const {
-  node_->rule(key, false, numbers_schema(size, range));
+  node_->rule(key, false, numbers_schema(key, size, range));
   if (const toml::node* value = node_->find(key)) {
     return node_->take_numbers(key, *value, size, range);
   }
@@ -540,6 +577,28 @@ std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
   return result;
 }
 
+void ConfigTable::decides(std::string_view key) const {
+  if (const Json* read = std::get_if<Json>(&node_->answer(key))) {
+    node_->rule_of(key).schema = Json{{"const", *read}};
+  }
+}
+
+void ConfigTable::any_name(std::string_view key, std::string_view pattern) const {
+  ConfigTable::Node::Rule& rule = node_->rule_of(key);
+  rule.any_name = true;
+  rule.pattern = pattern;
+}
+
+void ConfigTable::needs_one(std::string_view key) const {
+  ConfigTable::Node::Rule& rule = node_->rule_of(key);
+  rule.required = true;
+  rule.schema["minItems"] = 1;
+}
+
+void ConfigTable::matches(std::string_view key, std::string_view pattern) const {
+  node_->rule_of(key).schema["pattern"] = pattern;
+}
+
 void ConfigTable::finish() const { node_->finish(); }
 
 void ConfigTable::fail(std::string_view key, std::string_view message) const {
@@ -572,7 +631,11 @@ ConfigTable ConfigFile::root() const { return ConfigTable(root_); }
 
 const std::filesystem::path& ConfigFile::file() const { return file_; }
 
-std::string ConfigFile::schema() const { return root_->schema().dump(2); }
+std::string ConfigFile::schema(std::string_view title) const {
+  Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
+  schema.update(root_->schema());
+  return schema.dump(2);
+}
 
 std::string ConfigFile::as_read() const { return root_->as_read().dump(2); }
 

@@ -76,6 +76,19 @@ class ConfigTable {
   /// Array of tables `[[key]]`; empty when absent.
   std::vector<ConfigTable> tables(std::string_view key) const;
 
+  // What the schema of the file cannot see of its reader; without effect on reading.
+
+  /// Which other keys there are depends on this one, a choice or a boolean that was read: it is a
+  /// constant in the schema of this table.
+  void decides(std::string_view key) const;
+  /// The name of this key, which was asked for, is the file's own choice: any that matches the
+  /// regular expression stands for it, any but the table's other keys where there is none.
+  void any_name(std::string_view key, std::string_view pattern = {}) const;
+  /// The array of tables of this key, which was asked for, is required and not empty.
+  void needs_one(std::string_view key) const;
+  /// The text of this key, which was asked for, matches a regular expression.
+  void matches(std::string_view key, std::string_view pattern) const;
+
   /// Throws InputError for the first key nobody asked for, in this table and the tables taken from
   /// it.
   void finish() const;
@@ -103,7 +116,7 @@ class ConfigFile {
   [[nodiscard]] std::string as_read() const;
   /// What was asked of the file so far as a JSON Schema: keys, types and ranges in the file's
   /// units, which are required; no others are allowed.
-  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string schema(std::string_view title) const;
 
  private:
   std::filesystem::path file_;

@@ -1,46 +1,62 @@
 #include "softfinger/base/units.hpp"
+#include "softfinger/base/unit_words.hpp"
 
 #include <array>
-#include <utility>
 
 namespace softfinger {
 
-double unit_scale(std::string_view key) {
+namespace {
+
+struct Unit {
+  std::string_view suffix;
+  double scale;
+  std::string_view words;
+};
+
+const Unit& unit_of(std::string_view key) {
   // Longer suffixes first: "_N_per_mm" ends in "_mm" as well.
-  static constexpr std::array<std::pair<std::string_view, double>, 27> kSuffixes{{
-      {"_N_mm_s_per_rad", 1e-3},
-      {"_N_mm_per_rad", 1e-3},
-      {"_N_s_per_mm", 1e3},
-      {"_N_per_mm", 1e3},
-      {"_kg_per_m3", 1.0},
-      {"_us_per_deg", us / deg},
-      {"_us_per_mm", us / mm},
-      {"_per_deg", 1.0 / deg},
-      {"_per_mm", 1.0 / mm},
-      {"_deg_per_s2", deg},
-      {"_mm_per_s2", mm},
-      {"_deg_per_s", deg},
-      {"_mm_per_s", mm},
-      {"_mm2", mm2},
-      {"_deg", deg},
-      {"_rad", 1.0},
-      {"_kPa", kPa},
-      {"_mm", mm},
-      {"_ms", ms},
-      {"_us", us},
-      {"_kg", 1.0},
-      {"_Hz", 1.0},
-      {"_N", 1.0},
-      {"_g", 1e-3},
-      {"_m", 1.0},
-      {"_s", 1.0},
-      {"", 1.0},
-  }};
-  for (const auto& [suffix, scale] : kSuffixes) {
+  static constexpr std::array kUnits{
+      Unit{"_N_mm_s_per_rad", 1e-3, "N mm s per radian"},
+      Unit{"_N_mm_per_rad", 1e-3, "N mm per radian"},
+      Unit{"_N_s_per_mm", 1e3, "N s per mm"},
+      Unit{"_N_per_mm", 1e3, "N per mm"},
+      Unit{"_kg_per_m3", 1.0, "kg per cubic metre"},
+      Unit{"_us_per_deg", us / deg, "microseconds per degree"},
+      Unit{"_us_per_mm", us / mm, "microseconds per mm"},
+      Unit{"_per_deg", 1.0 / deg, "per degree"},
+      Unit{"_per_mm", 1.0 / mm, "per mm"},
+      Unit{"_deg_per_s2", deg, "degrees per second squared"},
+      Unit{"_mm_per_s2", mm, "mm per second squared"},
+      Unit{"_deg_per_s", deg, "degrees per second"},
+      Unit{"_mm_per_s", mm, "mm per second"},
+      Unit{"_mm2", mm2, "square millimetres"},
+      Unit{"_deg", deg, "degrees"},
+      Unit{"_rad", 1.0, "radians"},
+      Unit{"_kPa", kPa, "kPa"},
+      Unit{"_mm", mm, "mm"},
+      Unit{"_ms", ms, "milliseconds"},
+      Unit{"_us", us, "microseconds"},
+      Unit{"_kg", 1.0, "kg"},
+      Unit{"_Hz", 1.0, "Hz"},
+      Unit{"_N", 1.0, "N"},
+      Unit{"_g", 1e-3, "grams"},
+      Unit{"_m", 1.0, "metres"},
+      Unit{"_s", 1.0, "seconds"},
+      Unit{"", 1.0, ""},
+  };
+  for (const Unit& unit : kUnits) {
     // A key may be nothing but its unit: "us_per_deg".
-    if (key.ends_with(suffix) || key == suffix.substr(suffix.empty() ? 0 : 1)) return scale;
+    if (key.ends_with(unit.suffix) || key == unit.suffix.substr(unit.suffix.empty() ? 0 : 1)) {
+      return unit;
+    }
   }
-  return 1.0;
+  return kUnits.back();
 }
+
+}  // namespace
+
+double unit_scale(std::string_view key) { return unit_of(key).scale; }
+
+std::string_view unit_words(std::string_view key) { return unit_of(key).words; }
 
 }  // namespace softfinger

@@ -111,10 +111,17 @@ bool DeltaTactor::forward_kinematics(const JointAngles& joints, Configuration& q
   const double square =
       geometry_.forearm * geometry_.forearm - (middle - centres.col(0)).squaredNorm();
   if (!(square >= 0.0)) return false;
-  q = middle + std::sqrt(square / area2) * (w.z() > 0.0 ? w : Vector3(-w));
-  JointAngles back;
-  return reachable(q) && inverse_kinematics(q, back) &&
-         (back - joints).cwiseAbs().maxCoeff() < 1e-8;
+  // The tip may be on either side of the plane of the knees; the workspace says on which.
+  const Vector3 up = std::sqrt(square / area2) * (w.z() > 0.0 ? w : Vector3(-w));
+  for (const Vector3& off : {up, Vector3(-up)}) {
+    q = middle + off;
+    JointAngles back;
+    if (reachable(q) && inverse_kinematics(q, back) &&
+        (back - joints).cwiseAbs().maxCoeff() < 1e-8) {
+      return true;
+    }
+  }
+  return false;
 }
 
 double DeltaTactor::singularity_ratio(const Configuration& q) const {

@@ -27,5 +27,7 @@ namespace softfinger {
 
 [[nodiscard]] std::shared_ptr<const Device> read_mechanism(const ConfigFile& file,
                                                            DeviceSettings settings);
+/// Asks for all keys of a mechanism and leaves open whether its loops close; meshes are not opened.
+[[nodiscard]] DeviceSettings read_mechanism_keys(const ConfigFile& file, DeviceSettings settings);
 
 }  // namespace softfinger

@@ -31,6 +31,8 @@ Configuration read_configuration(const ConfigTable& table, const DeviceSettings&
     const ConfigurationAxis& axis = settings.axes[static_cast<std::size_t>(k)];
     q[k] =
         table.number(axis.name, axis.unit == deg ? Range::between(-90.0, 90.0) : Range::any(), 0.0);
+    if (settings.kind == "mechanism")
+      table.any_name(axis.name, axis.unit == deg ? "_deg$" : "_mm$");
   }
   return q;
 }

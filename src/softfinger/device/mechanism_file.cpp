@@ -83,6 +83,7 @@ std::vector<LinkageReading> read_configuration_axes(const ConfigTable& root,
                                        ? read_joint_coordinate(table, tables)
                                        : read_body_coordinate(table, tables, at_guess);
     const bool angle = tables.linkage.is_angle(reading);
+    configuration.any_name(name, angle ? "_deg$" : "_mm$");
     if (!name.ends_with(angle ? "_deg" : "_mm")) {
       configuration.fail(name,
                          fmt::format("this coordinate is {}: its name must end in {}",
@@ -138,6 +139,11 @@ std::optional<MechanismDescription::TiltLimit> read_tilt(const ConfigTable& limi
                                                          const LinkagePlacement& at_guess) {
   const auto max_tilt =
       limits.optional_number("max_tilt_deg", {.min = 0.0, .max = 80.0, .open_min = true});
+  if (const bool has_body = limits.optional_text("tilt_body").has_value();
+      has_body != max_tilt.has_value()) {
+    limits.fail(has_body ? "tilt_body" : "max_tilt_deg",
+                "max_tilt_deg and tilt_body go together; give both or neither");
+  }
   if (!max_tilt) return std::nullopt;
   const int body = read_name(limits, "tilt_body", tables.bodies, "body");
   return MechanismDescription::TiltLimit{
@@ -201,16 +207,16 @@ void measure_axes(const MechanismDescription& description, DeviceSettings& setti
 }
 
 /// The axis that leads the surface: [matching] approach, else the z of a body with a surface.
-int find_approach(const ConfigTable& root, const MechanismDescription& description,
-                  const DeviceSettings& settings) {
+int find_approach(const ConfigTable& root, const std::vector<LinkageReading>& configuration,
+                  const SurfacePiece& first_piece, const DeviceSettings& settings) {
   std::vector<std::string> names;
   for (const ConfigurationAxis& axis : settings.axes) names.push_back(axis.name);
   const ConfigTable matching = root.table_or_empty("matching");
   if (matching.has("approach")) return read_name(matching, "approach", names, "coordinate");
-  for (std::size_t k = 0; k < description.configuration.size(); ++k) {
-    const LinkageReading& reading = description.configuration[k];
+  for (std::size_t k = 0; k < configuration.size(); ++k) {
+    const LinkageReading& reading = configuration[k];
     if (reading.kind == LinkageReading::Kind::kPosition && reading.component == 2 &&
-        reading.body == description.surface.front().body) {
+        reading.body == first_piece.body) {
       return static_cast<int>(k);
     }
   }
@@ -247,39 +253,61 @@ std::string mechanism_obstacle(const Mechanism& device, const LinkageTables& tab
   return {};
 }
 
+/// All that the file says, before it is known whether it fits together.
+struct MechanismKeys {
+  LinkageTables tables;
+  std::vector<SurfacePiece> surface;
+  std::vector<LinkageReading> configuration, joints;
+  std::optional<MechanismDescription::TiltLimit> tilt;
+  int approach_axis = -1;
+};
+
+MechanismKeys read_keys(const ConfigFile& file, DeviceSettings& settings, bool load_meshes) {
+  const ConfigTable root = file.root();
+  MechanismKeys keys{.tables = read_linkage(root)};
+  LinkagePlacement at_guess;
+  keys.tables.linkage.place(keys.tables.guess, at_guess);
+  keys.surface = read_surface(root, keys.tables.bodies, load_meshes);
+  keys.configuration = read_configuration_axes(root, keys.tables, at_guess, settings);
+  keys.joints = read_joints(root, keys.tables, settings);
+  keys.tilt = read_tilt(root.table("limits"), keys.tables, at_guess);
+  keys.approach_axis = find_approach(root, keys.configuration, keys.surface.front(), settings);
+  read_shared_tables(file, settings);
+  return keys;
+}
+
 }  // namespace
+
+DeviceSettings read_mechanism_keys(const ConfigFile& file, DeviceSettings settings) {
+  static_cast<void>(read_keys(file, settings, false));
+  return settings;
+}
 
 std::shared_ptr<const Device> read_mechanism(const ConfigFile& file, DeviceSettings settings) {
   const ConfigTable root = file.root();
-  const LinkageTables tables = read_linkage(root);
-  LinkagePlacement at_guess;
-  tables.linkage.place(tables.guess, at_guess);
-  const std::vector<SurfacePiece> surface = read_surface(root, tables.bodies);
-  const std::vector<LinkageReading> configuration =
-      read_configuration_axes(root, tables, at_guess, settings);
-  const std::vector<LinkageReading> joints = read_joints(root, tables, settings);
-  const auto tilt = read_tilt(root.table("limits"), tables, at_guess);
-  const LinkageAssembly assembly = assembled(root, tables, configuration.size(), joints.size());
+  const MechanismKeys keys = read_keys(file, settings, true);
+  const LinkageTables& tables = keys.tables;
+  const LinkageAssembly assembly =
+      assembled(root, tables, keys.configuration.size(), keys.joints.size());
   MechanismDescription description{
       .linkage = ClosedLinkage(tables.linkage, assembly.independent_equations),
       .home = assembly.x,
-      .configuration = configuration,
-      .joints = joints,
-      .surface = surface,
-      .tilt = tilt};
-  description.approach_axis = find_approach(root, description, settings);
-  read_shared_tables(file, settings);
+      .configuration = keys.configuration,
+      .joints = keys.joints,
+      .surface = keys.surface,
+      .tilt = keys.tilt,
+      .approach_axis = keys.approach_axis};
 
   // From where the loops closed to where home is.
   LinkageSolution home;
   home.x = assembly.x;
-  if (!description.linkage.complete(configuration, home) ||
+  if (!description.linkage.complete(keys.configuration, home) ||
       !(home.by_value.cwiseAbs().maxCoeff() < kMostSensitive)) {
     root.fail("configuration",
               "these coordinates do not determine the mechanism near its guess: "
               "some motion leaves all of them as they are");
   }
-  if (!description.linkage.follow(configuration, settings.home, home)) {
+  if (!description.linkage.follow(keys.configuration, settings.home, home)) {
     root.table_or_empty("home").fail(
         "",
         "home is out of the workspace: the loops do not close there, or only beyond a "

@@ -65,6 +65,7 @@ LinkageCoordinates read_guess(const ConfigTable& table, JointType type) {
 
 void read_actuation(const ConfigTable& table, NamedJoint& joint) {
   joint.actuated = table.boolean("actuated", false);
+  table.decides("actuated");
   if (!joint.actuated) return;
   if (joint.type != JointType::kRevolute && joint.type != JointType::kPrismatic) {
     table.fail("actuated", "only revolute and prismatic joints are moved by a motor");
@@ -81,6 +82,7 @@ ReadJoint read_joint(const ConfigTable& table, const std::vector<std::string>& b
   ReadJoint joint{{.table = table, .name = table.text("name")}, {}, {}};
   joint.named.type = joint_type(
       table.choice("type", {"revolute", "prismatic", "universal", "spherical", "free", "fixed"}));
+  table.decides("type");
   joint.body.type = joint.named.type;
   joint.body.parent = read_name(table, "parent", bodies, "body");
   joint.named.body = read_name(table, "child", bodies, "body");
@@ -114,6 +116,7 @@ void read_loop(const ConfigTable& table, const std::vector<std::string>& bodies,
                std::vector<LoopEquation>& equations) {
   const std::string type = table.choice(
       "type", {"spherical", "revolute", "universal", "prismatic", "cylindrical", "fixed"});
+  table.decides("type");
   LoopEquation common;
   common.loop = loop;
   common.a = read_name(table, "body_a", bodies, "body");
@@ -216,6 +219,7 @@ Pose read_frame(const ConfigTable& table, const std::string& suffix) {
 LinkageTables read_linkage(const ConfigTable& root) {
   std::vector<std::string> in_file{"base"};
   const std::vector<ConfigTable> body_tables = root.tables("body");
+  root.needs_one("body");
   if (body_tables.empty()) root.fail("body", "a mechanism needs bodies that move ([[body]])");
   if (body_tables.size() >= kMaxLinkageBodies) {
     root.fail("body",
@@ -233,7 +237,9 @@ LinkageTables read_linkage(const ConfigTable& root) {
   std::vector<std::optional<ReadJoint>> carriers(in_file.size());
   std::vector<NamedJoint> joints;
   int coordinates = 0;
-  for (const ConfigTable& table : root.tables("joint")) {
+  const std::vector<ConfigTable> joint_tables = root.tables("joint");
+  root.needs_one("joint");
+  for (const ConfigTable& table : joint_tables) {
     ReadJoint joint = read_joint(table, in_file);
     auto& carrier = carriers[static_cast<std::size_t>(joint.named.body)];
     if (carrier) {

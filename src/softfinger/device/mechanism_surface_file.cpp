@@ -27,7 +27,12 @@ double read_edge(const ConfigTable& table, double limit, const char* what) {
   return std::min(edge, limit);
 }
 
-Shape read_mesh(const ConfigTable& table) {
+/// By their names, as mesh_format() has them.
+constexpr const char* kGltfName = "\\.([gG][lL][tT][fF]|[gG][lL][bB])$";
+constexpr const char* kOtherMeshName = "\\.([oO][bB][jJ]|[sS][tT][lL]|[pP][lL][yY])$";
+
+/// A ball in its place where it is not to be loaded.
+Shape read_mesh(const ConfigTable& table, bool load) {
   const std::filesystem::path file = table.path("file");
   const std::string unit = table.choice("unit", {"mm", "cm", "m", "inch"});
   MeshShapeOptions options;
@@ -35,16 +40,18 @@ Shape read_mesh(const ConfigTable& table) {
   options.edge_rounding = table.number("edge_rounding_mm", kEdgeRounding, options.edge_rounding);
   try {
     const MeshFormat format = mesh_format(file);
-    if ((format == MeshFormat::kGltf || format == MeshFormat::kGlb) && unit != "m") {
-      table.fail("unit", "glTF and GLB are in metres: write \"m\"");
-    }
+    const bool gltf = format == MeshFormat::kGltf || format == MeshFormat::kGlb;
+    table.matches("file", gltf ? kGltfName : kOtherMeshName);
+    if (gltf) table.decides("unit");
+    if (gltf && unit != "m") table.fail("unit", "glTF and GLB are in metres: write \"m\"");
+    if (!load) return Ball{options.edge_rounding};
     return load_mesh_shape(file, options);
   } catch (const InputError& error) {
     table.fail("file", error.what());
   }
 }
 
-PieceShape read_piece(const ConfigTable& table, const std::string& type) {
+PieceShape read_piece(const ConfigTable& table, const std::string& type, bool load) {
   if (type == "disk") {
     const double radius = table.number("radius_mm", kSize);
     return DiskPiece{radius, read_edge(table, std::min(radius, 1.0 * mm),
@@ -61,7 +68,7 @@ PieceShape read_piece(const ConfigTable& table, const std::string& type) {
     return Shape(
         RoundedBox{half_size, read_edge(table, half_size.minCoeff(), "the least half size")});
   }
-  return Shape(read_mesh(table));
+  return Shape(read_mesh(table, load));
 }
 
 /// Pins with their ends in the plane z = 0 of S: a grid about its origin, or a list of them.
@@ -74,9 +81,12 @@ void read_pins(const ConfigTable& table, const SurfacePiece& common,
     pin.shape = PinPiece{radius};
     pieces.push_back(pin);
   };
-  const std::vector<ConfigTable> list = table.tables("pin");
-  for (const ConfigTable& pin : list) add(pin.numbers("position_mm", 3));
-  if (!list.empty()) return;
+  if (table.has("pin")) {
+    const std::vector<ConfigTable> list = table.tables("pin");
+    table.needs_one("pin");
+    for (const ConfigTable& pin : list) add(pin.numbers("position_mm", 3));
+    if (!list.empty()) return;
+  }
   const int rows = table.integer("rows", 1, 64);
   const int columns = table.integer("columns", 1, 64);
   const double pitch = table.number("pitch_mm", kSize);
@@ -94,8 +104,9 @@ void read_pins(const ConfigTable& table, const SurfacePiece& common,
 }  // namespace
 
 std::vector<SurfacePiece> read_surface(const ConfigTable& root,
-                                       const std::vector<std::string>& bodies) {
+                                       const std::vector<std::string>& bodies, bool load_meshes) {
   const std::vector<ConfigTable> tables = root.tables("surface");
+  root.needs_one("surface");
   if (tables.empty()) {
     root.fail("surface", "nothing touches the finger: give a body a [[surface]]");
   }
@@ -103,13 +114,14 @@ std::vector<SurfacePiece> read_surface(const ConfigTable& root,
   for (const ConfigTable& table : tables) {
     const std::string type =
         table.choice("type", {"disk", "sphere", "capsule", "box", "pins", "mesh"});
+    table.decides("type");
     SurfacePiece piece;
     piece.body = read_name(table, "body", bodies, "body");
     piece.X_LS = read_frame(table);
     if (type == "pins") {
       read_pins(table, piece, pieces);
     } else {
-      piece.shape = read_piece(table, type);
+      piece.shape = read_piece(table, type, load_meshes);
       pieces.push_back(piece);
     }
     if (pieces.size() > kMaxSurfacePieces) {

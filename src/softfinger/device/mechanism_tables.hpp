@@ -31,9 +31,11 @@ struct LinkageTables {
 };
 [[nodiscard]] LinkageTables read_linkage(const ConfigTable& root);
 
-/// `[[surface]]`: what touches the finger.
+/// `[[surface]]`: what touches the finger. Without `load_meshes` the files of meshes are not
+/// opened.
 [[nodiscard]] std::vector<SurfacePiece> read_surface(const ConfigTable& root,
-                                                     const std::vector<std::string>& bodies);
+                                                     const std::vector<std::string>& bodies,
+                                                     bool load_meshes);
 
 /// Index of the name that `key` has in `names`; refused, with the nearest, where there is none.
 /// `what`: "body", "joint".

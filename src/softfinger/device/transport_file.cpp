@@ -155,6 +155,7 @@ const std::vector<std::string>& transport_kinds() {
 TransportSettings read_transport(const ConfigTable& table, const JointLimits& limits) {
   TransportSettings transport;
   transport.kind = table.choice("kind", transport_kinds());
+  table.decides("kind");
   const std::string& kind = transport.kind;
   const Wording words = wording(kind, limits.linear);
   const bool serial = kind != "osc" && kind != "weart";
@@ -170,6 +171,7 @@ TransportSettings read_transport(const ConfigTable& table, const JointLimits& li
   transport.rate = table.number("rate_Hz", {.min = 0.0, .max = 1000.0, .open_min = true}, 30.0);
 
   const std::vector<ConfigTable> servos = table.tables("servo");
+  table.needs_one("servo");
   const auto joints = static_cast<std::size_t>(limits.min.size());
   if (transport.follows_travel && servos.size() != 1) {
     table.fail("servo", fmt::format("{} servos are described; a WEART actuation point is one "
@@ -208,10 +210,10 @@ TransportSettings read_transport(const ConfigTable& table, const JointLimits& li
   return transport;
 }
 
-std::string transport_example(std::string_view kind, const Device& device) {
-  const bool linear = device.joint_limits().linear;
+std::string transport_example(std::string_view kind, const JointLimits& limits) {
+  const bool linear = limits.linear;
   std::string text = fmt::format("[transport]\nkind = \"{}\"\n", kind);
-  for (int joint = 0; joint < device.joint_count() && joint < kMostServos; ++joint) {
+  for (int joint = 0; joint < limits.min.size() && joint < kMostServos; ++joint) {
     text += "[[transport.servo]]\n";
     const std::string slope = wording(kind, linear).slope;
     if (kind == "maestro") {

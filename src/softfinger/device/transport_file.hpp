@@ -15,8 +15,8 @@ namespace softfinger {
 /// Names of all kinds of transport.
 [[nodiscard]] const std::vector<std::string>& transport_kinds();
 
-/// A `[transport]` of a kind with all its keys, with a servo for each joint; TOML.
-[[nodiscard]] std::string transport_example(std::string_view kind, const Device& device);
+/// A `[transport]` of a kind with what it must say, with a servo for each of these joints; TOML.
+[[nodiscard]] std::string transport_example(std::string_view kind, const JointLimits& limits);
 
 /// What a key of `[transport]` or `[[transport.servo]]` means, in one line; empty for others.
 [[nodiscard]] std::string_view transport_key_meaning(std::string_view kind, std::string_view key);

@@ -12,6 +12,7 @@
 #include "softfinger/base/text_file.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/scene/scene.hpp"
+#include "softfinger/scene/scene_schema.hpp"
 
 namespace softfinger {
 namespace {
@@ -33,6 +34,21 @@ PersonFinger read_finger(const ConfigTable& table, const std::string& name) {
     finger.X_BodyFt = Pose{exp_rotation(turn), translation};
   }
   return finger;
+}
+
+Person read_person(const ConfigFile& config) {
+  const ConfigTable root = config.root();
+  Person person;
+  for (const std::string& name : root.keys()) {
+    if (!is_finger_name(name)) {
+      root.fail(name, "no name of a finger; expected 1 to 64 letters, digits, - or _");
+    }
+    if (person.fingers.size() == kMostFingers) root.fail(name, "more than 64 fingers");
+    person.fingers.push_back(read_finger(root.table(name), name));
+    root.any_name(name, kFingerNamePattern);
+  }
+  root.finish();
+  return person;
 }
 
 /// In the unit of a file, to a millionth of it: more than any measurement says.
@@ -77,20 +93,19 @@ PersonFinger& Person::at(std::string_view name) {
   return fingers.emplace_back(PersonFinger{.name = std::string(name), .size = {}, .X_BodyFt = {}});
 }
 
+std::string person_schema() {
+  const ConfigFile config("person.toml",
+                          "[index.size]\n[index.registration]\ntranslation_mm = [0.0, 0.0, 0.0]\n"
+                          "rotation_vector_deg = [0.0, 0.0, 0.0]\n");
+  static_cast<void>(read_person(config));
+  return config.schema("softfinger person file");
+}
+
 Person load_person(const fs::path& file) {
-  Person person;
+  const std::string text = read_text_file(file, kMostBytes);
+  Person person = read_person(ConfigFile(file, text));
   person.file = file;
-  person.text = read_text_file(file, kMostBytes);
-  const ConfigFile config(file, person.text);
-  const ConfigTable root = config.root();
-  for (const std::string& name : root.keys()) {
-    if (!is_finger_name(name)) {
-      root.fail(name, "no name of a finger; expected 1 to 64 letters, digits, - or _");
-    }
-    if (person.fingers.size() == kMostFingers) root.fail(name, "more than 64 fingers");
-    person.fingers.push_back(read_finger(root.table(name), name));
-  }
-  root.finish();
+  person.text = text;
   return person;
 }
 

@@ -32,6 +32,8 @@ struct Person {
 
 /// Throws InputError with file, line and key.
 [[nodiscard]] Person load_person(const std::filesystem::path& file);
+/// A JSON Schema of person files, by what their reader asks for.
+[[nodiscard]] std::string person_schema();
 /// The same; nothing known of any finger where there is no such file.
 [[nodiscard]] Person load_person_if_any(const std::filesystem::path& file);
 

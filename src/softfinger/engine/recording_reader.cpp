@@ -3,9 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <optional>
 
@@ -77,11 +79,21 @@ std::uint64_t hash_of(const std::string& hexadecimal) {
   return hash;
 }
 
+/// Whether a file is a database with a write-ahead log, by its header.
+bool has_log(const std::filesystem::path& file) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  constexpr std::size_t kReadVersion = 19;
+  std::array<char, kReadVersion + 1> header{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(header.data(), header.size());
+  return stream && std::string_view(header.data(), kMagic.size()) == kMagic &&
+         header[kReadVersion] == 2;
+}
+
 }  // namespace
 
 struct RecordingReader::Database {
-  explicit Database(const std::filesystem::path& file)
-      : connection(file, SqliteDatabase::Mode::kRead) {
+  Database(const std::filesystem::path& file, SqliteDatabase::Mode mode) : connection(file, mode) {
     SqliteStatement id(connection, "pragma application_id");
     if (!id.next() || id.integer(0) != recording_layout::kApplicationId) throw SqliteFailure{true};
     SqliteStatement check(connection, "pragma quick_check(1)");
@@ -171,7 +183,7 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
         fmt::format("{}: no such file; a recording is what run --record writes", file.string()));
   }
   try {
-    database_ = std::make_unique<Database>(file);
+    database_ = open();
     const std::int64_t version = database_->integer("format_version").value_or(0);
     if (version != kRecordingFormatVersion) {
       throw InputError(fmt::format("{}: recording of format {}, this program reads format {}",
@@ -184,6 +196,32 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
     database_->rewind();
   } catch (const SqliteFailure&) {
     fail();
+  }
+}
+
+std::unique_ptr<RecordingReader::Database> RecordingReader::open() const {
+  try {
+    return std::make_unique<Database>(file_, SqliteDatabase::Mode::kRead);
+  } catch (const SqliteFailure& failure) {
+    if (!has_log(file_)) throw;
+    const std::filesystem::path log = file_.string() + "-wal";
+    std::error_code error;
+    if (std::filesystem::file_size(log, error) > 0 && !error) {
+      if (failure.damaged) throw;
+      throw InputError(fmt::format(
+          "{}: {} belongs to it, and to read both takes a folder that can be written; copy both "
+          "there, under these names",
+          file_.string(), log.filename().string()));
+    }
+  }
+  // Its log has ended or is not here, so that nothing has to be made beside it.
+  try {
+    return std::make_unique<Database>(file_, SqliteDatabase::Mode::kReadImmutable);
+  } catch (const SqliteFailure&) {
+    throw InputError(fmt::format(
+        "{0}: was being written when it was copied, and its newest part is in {1}-wal, which "
+        "belongs to it; copy both, or copy when the run has ended",
+        file_.string(), file_.filename().string()));
   }
 }
 

@@ -36,6 +36,7 @@ class RecordingReader {
 
  private:
   struct Database;
+  [[nodiscard]] std::unique_ptr<Database> open() const;
   [[noreturn]] void fail() const;
 
   std::filesystem::path file_;

@@ -75,6 +75,20 @@ struct RecordingWriter::Database {
     insert_state.emplace(connection, insert_into("states", 4));
   }
 
+  /// One file and nothing beside it, so that it can be read where nothing can be written. Where
+  /// that does not work, because somebody reads it just now, it stays valid as it is.
+  void leave_log() {
+    insert_meta.reset();
+    insert_step.reset();
+    insert_tick.reset();
+    insert_state.reset();
+    try {
+      connection.execute("pragma journal_mode = delete");
+    } catch (const SqliteFailure&) {
+      return;
+    }
+  }
+
   void meta(std::string_view key, std::string_view value) {
     insert_meta->bind(0, key);
     insert_meta->bind(1, value);
@@ -323,6 +337,7 @@ void RecordingWriter::close() {
   } catch (const SqliteFailure&) {
     failed_ = true;
   }
+  if (!failed_) database_->leave_log();
   database_.reset();
   if (failed_) {
     throw OperationError(

@@ -93,9 +93,10 @@ void check_force_sensor(const fs::path& device_file, const Device& device) {
   ConfigFile(device_file)
       .root()
       .table("force_sensor")
-      .fail("kind",
-            "corrects nothing, no axis of this device moves its whole surface towards the finger; "
-            "leave the table out");
+      .fail(
+          "kind",
+          "corrects nothing, no coordinate of this device is known to move its surface towards the "
+          "finger; name it by [matching] approach, or leave the table out");
 }
 
 void check_connectivity(const FingerModel& wearer, const FingerModel& model) {

@@ -56,6 +56,8 @@ struct RunSummary {
   std::optional<std::uint64_t> deadline_misses;  ///< empty: not paced by the wall clock
   FingerSummary all;                             ///< every step and tick of every finger
   std::vector<std::pair<std::string, FingerSummary>> fingers;
+  /// What its user should know besides figures, one line each.
+  std::vector<std::string> remarks;
   std::optional<std::filesystem::path> recording;
   std::uint64_t dropped_rows = 0;  ///< of the recording, which a live run never waits for
 };

@@ -453,7 +453,13 @@ RunSummary SceneRun::finish() {
     Finger& finger = *fingers_[i];
     FingerSummary one = finger.summary;
     one.merge(finger.device_summary);
-    if (finger.device) one.commands_sent = finger.device->actuator().commands_sent();
+    if (finger.device) {
+      one.commands_sent = finger.device->actuator().commands_sent();
+      if (const auto line = finger.device->actuator().never_opened()) {
+        summary.remarks.push_back(
+            fmt::format("finger {}: {}", setup_->scene.fingers[i].name, *line));
+      }
+    }
     summary.all.merge(one);
     summary.fingers.emplace_back(setup_->scene.fingers[i].name, one);
     // A viewer may keep this run a little longer; the ports must be free for the next.

@@ -1,8 +1,10 @@
 #include "softfinger/engine/sqlite_database.hpp"
 
+#include <fmt/core.h>
 #include <sqlite3.h>
 
 #include <limits>
+#include <string>
 
 namespace softfinger {
 namespace {
@@ -14,12 +16,27 @@ void check(int result) {
                       primary == SQLITE_ERROR || primary == SQLITE_SCHEMA};
 }
 
+/// The file as the only kind of name that takes parameters.
+std::string immutable_uri(const std::filesystem::path& file) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(file).string()) {
+    if (c == '?' || c == '#' || c == '%') {
+      uri += fmt::format("%{:02x}", static_cast<unsigned char>(c));
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
 }  // namespace
 
 SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, Mode mode) {
-  const int flags =
-      mode == Mode::kRead ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  const int result = sqlite3_open_v2(file.c_str(), &handle_, flags, nullptr);
+  const std::string name = mode == Mode::kReadImmutable ? immutable_uri(file) : file.string();
+  const int flags = mode == Mode::kCreate          ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
+                    : mode == Mode::kReadImmutable ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI
+                                                   : SQLITE_OPEN_READONLY;
+  const int result = sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr);
   if (result != SQLITE_OK) {
     sqlite3_close(handle_);
     handle_ = nullptr;

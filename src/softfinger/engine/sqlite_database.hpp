@@ -20,7 +20,12 @@ struct SqliteFailure {
 /// An open SQLite file.
 class SqliteDatabase {
  public:
-  enum class Mode { kRead, kCreate };
+  enum class Mode {
+    kRead,
+    kReadImmutable,  ///< nothing is made beside the file, nothing beside it is read, nobody writes
+                     ///< it
+    kCreate
+  };
   SqliteDatabase(const std::filesystem::path& file, Mode mode);
   ~SqliteDatabase();
   SqliteDatabase(const SqliteDatabase&) = delete;

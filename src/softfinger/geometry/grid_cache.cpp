@@ -1,11 +1,13 @@
 #include "softfinger/geometry/grid_cache.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <span>
@@ -201,14 +203,41 @@ void write(Writer& writer, const GridKey& key, const Content& content) {
   writer.finish();
 }
 
+/// Whether caches may lie in it: a folder of the user's, and none that packages or administrators
+/// fill, whoever runs the program.
+bool is_own_folder(const fs::path& folder) {
+  constexpr std::array kOfTheSystem{"/usr/", "/opt/", "/etc/", "/var/",  "/bin/", "/lib/",
+                                    "/nix/", "/gnu/", "/srv/", "/snap/", "/sbin/"};
+  const std::string name = folder.string() + "/";
+  const bool of_the_system = std::ranges::any_of(
+      kOfTheSystem, [&](const char* prefix) { return name.starts_with(prefix); });
+  struct stat status {};
+  return !of_the_system && ::stat(folder.c_str(), &status) == 0 && status.st_uid == ::geteuid();
+}
+
 }  // namespace
 
-fs::path grid_cache_file(const fs::path& mesh_file, const GridKey& key) {
+fs::path grid_cache_folder(const fs::path& mesh_file) {
   std::error_code error;
   const fs::path real = fs::canonical(mesh_file, error);
-  const fs::path& beside = error ? mesh_file : real;
-  return beside.parent_path() / ".softfinger-cache" /
-         fmt::format("{}-{:016x}.grid", beside.filename().string(), hash_of(key));
+  const fs::path folder = error ? fs::absolute(mesh_file, error).parent_path() : real.parent_path();
+  if (is_own_folder(folder)) return folder / ".softfinger-cache";
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "softfinger";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && fs::path(home).is_absolute()) {
+    return fs::path(home) / ".cache" / "softfinger";
+  }
+  return {};
+}
+
+fs::path grid_cache_file(const fs::path& mesh_file, const GridKey& key) {
+  const fs::path folder = grid_cache_folder(mesh_file);
+  if (folder.empty()) return {};
+  std::error_code error;
+  const fs::path real = fs::canonical(mesh_file, error);
+  const fs::path name = (error ? mesh_file : real).filename();
+  return folder / fmt::format("{}-{:016x}.grid", name.string(), hash_of(key));
 }
 
 std::optional<Content> read_grid_cache(const fs::path& file, const GridKey& key) {
@@ -219,8 +248,9 @@ std::optional<Content> read_grid_cache(const fs::path& file, const GridKey& key)
 }
 
 bool write_grid_cache(const fs::path& file, const GridKey& key, const Content& content) {
+  if (file.empty()) return false;
   std::error_code error;
-  fs::create_directory(file.parent_path(), error);
+  fs::create_directories(file.parent_path(), error);
   const fs::path temporary = file.string() + fmt::format(".{}", ::getpid());
   std::ofstream stream(temporary, std::ios::binary);
   Writer writer(stream);

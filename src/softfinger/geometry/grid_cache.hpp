@@ -16,7 +16,12 @@ struct GridKey {
   double margin = 0.0;            ///< m
 };
 
-/// Where the grid of a mesh file is kept: `.softfinger-cache` beside it, by name and key.
+/// The folder for grids of a mesh file: `.softfinger-cache` beside it where that folder is the
+/// user's own, else the user's folder for caches: `softfinger` in $XDG_CACHE_HOME or ~/.cache.
+/// Empty: there is none.
+[[nodiscard]] std::filesystem::path grid_cache_folder(const std::filesystem::path& mesh_file);
+
+/// Where the grid of a mesh file is kept, by name and key; empty: nowhere.
 [[nodiscard]] std::filesystem::path grid_cache_file(const std::filesystem::path& mesh_file,
                                                     const GridKey& key);
 

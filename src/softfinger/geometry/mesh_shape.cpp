@@ -57,8 +57,13 @@ std::shared_ptr<const SignedDistanceGrid> load_mesh_shape(const std::filesystem:
   SignedDistanceGrid::Content content = build(source, key, observer.progress);
   if (observer.progress) observer.progress(1.0);
   if (options.use_cache && !write_grid_cache(cache, key, content) && observer.message) {
-    observer.message(fmt::format("{}: cannot be written, so the distance grid of {} is not kept",
-                                 cache.parent_path().string(), file.filename().string()));
+    observer.message(
+        cache.empty()
+            ? fmt::format("there is no folder for caches (HOME, XDG_CACHE_HOME), so the distance "
+                          "grid of {} is not kept",
+                          file.filename().string())
+            : fmt::format("{}: cannot be written, so the distance grid of {} is not kept",
+                          cache.parent_path().string(), file.filename().string()));
   }
   return std::make_shared<SignedDistanceGrid>(std::move(content), file, source.hash);
 }

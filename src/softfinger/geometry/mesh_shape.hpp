@@ -13,7 +13,7 @@ namespace softfinger {
 struct MeshShapeOptions {
   double unit = 1e-3;              ///< of the file's coordinates, m
   double edge_rounding = 0.25e-3;  ///< largest radius by which features are rounded, m
-  bool use_cache = true;           ///< keep the grid in a folder beside the file
+  bool use_cache = true;           ///< keep the grid, see grid_cache_folder()
 };
 
 /// Told what long loading does.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/mesh_import.hpp"
 #include "softfinger/scene/scene.hpp"
+#include "softfinger/scene/scene_schema.hpp"
 
 namespace softfinger {
 
@@ -84,6 +86,10 @@ struct NamedMesh {
   MeshShapeOptions options;
 };
 
+/// By their names, as mesh_format() has them.
+constexpr const char* kGltfName = "\\.([gG][lL][tT][fF]|[gG][lL][bB])$";
+constexpr const char* kOtherMeshName = "\\.([oO][bB][jJ]|[sS][tT][lL]|[pP][lL][yY])$";
+
 double read_unit(const ConfigTable& table, const std::filesystem::path& file) {
   MeshFormat format;
   try {
@@ -92,9 +98,11 @@ double read_unit(const ConfigTable& table, const std::filesystem::path& file) {
     table.fail("file", error.what());
   }
   if (format == MeshFormat::kGltf || format == MeshFormat::kGlb) {
+    table.matches("file", kGltfName);
     (void)table.choice("unit", {"m"}, "m");  // by definition
     return 1.0;
   }
+  table.matches("file", kOtherMeshName);
   const std::string unit = table.choice("unit", {"mm", "cm", "m", "inch"});
   if (unit == "mm") return mm;
   if (unit == "cm") return 10.0 * mm;
@@ -174,6 +182,7 @@ VirtualObject read_object(const ConfigTable& table, const std::string& default_n
 SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
   SceneFinger finger;
   finger.name = table.text("name");
+  table.matches("name", kFingerNamePattern);
   if (!is_finger_name(finger.name)) {
     table.fail("name", "expected 1 to 64 letters, digits, - or _");
   }
@@ -194,32 +203,23 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
   return finger;
 }
 
-}  // namespace
-
-bool is_finger_name(std::string_view name) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-';
-  };
-  return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, allowed);
-}
-
-Scene load_scene(const std::filesystem::path& file, bool trackers_given,
-                 const LoadObserver& observer) {
-  const ConfigFile config(file);
-  const ConfigTable root = config.root();
+/// All of a scene file but the meshes that it names.
+struct ReadScene {
   Scene scene;
-  scene.file = file;
+  std::vector<NamedMesh> meshes;
+};
+
+ReadScene read_scene(const ConfigFile& config, bool trackers_given) {
+  const ConfigTable root = config.root();
+  ReadScene read;
+  Scene& scene = read.scene;
+  scene.file = config.file();
   scene.description = root.text("description", "");
   const auto fingers = root.tables("finger");
+  root.needs_one("finger");
   const auto objects = root.tables("object");
   const ConfigTable rates = root.table_or_empty("rates");
   scene.simulation_rate = rates.number("simulation_Hz", kSimulationRate, scene.simulation_rate);
-  if (fingers.empty()) {
-    root.finish();  // a misspelt key may be the reason
-    root.fail("finger", "a scene needs at least one [[finger]]");
-  }
-
   std::set<std::string> names;
   for (const ConfigTable& table : fingers) {
     scene.fingers.push_back(read_finger(table, trackers_given));
@@ -237,16 +237,63 @@ Scene load_scene(const std::filesystem::path& file, bool trackers_given,
       table.fail("name", fmt::format("two objects are named '{}'", name));
     }
   }
-  std::vector<NamedMesh> meshes;
   for (const ConfigTable& table : objects) {
     const std::string shape = table.choice("shape", kShapes);
-    if (shape == "mesh") meshes.push_back(read_mesh(table, scene.objects.size()));
+    table.decides("shape");
+    if (shape == "mesh") read.meshes.push_back(read_mesh(table, scene.objects.size()));
     scene.objects.push_back(read_object(table, free_name(shape, names)));
     names.insert(scene.objects.back().name);
   }
-  root.finish();
-  load_meshes(meshes, scene, observer);
-  return scene;
+  root.finish();  // first: a misspelt key may be the reason that there is no finger
+  if (fingers.empty()) root.fail("finger", "a scene needs at least one [[finger]]");
+  return read;
+}
+
+/// With every key and every kind of object.
+constexpr const char* kExample = R"toml(
+[[finger]]
+name = "index"
+model = "index.toml"
+device = "thimble-3rrs.toml"
+[[finger.waypoint]]
+time_s = 0.0
+position_mm = [0.0, 0.0, 40.0]
+)toml";
+constexpr std::array kExampleObjects{
+    "shape = \"plane\"\n",
+    "shape = \"sphere\"\nradius_mm = 20.0\n",
+    "shape = \"box\"\nsize_mm = [60.0, 60.0, 20.0]\n",
+    "shape = \"cylinder\"\nradius_mm = 10.0\nlength_mm = 40.0\n",
+    "shape = \"mesh\"\nfile = \"relief.ply\"\nunit = \"mm\"\n",
+    "shape = \"mesh\"\nfile = \"relief.glb\"\n",
+};
+
+}  // namespace
+
+bool is_finger_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, allowed);
+}
+
+Scene load_scene(const std::filesystem::path& file, bool trackers_given,
+                 const LoadObserver& observer) {
+  const ConfigFile config(file);
+  ReadScene read = read_scene(config, trackers_given);
+  load_meshes(read.meshes, read.scene, observer);
+  return std::move(read.scene);
+}
+
+std::string scene_schema() {
+  std::string text = kExample;
+  for (const char* object : kExampleObjects) {
+    text += fmt::format("[[object]]\n{}[[object.waypoint]]\ntime_s = 0.0\n", object);
+  }
+  const ConfigFile config("scene.toml", text);
+  static_cast<void>(read_scene(config, false));
+  return config.schema("softfinger scene file");
 }
 
 }  // namespace softfinger

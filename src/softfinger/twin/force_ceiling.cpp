@@ -347,8 +347,8 @@ TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<cons
                             double max_force) {
   if (!device->advances()) {
     throw InputError(
-        "cannot be kept, no axis of this device moves its whole surface towards "
-        "the finger; leave it out");
+        "cannot be kept, no coordinate of this device is known to move its surface towards the "
+        "finger; name it by [matching] approach, or leave it out");
   }
   const Advance advance(*device);
   const std::shared_ptr<const FingerModel> wearer = stiffest(model);

@@ -4,6 +4,10 @@
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
 #include "softfinger/base/error.hpp"
 
 namespace softfinger {
@@ -13,6 +17,13 @@ TlsContext tls_context(const Certificate& certificate) {
   const std::string key = certificate.key.string();
   if (key.empty()) throw InputError("--certificate: needs --key FILE as well");
   if (chain.empty()) throw InputError("--key: needs --certificate FILE as well");
+  for (const auto& [flag, file] : {std::pair("--certificate", chain), std::pair("--key", key)}) {
+    if (!std::ifstream(file)) {
+      throw InputError(
+          fmt::format("{} {}: {}", flag, file,
+                      std::filesystem::exists(file) ? "cannot be read" : "no such file"));
+    }
+  }
   TlsContext context(SSL_CTX_new(TLS_server_method()), SSL_CTX_free);
   if (!context) throw OperationError("TLS is not to be had here");
   SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);

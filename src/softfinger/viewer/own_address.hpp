@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace softfinger {
 
@@ -14,5 +16,8 @@ namespace softfinger {
 /// The same for an Origin header: the scheme, "http" or "https", and an own host.
 [[nodiscard]] bool is_own_origin(std::string_view origin, std::string_view address,
                                  std::uint16_t port, std::string_view scheme = "http");
+
+/// IPv4 addresses that this machine has, those that others reach first and 127.0.0.1 last.
+[[nodiscard]] std::vector<std::string> addresses_of_this_machine();
 
 }  // namespace softfinger

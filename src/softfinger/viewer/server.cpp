@@ -3,14 +3,16 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <vector>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/viewer/notification_message.hpp"
+#include "softfinger/viewer/own_address.hpp"
 #include "softfinger/viewer/registration_message.hpp"
 #include "softfinger/viewer/scene_message.hpp"
 #include "softfinger/viewer/server/http_session.hpp"
@@ -202,9 +204,14 @@ Server::~Server() = default;
 std::uint16_t Server::port() const { return implementation_->hub.port; }
 std::string Server::url() const {
   const PageHub& hub = implementation_->hub;
-  return fmt::format("{}://{}:{}{}", hub.scheme,
-                     hub.address == "0.0.0.0" ? "127.0.0.1" : hub.address, port(),
-                     hub.token.is_needed() ? "/?token=" + hub.token.text() : "");
+  std::vector<std::string> urls;
+  for (const std::string& address : hub.address == "0.0.0.0"
+                                        ? addresses_of_this_machine()
+                                        : std::vector<std::string>{hub.address}) {
+    urls.push_back(fmt::format("{}://{}:{}{}", hub.scheme, address, port(),
+                               hub.token.is_needed() ? "/?token=" + hub.token.text() : ""));
+  }
+  return fmt::format("{}", fmt::join(urls, " or "));
 }
 
 }  // namespace softfinger

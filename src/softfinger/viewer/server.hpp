@@ -41,7 +41,8 @@ class Server {
 
   /// The port bound, never 0.
   [[nodiscard]] std::uint16_t port() const;
-  /// Where the page is, e.g. "http://127.0.0.1:8080", with the token where one is needed.
+  /// Where the page is, e.g. "http://127.0.0.1:8080", with the token where one is needed. Served at
+  /// all addresses: each of them, joined by " or ".
   [[nodiscard]] std::string url() const;
 
  private:

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string_view>
+
+namespace softfinger {
+
+/// The unit named by the suffix of a key in words, "degrees per second"; empty for a key without a
+/// unit. The suffixes are those of unit_scale().
+[[nodiscard]] std::string_view unit_words(std::string_view key);
+
+}  // namespace softfinger
