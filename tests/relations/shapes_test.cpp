@@ -47,7 +47,7 @@ TEST(Shapes, PlaneBoxCylinderMeshAndLargeBall) {
 }
 
 // A plate is a block to who only sees its face, as far as its rounding: none of either.
-TEST(Shapes, DISABLED_AThinPlateAndABlock) {
+TEST(Shapes, AThinPlateAndABlock) {
   for (int number = 0; number < cases(3); ++number) {
     Draw draw("plate", number);
     const Exploration plate = draw_exploration(draw, number, {Thing::kPlate});
