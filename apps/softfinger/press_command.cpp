@@ -101,7 +101,8 @@ nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
           {"residual_N", row.residual},
           {"slip_ratio", row.slip_ratio},
           {"stuck_fraction", row.stuck_fraction},
-          {"time_s", row.time}};
+          {"time_s", row.time},
+          {"normal_force_sum_N", row.normal_force_sum}};
 }
 
 /// A file that is written anew; whatever does not fit on the disk is an error by the end of

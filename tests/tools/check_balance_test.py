@@ -39,6 +39,18 @@ class CheckBalance(unittest.TestCase):
             self.press(*options)
             self.assertEqual(self.status("--within", "1e-8"), 0, options)
 
+    def test_no_force_is_no_balance(self):
+        self.press("--to-mm", "1", "--steps", "1")
+        for name, fields in (("contact.csv", (3, 4, 5)), ("nodes.csv", ())):
+            file = self.folder / name
+            header, *lines = file.read_text().splitlines()
+            rows = [line.split(",") for line in lines]
+            for row in rows:
+                for k in fields:
+                    row[k] = "0"
+            file.write_text("\n".join([header, *(",".join(row) for row in rows)]) + "\n")
+        self.assertEqual(self.status("--within", "1e9"), 1)
+
     def test_layers_are_in_balance(self):
         self.press("--to-mm", "2", "--steps", "2", finger=LAYERED)
         self.assertEqual(self.status("--within", "1e-8", finger=LAYERED), 0)

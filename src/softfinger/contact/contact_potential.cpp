@@ -283,17 +283,21 @@ ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector
   return response;
 }
 
-bool ContactPotential::pair_response(std::size_t i, std::size_t o, PairResponse& response) const {
+bool ContactPotential::pair_response(std::size_t i, std::size_t o, bool with_curvature,
+                                     PairResponse& response) const {
   response = {};
   if (near_[i * obstacle_count_ + o] == 0) return false;
   const Pair& pair = pairs_[i * obstacle_count_ + o];
-  if (!add_hessian(i, o, pair, true, response.hessian)) return false;
+  if (!add_hessian(i, o, pair, with_curvature, response.hessian)) return false;
   response.outward = pair.gradient;
   response.normal_force = pair.pressing * pair.gradient;
   response.gradient = -response.normal_force - pair.friction_force;
   if (pair.gap < 0.0) {
-    response.normal_stiffness = normal_stiffness(i) * pair.gradient * pair.gradient.transpose() -
-                                pair.pressing * pair.curvature;
+    response.normal_stiffness = normal_stiffness(i) * pair.gradient * pair.gradient.transpose();
+    if (with_curvature) response.normal_stiffness -= pair.pressing * pair.curvature;
+    if (pair.friction_limit > 0.0 && pair.slides) {
+      response.drag = obstacles_[o].friction_coefficient * pair.slip_direction;
+    }
   }
   return true;
 }
@@ -368,7 +372,7 @@ ContactSide ContactPotential::side_after(std::size_t i, std::size_t o, const Pai
   return side_at({pair.gap, R_OW * pair.gradient, Matrix3::Zero()}, pair.position_O);
 }
 
-double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const {
+double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool only_lower) const {
   double change = 0.0;
   for (std::size_t i = 0; i < points_; ++i) {
     if (is_near_[i] == 0) continue;
@@ -380,6 +384,7 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
       FrictionAnchor& anchor = anchors[k];
       if (anchor.limit <= 0.0) continue;  // it touches for the first time: no history to slide from
       const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
+      if (only_lower && limit >= anchor.limit) continue;
       change = std::max(change, std::abs(limit - anchor.limit));
       anchor.limit = std::max(limit, kLeastLimit);
       if (limit <= 0.0) continue;
@@ -387,6 +392,21 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors) const 
     }
   }
   return change;
+}
+
+bool ContactPotential::is_in_cone() const {
+  for (std::size_t i = 0; i < points_; ++i) {
+    if (is_near_[i] == 0) continue;
+    for (std::size_t o = 0; o < obstacle_count_; ++o) {
+      const std::size_t k = i * obstacle_count_ + o;
+      if (near_[k] == 0 || !(pairs_[k].friction_limit > 0.0)) continue;
+      const Pair& pair = pairs_[k];
+      const double limit =
+          obstacles_[o].friction_coefficient * pair.pressing * pair.gradient.norm();
+      if (pair.friction_force.norm() > (1.0 + kConeRelative) * limit + kConeAbsolute) return false;
+    }
+  }
+  return true;
 }
 
 ContactPotential::Forces ContactPotential::forces(std::size_t i) const {
@@ -397,7 +417,9 @@ ContactPotential::Forces ContactPotential::forces(std::size_t i) const {
     const Pair& pair = pairs_[i * obstacle_count_ + o];
     sum.normal += pair.pressing * pair.gradient;
     sum.tangential += pair.friction_force;
-    sum.friction_limit += pair.friction_limit;
+    const double magnitude = pair.pressing * pair.gradient.norm();
+    sum.normal_sum += magnitude;
+    sum.friction_limit += obstacles_[o].friction_coefficient * magnitude;
     sum.slides = sum.slides || (pair.friction_limit > 0.0 && pair.slides);
   }
   return sum;

@@ -92,9 +92,12 @@ class ContactPotential {
     Matrix3 normal_stiffness = Matrix3::Zero();
     Vector3 gradient = Vector3::Zero();
     Matrix3 hessian = Matrix3::Zero();
+    /// How the gradient grows with the magnitude of the normal force where the pair slides.
+    Vector3 drag = Vector3::Zero();
   };
-  /// False where the pair does nothing.
-  bool pair_response(std::size_t i, std::size_t o, PairResponse& response) const;
+  /// False where the pair does nothing. `with_curvature`: of the obstacle, in both derivatives.
+  bool pair_response(std::size_t i, std::size_t o, bool with_curvature,
+                     PairResponse& response) const;
   /// Lower bound of the least gap of sample i at the positions last evaluated, m; exact where it
   /// touches.
   [[nodiscard]] double gap(std::size_t i) const;
@@ -122,15 +125,21 @@ class ContactPotential {
   double update_anchors(std::span<const Vector3> positions,
                         std::span<FrictionAnchor> anchors) const;
   /// Replaces only the friction limits and normals by those of the positions last evaluated,
-  /// keeping where samples stick: one pass of the iteration that removes the lag. Returns the
-  /// greatest change.
-  double update_limits(std::span<FrictionAnchor> anchors) const;
+  /// keeping where samples stick: one pass of the iteration that removes the lag. `only_lower`:
+  /// none rises, so that passes come to an end. Returns the greatest change.
+  double update_limits(std::span<FrictionAnchor> anchors, bool only_lower = false) const;
+  /// Whether the friction last evaluated is within the cone of the normal forces last evaluated:
+  /// at every point, to kConeRelative of mu f_n and kConeAbsolute (N).
+  [[nodiscard]] bool is_in_cone() const;
+  static constexpr double kConeRelative = 1e-2;
+  static constexpr double kConeAbsolute = 1e-6;
 
   /// Of all obstacles on point i as last evaluated, W, N.
   struct Forces {
     Vector3 normal = Vector3::Zero();
     Vector3 tangential = Vector3::Zero();
-    double friction_limit = 0.0;
+    double normal_sum = 0.0;      ///< of the magnitudes of normal forces
+    double friction_limit = 0.0;  ///< mu times these, summed
     bool slides = false;
   };
   [[nodiscard]] Forces forces(std::size_t i) const;

@@ -32,7 +32,8 @@ struct ContactSet {
   std::vector<ContactSample> samples;
   int contact_count = 0;
   double contact_area = 0.0;      ///< deformed area of C, m^2
-  double normal_force = 0.0;      ///< sum of the normal forces' magnitudes, N
+  double normal_force = 0.0;      ///< magnitude of the sum of normal forces, N
+  double normal_force_sum = 0.0;  ///< sum of the magnitudes of normal forces, N
   double tangential_force = 0.0;  ///< magnitude of the sum of tangential forces, N
   /// Magnitude of the summed tangential forces over the sum of mu times the normal forces: 0
   /// nothing pulls, 1 all of C slides one way. 0 without friction.

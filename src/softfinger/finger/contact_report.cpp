@@ -23,6 +23,7 @@ void add_features(const FingerPotential& potential, const Pose& X_FW, ContactSet
   const std::span<const FeaturePoints::Point> points = potential.features().points();
   for (std::size_t k = 0; k < points.size(); ++k) {
     const ContactPotential::Forces forces = potential.contact().forces(samples + k);
+    set.normal_force_sum += forces.normal_sum;
     for (std::size_t c = 0; c < 3; ++c) {
       const double weight = points[k].weights[c];
       ContactSample& sample = set.samples[static_cast<std::size_t>(points[k].samples[c])];
@@ -51,7 +52,7 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
   const ContactPotential& contact = potential.contact();
   set.contact_count = 0;
   set.contact_area = 0.0;
-  set.normal_force = 0.0;
+  set.normal_force_sum = 0.0;
   set.centroid_F.setZero();
   set.least_gap = std::numeric_limits<double>::infinity();
   set.nearest_normal_F = Vector3::UnitZ();
@@ -60,6 +61,7 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
   double friction_limit = 0.0;
   double stuck_area = 0.0;
   double strongest = 0.0;
+  double borne = 0.0;
   const auto see = [&](double gap, const Vector3& normal_W) {
     if (gap >= set.least_gap) return;
     set.least_gap = gap;
@@ -79,6 +81,7 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
     sample.tangential_force_F = X_FW.rotation * forces.tangential;
     sample.friction_limit = forces.friction_limit;
     sample.slides = forces.slides;
+    set.normal_force_sum += forces.normal_sum;
     see(nearest.gap, nearest.normal);
   }
   add_features(potential, X_FW, set);
@@ -92,7 +95,7 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
         sample.gap <= model.contact_tolerance && sample.normal_force > kLeastNormalForce;
     tangential_sum += sample.tangential_force_F;
     friction_limit += sample.friction_limit;
-    set.normal_force += sample.normal_force;
+    borne += sample.normal_force;
     set.centroid_F += sample.normal_force * sample.position_F;
     normal_sum += sample.normal_force_F;
     if (!sample.in_contact) continue;
@@ -108,9 +111,10 @@ void report_contact(const FingerModel& model, const FingerPotential& potential, 
   set.tangential_force = tangential_sum.norm();
   set.slip_ratio = friction_limit > 0.0 ? set.tangential_force / friction_limit : 0.0;
   set.stuck_fraction = set.contact_area > 0.0 ? stuck_area / set.contact_area : 0.0;
-  if (set.normal_force > 0.0) set.centroid_F /= set.normal_force;
-  const double length = normal_sum.norm();
-  set.mean_normal_F = length > 0.0 ? Vector3(normal_sum / length) : Vector3::Zero();
+  if (borne > 0.0) set.centroid_F /= borne;
+  set.normal_force = normal_sum.norm();
+  set.mean_normal_F =
+      set.normal_force > 0.0 ? Vector3(normal_sum / set.normal_force) : Vector3::Zero();
 }
 
 }  // namespace softfinger

@@ -187,6 +187,29 @@ void FeaturePoints::clear() {
   std::fill(place_.begin(), place_.end(), -1);
 }
 
+void FeaturePoints::keep(State& state) const {
+  std::copy_n(points_.begin(), count_, state.points.begin());
+  state.count = count_;
+}
+
+bool FeaturePoints::restore(const State& state) {
+  bool same = count_ == state.count;
+  for (std::size_t k = 0; k < count_; ++k) {
+    const Point& point = points_[k];
+    same = same && point.triangle == state.points[k].triangle &&
+           point.obstacle == state.points[k].obstacle;
+    place_[static_cast<std::size_t>(point.triangle) * obstacle_count_ +
+           static_cast<std::size_t>(point.obstacle)] = -1;
+  }
+  std::copy_n(state.points.begin(), state.count, points_.begin());
+  count_ = state.count;
+  for (std::size_t k = 0; k < count_; ++k) {
+    place_[static_cast<std::size_t>(points_[k].triangle) * obstacle_count_ +
+           static_cast<std::size_t>(points_[k].obstacle)] = static_cast<int>(k);
+  }
+  return same;
+}
+
 void FeaturePoints::release_last(const ContactCorrection& correction) {
   const std::size_t samples = model_.sample_nodes.size();
   while (count_ > 0 && !points_[count_ - 1].near && !correction.holds(samples + count_ - 1)) {

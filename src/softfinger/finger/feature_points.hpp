@@ -37,6 +37,12 @@ class FeaturePoints {
     bool near = false;                 ///< may touch in this step
   };
 
+  /// What is known from step to step.
+  struct State {
+    std::array<Point, kMost> points;
+    std::size_t count = 0;
+  };
+
   FeaturePoints(const FingerModel& model, std::size_t obstacle_count);
 
   struct Step {
@@ -50,6 +56,9 @@ class FeaturePoints {
   void choose(const Step& step, const ContactPotential& contact,
               const ContactCorrection& correction, std::span<FrictionAnchor> anchors);
   void clear();
+  void keep(State& state) const;
+  /// False where other places are taken now than before, so that what knew them is out of date.
+  bool restore(const State& state);
 
   [[nodiscard]] std::span<const Point> points() const { return {points_.data(), count_}; }
   [[nodiscard]] Vector3 position(const Point& point, std::span<const Vector3> nodes) const {

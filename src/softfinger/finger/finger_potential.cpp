@@ -10,6 +10,34 @@ namespace {
 constexpr double kLeverArm = 8e-3;
 /// Below this force, N, the residual is absolute: free flight has no force to compare with.
 constexpr double kForceFloor = 1e-3;
+/// Contact stiffness per area is this times the tissue's modulus, 1/m: a pressure as large as the
+/// modulus sinks in by the inverse.
+constexpr double kContactStiffness = 3e5;
+constexpr int kConePasses = 12;
+
+/// Mean Young's modulus of what deforms, by rest volume, Pa.
+double mean_modulus(const FingerModel& model) {
+  double volume = 0.0;
+  double sum = 0.0;
+  for (std::size_t t = 0; t < model.mesh.tetrahedra.size(); ++t) {
+    const int material = model.tetrahedron_material[t];
+    if (material < 0) continue;
+    const auto at = [&](std::size_t k) -> const Vector3& {
+      return model.mesh.nodes[static_cast<std::size_t>(model.mesh.tetrahedra[t][k])];
+    };
+    const double v = std::abs((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)));
+    volume += v;
+    sum += v * model.materials[static_cast<std::size_t>(material)].youngs_modulus;
+  }
+  return volume > 0.0 ? sum / volume : 0.0;
+}
+
+ContactPotential::Options contact_options(const FingerModel& model) {
+  ContactPotential::Options options;
+  const double modulus = mean_modulus(model);
+  if (modulus > 0.0) options.stiffness_per_area = kContactStiffness * modulus;
+  return options;
+}
 
 std::vector<ElasticMaterial> elastic_materials(const FingerModel& model) {
   std::vector<ElasticMaterial> materials;
@@ -53,7 +81,8 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       team_(elastic_.is_worth_sharing() ? options.team : nullptr),
       assembly_(elastic_, map_, options.instruction_set, team_ == nullptr ? 1 : team_->threads()),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),
-      contact_(contact_areas(model), model.sample_nodes.size(), obstacle_count, options.contact),
+      contact_(contact_areas(model), model.sample_nodes.size(), obstacle_count,
+               contact_options(model)),
       correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks()), team_),
       features_(model, obstacle_count),
       starts_(model.sample_nodes.size()),
@@ -163,6 +192,11 @@ void FingerPotential::start_from_prediction() {
 void FingerPotential::limit_strain(bool limited) {
   work_.limited = limited;
   has_factor_ = false;
+  evaluate(current_);
+  cache_is_current_ = true;
+}
+
+void FingerPotential::renew() {
   evaluate(current_);
   cache_is_current_ = true;
 }
@@ -346,6 +380,24 @@ NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOpti
   NewtonSummary summary = minimise(potential, options);
   summary.iterations += iterations;
   summary.factorisations += factorisations;
+  return summary;
+}
+
+NewtonSummary minimise_in_cone(FingerPotential& potential, const NewtonOptions& options,
+                               std::span<FrictionAnchor> anchors) {
+  NewtonSummary summary = untangle_and_minimise(potential, options);
+  for (int pass = 0; pass < kConePasses; ++pass) {
+    potential.settle();
+    if (potential.contact().is_in_cone()) return summary;
+    // Limits that only fall come to an end.
+    potential.contact().update_limits(anchors, pass > 0);
+    potential.renew();
+    const NewtonSummary again = minimise(potential, options);
+    summary.iterations += again.iterations;
+    summary.factorisations += again.factorisations;
+    summary.converged = again.converged;
+    summary.residual = again.residual;
+  }
   return summary;
 }
 

@@ -27,7 +27,6 @@ class FingerPotential {
   };
   struct Options {
     bool strain_limits = true;
-    ContactPotential::Options contact{};
     InstructionSet instruction_set = active_instruction_set();
     ThreadTeam* team = nullptr;  ///< shares the work of large meshes; must outlive the potential
   };
@@ -58,6 +57,13 @@ class FingerPotential {
   void start_from_prediction();
   /// Nothing touches any more.
   void forget_features() { features_.clear(); }
+  /// The feature points are part of the state between steps.
+  void keep_features(FeaturePoints::State& state) const { features_.keep(state); }
+  void restore_features(const FeaturePoints::State& state) {
+    if (!features_.restore(state)) has_factor_ = false;
+  }
+  /// Evaluates the current point anew: the anchors have changed.
+  void renew();
   /// Forgets the factor and the warm starts: the next minimisation does not depend on earlier ones.
   void forget();
   /// Forgets the warm starts of contact alone: obstacles may be others, or have jumped.
@@ -150,5 +156,9 @@ class FingerPotential {
 /// into minima of their own; from such a start the minimum without limits is sought first, from
 /// which the wanted one is near.
 NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOptions& options);
+/// The same, and where friction is then outside the cone of the normal forces found, again with the
+/// limits of `anchors` (those of the step) brought down to these, until it is inside.
+NewtonSummary minimise_in_cone(FingerPotential& potential, const NewtonOptions& options,
+                               std::span<FrictionAnchor> anchors);
 
 }  // namespace softfinger

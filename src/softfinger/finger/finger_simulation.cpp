@@ -164,7 +164,7 @@ StepSummary FingerSimulation::step(const Pose& X_WFt, double time) {
   self.place_obstacles(time);
   self.begin(X_WFt);
   self.start();
-  const NewtonSummary summary = untangle_and_minimise(self.potential, NewtonOptions{});
+  const NewtonSummary summary = minimise_in_cone(self.potential, NewtonOptions{}, self.anchors);
   self.finish(X_WFt);
   return {summary.iterations, summary.converged, summary.residual};
 }

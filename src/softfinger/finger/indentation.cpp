@@ -1,8 +1,13 @@
 #include "softfinger/finger/indentation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 
+#include "softfinger/base/error.hpp"
+#include "softfinger/contact/deepest_point.hpp"
 #include "softfinger/finger/contact_report.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 
@@ -11,8 +16,15 @@ namespace {
 
 /// Quasi-static increments are no longer than this, so that friction sees the path, m.
 constexpr double kLongestIncrement = 0.1e-3;
-/// Time steps are no longer than this, s.
+/// Time steps are no longer than this, s, and no step moves the bone further than this, m.
 constexpr double kLongestStep = 1e-3;
+constexpr double kLongestMove = 0.01e-3;
+/// As near as this skin touches, m.
+constexpr double kTouching = 1e-8;
+constexpr int kDescents = 40;
+/// A press comes down from here, m.
+constexpr double kHighest = 0.2;
+constexpr int kMarches = 20000;
 /// Equilibria are solved tighter than steps: others recompute the balance from what is exported.
 constexpr double kStaticTolerance = 1e-9;
 /// Lagged friction limits are renewed until they change by less than this, N.
@@ -34,8 +46,9 @@ std::vector<Stretch> course(const IndentationOptions& options) {
   const auto parts = [](double whole, double longest) {
     return std::max(1, static_cast<int>(std::ceil(whole / longest - 1e-9)));
   };
-  const int increments =
-      duration > 0.0 ? parts(duration, kLongestStep) : parts(length, kLongestIncrement);
+  const int increments = duration > 0.0
+                             ? std::max(parts(duration, kLongestStep), parts(length, kLongestMove))
+                             : parts(length, kLongestIncrement);
   std::vector<Stretch> course;
   course.reserve(3 * static_cast<std::size_t>(options.rows));
   for (int k = 0; k < options.rows; ++k) course.push_back({k, k + 1, duration, increments});
@@ -50,26 +63,59 @@ std::vector<Stretch> course(const IndentationOptions& options) {
   return course;
 }
 
-/// Where F's origin is when the resting skin first touches the obstacle: the height z of F above
-/// which nothing touches, found on the signed distance (monotone in z for these obstacles).
-double touching_height(const FingerModel& model, const Obstacle& obstacle, const Matrix3& R_WF) {
-  const auto least_gap = [&](double z) {
-    double least = 1e300;
-    const Pose X_WF{R_WF, Vector3(0.0, 0.0, z)};
-    for (int node : model.sample_nodes) {
-      const Vector3 p = X_WF * model.mesh.nodes[static_cast<std::size_t>(node)];
-      least =
-          std::min(least, signed_distance(*obstacle.shape, obstacle.X_WO.inverse() * p).distance);
-    }
-    return least;
-  };
-  double low = -0.1;
-  double high = 0.2;
-  for (int i = 0; i < 200 && high - low > 1e-12; ++i) {
-    const double middle = 0.5 * (low + high);
-    (least_gap(middle) > 0.0 ? high : low) = middle;
+/// Least gap of the triangle to the solid, m.
+double least_gap(const Shape& shape, const std::array<Vector3, 3>& corners_O) {
+  TrianglePoint best = least_of_few(shape, {}, corners_O);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double gap = distance_and_gradient(shape, corners_O[k]).distance;
+    if (gap >= best.gap) continue;
+    best = {{}, gap};
+    best.weights[k] = 1.0;
   }
-  return high;
+  for (int i = 0; i < kDescents; ++i) {
+    const TrianglePoint found = deepest_point(shape, {}, corners_O, best);
+    const bool done = found.gap > best.gap - kTouching;
+    best = found;
+    if (done) break;
+  }
+  return best.gap;
+}
+
+/// Where F's origin is when the resting skin, as its triangles have it, first touches the obstacle
+/// on its way down: the height z of F. None where it never does.
+std::optional<double> touching_height(const FingerModel& model, const Obstacle& obstacle,
+                                      const Matrix3& R_WF) {
+  const Shape& shape = *obstacle.shape;
+  const Pose X_OW = obstacle.X_WO.inverse();
+  std::vector<Vector3> corners(model.sample_nodes.size());
+  std::vector<double> gaps(corners.size());
+  double z = kHighest;
+  // The gap grows no faster than the way: marching by it passes nothing.
+  for (int i = 0; i < kMarches && z > -kHighest; ++i) {
+    const Pose X_OF = X_OW * Pose{R_WF, Vector3(0.0, 0.0, z)};
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t s = 0; s < corners.size(); ++s) {
+      corners[s] = X_OF * model.mesh.nodes[static_cast<std::size_t>(model.sample_nodes[s])];
+      gaps[s] = distance_and_gradient(shape, corners[s]).distance;
+      least = std::min(least, gaps[s]);
+    }
+    for (const auto& triangle : model.skin_triangles) {
+      if (std::holds_alternative<HalfSpace>(shape)) break;
+      std::array<Vector3, 3> c;
+      double nearest = std::numeric_limits<double>::infinity();
+      double longest = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        c[k] = corners[static_cast<std::size_t>(triangle[k])];
+        nearest = std::min(nearest, gaps[static_cast<std::size_t>(triangle[k])]);
+        const auto next = static_cast<std::size_t>(triangle[(k + 1) % 3]);
+        longest = std::max(longest, (corners[next] - c[k]).norm());
+      }
+      if (nearest - longest < least) least = std::min(least, least_gap(shape, c));
+    }
+    if (least < kTouching) return z;
+    z -= least;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -98,11 +144,15 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
   StressHistory history = potential.elastic().make_history();
 
   Pose X_WF{exp_rotation(Vector3(0.0, options.pitch, 0.0)), Vector3::Zero()};
-  const double touch = touching_height(model, obstacle, X_WF.rotation);
+  const std::optional<double> touched = touching_height(model, obstacle, X_WF.rotation);
+  if (!touched) {
+    throw InputError("press: the finger comes down beside the obstacle and never touches it");
+  }
+  const double touch = *touched;
   X_WF.translation.z() = touch;
   std::vector<Vector3> positions;
   for (const Vector3& X : model.mesh.nodes) positions.push_back(X_WF * X);
-  std::vector<Vector3> velocities(positions.size(), Vector3::Zero());
+  std::vector<Vector3> velocities(positions.size(), Vector3(0.0, 0.0, -options.speed));
 
   const double row_length = options.depth / options.rows;
   NewtonOptions newton;
@@ -155,12 +205,9 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
       }
       potential.contact().update_anchors(potential.contact_positions(), anchors);
     }
-    Vector3 force_W = Vector3::Zero();
-    for (const ContactSample& sample : contact.samples) {
-      force_W += X_WF.rotation * Vector3(sample.normal_force_F + sample.tangential_force_F);
-    }
-    row.normal_force = force_W.z();
-    row.tangential_force = force_W.head<2>().norm();
+    row.normal_force = contact.normal_force;
+    row.normal_force_sum = contact.normal_force_sum;
+    row.tangential_force = contact.tangential_force;
     row.contact_area = contact.contact_area;
     row.slip_ratio = contact.slip_ratio;
     row.stuck_fraction = contact.stuck_fraction;

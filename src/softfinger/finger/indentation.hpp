@@ -26,7 +26,7 @@ struct IndentationOptions {
   double pitch = 0.0;  ///< turn of the finger about its y axis, rad; positive: distal end down
   bool strain_limits = true;
   bool friction = true;
-  double speed = 0.0;    ///< bone speed, m/s; 0: quasi-static
+  double speed = 0.0;    ///< bone speed, m/s, the tissue's too before touch; 0: quasi-static
   double hold = 0.0;     ///< then s at the greatest depth, in as many rows again; needs a speed
   bool unload = false;   ///< then back to first touch, in as many rows again
   bool relaxed = false;  ///< long-time moduli; only quasi-static
@@ -36,8 +36,9 @@ struct IndentationOptions {
 struct IndentationRow {
   double indentation = 0.0;       ///< m
   double time = 0.0;              ///< s since first touch; 0 where quasi-static
-  double normal_force = 0.0;      ///< N, along the world's z
-  double tangential_force = 0.0;  ///< N, perpendicular to z
+  double normal_force = 0.0;      ///< N, as ContactSet's
+  double normal_force_sum = 0.0;  ///< N, likewise
+  double tangential_force = 0.0;  ///< N, likewise
   double contact_area = 0.0;      ///< m^2
   double slip_ratio = 0.0;        ///< see ContactSet
   double stuck_fraction = 0.0;
@@ -59,7 +60,8 @@ struct IndentationState {
 };
 
 /// Presses the finger along -z of the world on a fixed obstacle, bone and nail prescribed, no
-/// gravity. Calls `visit` after each row. Indentation counts from first touch.
+/// gravity. Calls `visit` after each row. Indentation counts from where the resting skin, as its
+/// triangles have it, first touches. Throws InputError where the way down meets no skin.
 void indent(const FingerModel& model, const Indenter& indenter, const IndentationOptions& options,
             const std::function<void(const IndentationState&)>& visit);
 

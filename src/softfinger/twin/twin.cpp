@@ -22,6 +22,9 @@ constexpr double kFrictionTolerance = 1e-5;
 constexpr int kFrictionPasses = 20;
 /// Features are met as planes, where they were seen before the skin moved: it looks again.
 constexpr int kLooks = 2;
+/// The friction limits' part in a derivative is iterated for, to this part of it.
+constexpr double kDragTolerance = 1e-4;
+constexpr int kDragRounds = 12;
 
 }  // namespace
 
@@ -43,7 +46,9 @@ struct Twin::Implementation {
         anchors(kept_anchors),
         contact(make_contact_set(*wearer)),
         shifts(static_cast<std::size_t>(device->degrees_of_freedom()),
-               std::vector<double>(potential.gradient().size())) {
+               std::vector<double>(potential.gradient().size())),
+        pushed(potential.gradient().size()),
+        rubbed(pushed.size()) {
     touching.reserve(pieces.size() * (wearer->sample_nodes.size() + FeaturePoints::kMost));
     for (std::size_t k = 0; k < pieces.size(); ++k) obstacles[k].shape = &pieces[k].shape;
     reset();
@@ -61,6 +66,7 @@ struct Twin::Implementation {
   StressHistory history;
   Configuration kept_q;
   std::vector<Pose> kept_poses;  ///< of the pieces
+  FeaturePoints::State kept_features;
   // Of the frame under way.
   double friction_coefficient = 0.0;
   double elapsed = 0.0;
@@ -70,6 +76,7 @@ struct Twin::Implementation {
   std::vector<FrictionAnchor> anchors;
   ContactSet contact;
   std::vector<std::vector<double>> shifts;  ///< of the unknowns, by each component of q
+  std::vector<double> pushed, rubbed;       ///< scratch, by unknowns
   struct TouchingPair {
     std::size_t point, piece;
     ContactPotential::PairResponse response;
@@ -86,10 +93,14 @@ struct Twin::Implementation {
   void start(bool was_foreseen);
   void keep();
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
-  void find_touching();
+  void find_touching(bool with_curvature);
   void drag_by(int k);
+  void add_push(int k, bool rubbing, std::span<const double> shift, std::span<double> push) const;
+  [[nodiscard]] Vector3 force_rate(const TouchingPair& touched, int k,
+                                   std::span<const double> shift) const;
   [[nodiscard]] Vector3 node_motion(std::size_t node, int k) const;
-  [[nodiscard]] Vector3 motion_of_point(std::size_t i, int k) const;
+  [[nodiscard]] Vector3 node_motion(std::size_t node, std::span<const double> shift) const;
+  [[nodiscard]] Vector3 motion_of_point(std::size_t i, std::span<const double> shift) const;
 };
 
 void Twin::Implementation::reset() {
@@ -99,6 +110,7 @@ void Twin::Implementation::reset() {
   forget(history);
   potential.forget();
   potential.forget_features();
+  potential.keep_features(kept_features);
   foreseen = positions;
   kept_poses.clear();
   for (Obstacle& obstacle : obstacles) obstacle.X_WO_old.reset();
@@ -169,6 +181,7 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
   q = at;
   // A piece may have changed its shape.
   potential.forget_sightings();
+  potential.restore_features(kept_features);
   place();
   NewtonOptions newton;
   newton.tolerance = kTolerance;
@@ -192,6 +205,7 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
 void Twin::Implementation::keep() {
   kept_q = q;
   keep_poses();
+  potential.keep_features(kept_features);
   std::copy(positions.begin(), positions.end(), kept_positions.begin());
   potential.elastic().end_step(potential.elastic_work(), elapsed, history);
   potential.contact().update_anchors(potential.contact_positions(), anchors);
@@ -199,53 +213,102 @@ void Twin::Implementation::keep() {
   elapsed = 0.0;
 }
 
-void Twin::Implementation::find_touching() {
+void Twin::Implementation::find_touching(bool with_curvature) {
   touching.clear();
   TouchingPair pair;
   for (pair.point = 0; pair.point < potential.contact_positions().size(); ++pair.point) {
     for (pair.piece = 0; pair.piece < pieces.size(); ++pair.piece) {
-      if (potential.contact().pair_response(pair.point, pair.piece, pair.response)) {
+      if (potential.contact().pair_response(pair.point, pair.piece, with_curvature,
+                                            pair.response)) {
         touching.push_back(pair);
       }
     }
   }
 }
 
-/// How the skin's equilibrium moves by component k: -A^-1 dG/dq.
-void Twin::Implementation::drag_by(int k) {
-  std::vector<double>& shift = shifts[static_cast<std::size_t>(k)];
-  std::fill(shift.begin(), shift.end(), 0.0);
+/// How the force of a touching pair grows with component k while the skin moves by `shift`.
+Vector3 Twin::Implementation::force_rate(const TouchingPair& touched, int k,
+                                         std::span<const double> shift) const {
+  const PieceMotion& motion = motions(touched.piece, k);
+  const Vector3 approach =
+      motion_of_point(touched.point, shift) -
+      motion.at(potential.contact_positions()[touched.point], touched.response.outward);
+  return motion.spin.cross(touched.response.normal_force) -
+         touched.response.normal_stiffness * approach;
+}
+
+/// Adds what pushes the skin as component k grows: the device's motion itself, or `rubbing`, the
+/// friction limits that grow with the normal forces while the skin moves by `shift`.
+void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double> shift,
+                                    std::span<double> push) const {
   const std::size_t samples = wearer->sample_nodes.size();
   const auto add = [&](int node, const Vector3& force) {
     const int block = potential.unknowns().block_of_node[static_cast<std::size_t>(node)];
-    if (block >= 0) Eigen::Map<Vector3>(shift.data() + 3 * block) += force;
+    if (block >= 0) Eigen::Map<Vector3>(push.data() + 3 * block) += force;
   };
   const std::span<const Vector3> points = potential.contact_positions();
-  for (const auto& [i, piece, pair] : touching) {
-    const PieceMotion& motion = motions(piece, k);
-    if (!motion.moves()) continue;
-    const Vector3 force =
-        pair.hessian * motion.at(points[i], pair.outward) - motion.spin.cross(pair.gradient);
-    if (i < samples) {
-      add(wearer->sample_nodes[i], force);
+  for (const TouchingPair& touched : touching) {
+    const ContactPotential::PairResponse& pair = touched.response;
+    const PieceMotion& motion = motions(touched.piece, k);
+    Vector3 force = Vector3::Zero();
+    if (rubbing) {
+      const double magnitude = pair.normal_force.norm();
+      if (!(magnitude > 0.0) || pair.drag.isZero(0.0)) continue;
+      force = -pair.drag * force_rate(touched, k, shift).dot(pair.normal_force) / magnitude;
+    } else if (motion.moves()) {
+      force = pair.hessian * motion.at(points[touched.point], pair.outward) -
+              motion.spin.cross(pair.gradient);
     } else {
-      const FeaturePoints::Point& feature = potential.features().points()[i - samples];
-      for (std::size_t c = 0; c < 3; ++c) add(feature.nodes[c], feature.weights[c] * force);
+      continue;
     }
+    if (touched.point < samples) {
+      add(wearer->sample_nodes[touched.point], force);
+      continue;
+    }
+    const FeaturePoints::Point& feature = potential.features().points()[touched.point - samples];
+    for (std::size_t c = 0; c < 3; ++c) add(feature.nodes[c], feature.weights[c] * force);
   }
+}
+
+/// How the skin's equilibrium moves by component k: -A^-1 dG/dq. The part of dG/dx by which
+/// friction limits follow the normal forces is not symmetric and not in A: it is iterated for.
+void Twin::Implementation::drag_by(int k) {
+  std::vector<double>& shift = shifts[static_cast<std::size_t>(k)];
+  std::fill(shift.begin(), shift.end(), 0.0);
+  add_push(k, false, {}, shift);
+  pushed = shift;
   potential.solve(shift);
+  const bool rubs = std::ranges::any_of(
+      touching, [](const TouchingPair& t) { return !t.response.drag.isZero(0.0); });
+  for (int round = 0; rubs && round < kDragRounds; ++round) {
+    rubbed = pushed;
+    add_push(k, true, shift, rubbed);
+    potential.solve(rubbed);
+    double change = 0.0;
+    double size = 0.0;
+    for (std::size_t n = 0; n < shift.size(); ++n) {
+      change += (rubbed[n] - shift[n]) * (rubbed[n] - shift[n]);
+      size += rubbed[n] * rubbed[n];
+    }
+    std::swap(shift, rubbed);
+    if (change <= kDragTolerance * kDragTolerance * size) break;
+  }
 }
 
 /// What drag_by(k) found.
 Vector3 Twin::Implementation::node_motion(std::size_t node, int k) const {
+  return node_motion(node, shifts[static_cast<std::size_t>(k)]);
+}
+
+Vector3 Twin::Implementation::node_motion(std::size_t node, std::span<const double> shift) const {
   const int block = potential.unknowns().block_of_node[node];
   if (block < 0) return Vector3::Zero();
-  return Eigen::Map<const Vector3>(shifts[static_cast<std::size_t>(k)].data() + 3 * block);
+  return Eigen::Map<const Vector3>(shift.data() + 3 * block);
 }
 
 /// The same at contact point i.
-Vector3 Twin::Implementation::motion_of_point(std::size_t i, int k) const {
-  const auto at = [&](int node) { return node_motion(static_cast<std::size_t>(node), k); };
+Vector3 Twin::Implementation::motion_of_point(std::size_t i, std::span<const double> shift) const {
+  const auto at = [&](int node) { return node_motion(static_cast<std::size_t>(node), shift); };
   const std::size_t samples = wearer->sample_nodes.size();
   if (i < samples) return at(wearer->sample_nodes[i]);
   const FeaturePoints::Point& feature = potential.features().points()[i - samples];
@@ -258,39 +321,21 @@ bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian&
   const int dof = device->degrees_of_freedom();
   by_q.setZero(3, dof);
   for (std::vector<double>& shift : shifts) std::fill(shift.begin(), shift.end(), 0.0);
-  const std::span<const Vector3> points = potential.contact_positions();
-  find_touching();
-  double magnitude = 0.0;
-  Vector3 sum = Vector3::Zero();
-  for (const TouchingPair& pair : touching) {
-    magnitude += pair.response.normal_force.norm();
-    sum += pair.response.normal_force;
-  }
+  find_touching(true);
   force.setZero();
-  const double length = sum.norm();
-  if (!(length > 0.0)) return true;
-  const Vector3 direction = sum / length;
-  force = magnitude * direction;
-  if (!potential.factorise(HessianKind::kFull) &&
-      !potential.factorise(HessianKind::kNoContactCurvature)) {
-    return false;
+  for (const TouchingPair& pair : touching) force += pair.response.normal_force;
+  if (!(force.norm() > 0.0)) return true;
+  if (!potential.factorise(HessianKind::kFull)) {
+    if (!potential.factorise(HessianKind::kNoContactCurvature)) return false;
+    find_touching(false);
   }
   motions.at(q);
   for (int k = 0; k < dof; ++k) {
     drag_by(k);
-    double magnitude_rate = 0.0;
-    Vector3 sum_rate = Vector3::Zero();
-    for (const auto& [i, piece, pair] : touching) {
-      const double one = pair.normal_force.norm();
-      if (!(one > 0.0)) continue;
-      const PieceMotion& motion = motions(piece, k);
-      const Vector3 approach = motion_of_point(i, k) - motion.at(points[i], pair.outward);
-      const Vector3 rate = motion.spin.cross(pair.normal_force) - pair.normal_stiffness * approach;
-      sum_rate += rate;
-      magnitude_rate += rate.dot(pair.normal_force) / one;
+    for (const TouchingPair& pair : touching) {
+      if (pair.response.normal_force.isZero(0.0)) continue;
+      by_q.col(k) += force_rate(pair, k, shifts[static_cast<std::size_t>(k)]);
     }
-    by_q.col(k) = magnitude_rate * direction +
-                  magnitude / length * (sum_rate - direction * direction.dot(sum_rate));
   }
   shifts_known = true;
   return true;

@@ -15,8 +15,7 @@ struct TwinSummary {
   bool converged = true;
 };
 
-/// Normal contact force of device on skin, as one vector: as long as the sum of the samples'
-/// magnitudes, along the sum of their vectors; in F, N.
+/// Normal contact force of device on skin, as one vector: the sum of the normal forces; in F, N.
 [[nodiscard]] Vector3 normal_force_vector(const ContactSet& contact);
 
 /// A second finger in F: bone held at F's origin, skin at quasi-static equilibrium against the
@@ -46,8 +45,8 @@ class Twin {
   [[nodiscard]] const Configuration& configuration() const;
   /// normal_force_vector() at the last attempt and its derivative by q (3 x dof, N by rad or m), by
   /// the implicit function theorem: the skin's equilibrium moves with q. The device's own motion is
-  /// by differences of its pieces' poses, all else exact; friction limits stay. False where the
-  /// equilibrium is not stable enough to be solved for.
+  /// by differences of its pieces' poses, all else exact, friction limits that follow the normal
+  /// forces included. False where the equilibrium is not stable enough to be solved for.
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
 
   /// How node `node` moves by component k of q, m by rad or m: after force_and_derivative(), zero
