@@ -9,7 +9,7 @@ namespace softfinger::relations {
 namespace {
 
 double from_environment(const char* name) {
-  const char* text = std::getenv(name);
+  const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
   return text != nullptr && *text != '\0' ? std::max(0.0, std::strtod(text, nullptr)) : 1.0;
 }
 

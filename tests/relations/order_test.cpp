@@ -23,6 +23,7 @@ std::vector<int> shuffled(Draw& draw, std::size_t count) {
 template <typename T>
 std::vector<T> in_order(const std::vector<T>& values, const std::vector<int>& order) {
   std::vector<T> result;
+  result.reserve(order.size());
   for (const int from : order) result.push_back(values[static_cast<std::size_t>(from)]);
   return result;
 }

@@ -50,7 +50,7 @@ TrackedPose InterpolatedTracker::between(double moment) const {
 }
 
 TrackedPose InterpolatedTracker::sample(double time) {
-  const TrackedPose pose = source_->sample(time);
+  TrackedPose pose = source_->sample(time);
   if (!pose.valid) {
     if (!known_) return pose;  // where the finger waits for the first
     count_ = 0;
