@@ -47,7 +47,8 @@ void force_aware(benchmark::State& state, const char* scene, const char* finger,
     ForceRendering force(scenario.model, device);
     for (const ContactSet& contact : contacts) {
       const double start = thread_cpu_time();
-      const RenderedSurface& rendered = force.tick(contact, {}, surface.tick(contact), kTick);
+      const RenderedSurface& rendered =
+          force.tick(contact, {}, surface.tick(contact, kTick), kTick);
       const double took = thread_cpu_time() - start;
       if (contact.contact_count == 0) continue;
       times.push_back(took / us);

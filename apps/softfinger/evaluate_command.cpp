@@ -43,6 +43,10 @@ void evaluate_scene(EvaluateFlags flags) {
   ProgressBar bar;
   flags.options.run.load_observer = load_observer(bar);
   RunObserver observer;
+  observer.message = [&bar](const std::string& message) {
+    bar.clear();
+    fmt::print(stderr, "softfinger: {}\n", message);
+  };
   observer.progress = [&bar](double time, std::optional<double> end) {
     if (end && *end > 0.0) bar.show(time / *end);
   };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "softfinger/base/units.hpp"
@@ -55,6 +56,8 @@ Json report(const FingerSummary& finger, std::int64_t steps, const Json& deadlin
             {"max", finger.iterations.max()}}},
           {"unconverged_steps", finger.unconverged_steps},
           {"commands_sent", finger.commands_sent},
+          {"device_ticks", finger.ticks},
+          {"force_limited_ticks", finger.force_limited_ticks},
           {"max_contact_area_mm2", finger.max_contact_area / mm2},
           {"max_normal_force_N", finger.max_normal_force},
           {"latency_ms", in_ms(finger.latency)},
@@ -70,6 +73,14 @@ std::string line(const char* what, const Histogram& times) {
 
 }  // namespace
 
+Json notices_json(const std::vector<DeviceNotice>& notices) {
+  Json result = Json::array();
+  for (const DeviceNotice& notice : notices) {
+    result.push_back({{"key", notice.key}, {"text", notice.text}});
+  }
+  return result;
+}
+
 Json run_report(const RunSummary& summary) {
   Json misses = nullptr;
   if (summary.deadline_misses) misses = *summary.deadline_misses;
@@ -81,7 +92,9 @@ Json run_report(const RunSummary& summary) {
   }
   result["fingers"] = Json::object();
   for (const auto& [name, finger] : summary.fingers) {
-    result["fingers"][name] = report(finger, summary.steps, misses);
+    Json& one = result["fingers"][name] = report(finger, summary.steps, misses);
+    one["mount_shift_mm"] = std::round(finger.mount_shift / mm * 1e9) / 1e9;
+    one["notices"] = notices_json(finger.notices);
   }
   return result;
 }
@@ -105,6 +118,10 @@ std::string run_report_text(const RunSummary& summary) {
   for (const auto& [name, finger] : summary.fingers) {
     text += fmt::format("  finger {}: at most {:.1f} mm2 in contact, {:.2f} N normal force\n", name,
                         finger.max_contact_area / mm2, finger.max_normal_force);
+    if (finger.force_limited_ticks > 0) {
+      text += fmt::format("    limits.max_force_N held its device back in {} of {} ticks\n",
+                          finger.force_limited_ticks, finger.ticks);
+    }
   }
   if (summary.recording) {
     text += fmt::format("  recorded in {}", summary.recording->string());

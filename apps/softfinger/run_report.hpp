@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "softfinger/engine/run_summary.hpp"
 
@@ -9,3 +10,5 @@
 nlohmann::ordered_json run_report(const softfinger::RunSummary& summary);
 /// The same for people, several lines.
 std::string run_report_text(const softfinger::RunSummary& summary);
+/// What people must know of a device: [{key, text}].
+nlohmann::ordered_json notices_json(const std::vector<softfinger::DeviceNotice>& notices);

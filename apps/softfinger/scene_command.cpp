@@ -11,6 +11,7 @@
 
 #include "commands.hpp"
 #include "progress_bar.hpp"
+#include "run_report.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/engine/run_setup.hpp"
@@ -79,6 +80,7 @@ Json describe(const SceneFinger& finger, const FingerModel& model, const Device*
   if (device != nullptr) {
     json["device"] = finger.device->lexically_normal().string();
     json["device_kind"] = device->kind();
+    json["mount_shift_mm"] = in_mm(device->settings().mount_shift);
   }
   if (duration) json["duration_s"] = *duration;
   return json;
@@ -100,6 +102,7 @@ Json check(const std::string& file) {
     const std::optional<double> end = tracker->end_time();
     if (end) longest = std::max(longest.value_or(0.0), *end);
     fingers.push_back(describe(finger, *setup->models[i], setup->devices[i].get(), end));
+    fingers.back()["notices"] = notices_json(setup->notices[i]);
   }
   Json objects = Json::array();
   for (const VirtualObject& object : scene.objects) objects.push_back(describe(object));
@@ -148,6 +151,13 @@ void print_summary(const Json& scene) {
                    : fmt::format("{} ({})", text(finger, "device"), text(finger, "device_kind")),
                text(finger, "tracker"),
                duration.is_null() ? "" : fmt::format(", {:g} s", duration.get<double>()));
+    if (const double shift = finger.value("mount_shift_mm", 0.0); shift != 0.0) {
+      fmt::print("    its mount stands {:g} mm further {}, to fit the finger\n", std::abs(shift),
+                 shift > 0.0 ? "out" : "in");
+    }
+    for (const Json& notice : finger.at("notices")) {
+      fmt::print("    {}: {}\n", text(notice, "key"), text(notice, "text"));
+    }
   }
   for (const Json& object : scene.at("objects")) {
     const Json& friction = object.at("friction_coefficient");

@@ -62,7 +62,8 @@ TEST(Allocation, SolvesAndTicksDoNotAllocate) {
         touched += matching.solve(pad.view(), options).iterations;
       }
     }
-    for (const ContactSet& contact : std::span(contacts).first(tried)) rendering.tick(contact);
+    for (const ContactSet& contact : std::span(contacts).first(tried))
+      rendering.tick(contact, 1.0 / 30.0);
     EXPECT_EQ(allocations - before, 0) << file.path();
     EXPECT_GT(touched, 0);
   }

@@ -54,13 +54,13 @@ TEST(SurfaceRendering, HomeWhileNothingIsNear) {
   SurfaceRendering rendering(thimble(), rest.size());
   for (int i = 0; i < 5; ++i) {
     const RenderedSurface& rendered =
-        rendering.tick(plane_contact(rest, Vector3::UnitZ(), 10.0 * mm));
+        rendering.tick(plane_contact(rest, Vector3::UnitZ(), 10.0 * mm), kTick);
     EXPECT_EQ(rendered.configuration, thimble()->home());
     EXPECT_EQ(rendered.state, RenderingState::kHome);
   }
   ContactSet nothing = plane_contact(rest, Vector3::UnitZ(), 10.0 * mm);
   nothing.least_gap = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(rendering.tick(nothing).configuration, thimble()->home());
+  EXPECT_EQ(rendering.tick(nothing, kTick).configuration, thimble()->home());
 }
 
 TEST(SurfaceRendering, KeepsTheLeastGapFacingTheNearestNormal) {
@@ -72,7 +72,7 @@ TEST(SurfaceRendering, KeepsTheLeastGapFacingTheNearestNormal) {
     ContactSet contact;
     for (int i = 0; i < 60; ++i) {
       contact = plane_contact(rest, normal, 1.4 * mm);
-      rendering.tick(contact);
+      rendering.tick(contact, kTick);
     }
     const RenderedSurface& rendered = rendering.latest();
     EXPECT_EQ(rendered.state, RenderingState::kApproaching);
@@ -98,7 +98,7 @@ TEST(SurfaceRendering, TouchAndReleaseDoNotJump) {
       const double time = tick * kTick;
       const double height = (3.2 + 4.8 * std::cos(2.0 * std::numbers::pi * time / 8.0)) * mm;
       const ContactSet contact = plane_contact(rest, normal, height);
-      const RenderedSurface& rendered = rendering.tick(contact);
+      const RenderedSurface& rendered = rendering.tick(contact, kTick);
       EXPECT_TRUE(thimble()->reachable(rendered.configuration));
       const bool on_skin =
           rendered.state == RenderingState::kTouching || rendered.state == RenderingState::kHolding;
@@ -127,16 +127,17 @@ TEST(SurfaceRendering, LeavesTheSkinOnlyAfterTwoTicksWithoutContact) {
   std::mt19937 random(4);
   const Pad rest = resting_pad(117, random);
   SurfaceRendering rendering(thimble(), rest.size());
-  for (int i = 0; i < 40; ++i) rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm));
+  for (int i = 0; i < 40; ++i)
+    rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm), kTick);
   EXPECT_EQ(rendering.latest().state, RenderingState::kTouching);
   const ContactSet off = plane_contact(rest, Vector3::UnitZ(), 0.5 * mm);
-  EXPECT_EQ(rendering.tick(off).state, RenderingState::kHolding);
-  EXPECT_EQ(rendering.tick(off).state, RenderingState::kHolding);
+  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kHolding);
+  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kHolding);
   EXPECT_LT(least_gap(off, rendering.latest().configuration), 1e-9);
-  EXPECT_EQ(rendering.tick(off).state, RenderingState::kApproaching);
+  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kApproaching);
   // Contact between two losses starts the count again.
-  rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm));
-  EXPECT_EQ(rendering.tick(off).state, RenderingState::kHolding);
+  rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm), kTick);
+  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kHolding);
 }
 
 TEST(SurfaceRendering, ClearsASkinThatHangsLow) {
@@ -147,7 +148,7 @@ TEST(SurfaceRendering, ClearsASkinThatHangsLow) {
   ContactSet contact;
   for (int i = 0; i < 100; ++i) {
     contact = plane_contact(rest, Vector3::UnitZ(), 20.0 * mm);
-    rendering.tick(contact);
+    rendering.tick(contact, kTick);
   }
   EXPECT_NEAR(least_gap(contact, rendering.latest().configuration), 0.2 * mm, 1e-8);
 }
@@ -160,12 +161,12 @@ TEST(SurfaceRendering, SameInputSameBits) {
   for (int i = 0; i < 100; ++i) {
     const ContactSet contact =
         plane_contact(rest, tilted_normal(10.0, 3.0 * i), 3.0 * mm * std::cos(0.1 * i));
-    EXPECT_EQ(a.tick(contact).configuration, b.tick(contact).configuration);
+    EXPECT_EQ(a.tick(contact, kTick).configuration, b.tick(contact, kTick).configuration);
   }
   b.reset();
   a.reset();
   const ContactSet contact = plane_contact(rest, Vector3::UnitZ(), 1.0 * mm);
-  EXPECT_EQ(a.tick(contact).configuration, b.tick(contact).configuration);
+  EXPECT_EQ(a.tick(contact, kTick).configuration, b.tick(contact, kTick).configuration);
 }
 
 // A plane comes, presses and goes, a tenth of a millimetre a tick: no device jumps, none leaves its
@@ -186,7 +187,7 @@ TEST(SurfaceRendering, EveryKindFollowsWithoutJumps) {
     for (int i = 0; i <= 200; ++i) {
       const double height = (0.1 * std::abs(i - 60) - 1.0) * mm;
       const RenderedSurface& rendered =
-          rendering.tick(plane_contact(rest, Vector3::UnitZ(), height));
+          rendering.tick(plane_contact(rest, Vector3::UnitZ(), height), kTick);
       ASSERT_TRUE(device->reachable(rendered.configuration)) << file.path();
       farthest = std::max(
           farthest, std::sqrt(device->squared_distance(rendered.configuration, device->home())));

@@ -85,7 +85,8 @@ std::vector<Frame> virtual_frames(const std::shared_ptr<const FingerModel>& mode
     }
     const ContactSet& contact = simulation.contact();
     frames.push_back(
-        {contact, force.tick(contact, {}, surface.tick(contact), kElapsed).configuration});
+        {contact,
+         force.tick(contact, {}, surface.tick(contact, kElapsed), kElapsed).configuration});
   }
   return frames;
 }

@@ -72,7 +72,7 @@ class RenderedDevice {
   void advance(const ContactSet& contact, double time, Tally& tally) {
     if (time < static_cast<double>(ticks_) * period_) return;
     ++ticks_;
-    const RenderedSurface& wanted = rendering_.tick(contact);
+    const RenderedSurface& wanted = rendering_.tick(contact, period_);
     const FormedCommand& command = actuator_.command(
         {.configuration = wanted.configuration, .touching = contact.contact_count > 0}, time);
     ++tally.commands;

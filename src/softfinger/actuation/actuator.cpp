@@ -84,6 +84,9 @@ std::vector<ServoSettings> servo_settings(const Device& device) {
   return transport->servos;
 }
 
+/// Less above the ceiling (m) than this is as good as on it.
+constexpr double kForceLimited = 1e-5;
+
 [[noreturn]] void refuse_port(const ActuatorOptions& options, const std::string& port,
                               const std::string& reason) {
   const std::string line = fmt::format(
@@ -161,6 +164,7 @@ void Actuator::Impl::open() {
     line = std::make_unique<GuardProcess>(
         options.guard_program, device->home(),
         GuardSetup{.device_file = std::filesystem::absolute(options.device_file),
+                   .mount_shift = device->settings().mount_shift,
                    .line = line_options});
   }
   const std::string reason = line->start(options.wait_for_device);
@@ -172,7 +176,10 @@ void Actuator::Impl::form(const Configuration& goal, double dt) {
   guard.step(goal, dt);
   formed.configuration = guard.configuration();
   formed.joints = guard.joints();
-  if (options.ceiling) formed.ceiling = options.ceiling->travel(formed.configuration);
+  if (options.ceiling) {
+    formed.ceiling = options.ceiling->travel(formed.configuration);
+    formed.force_limited = goal.allFinite() && options.ceiling->excess(goal) > kForceLimited;
+  }
   const auto targets = guard.targets();
   std::copy(targets.begin(), targets.end(), formed.targets.begin());
   formed.servos = static_cast<int>(targets.size());

@@ -51,7 +51,12 @@ struct ForceSensorSettings {
 struct DeviceSettings {
   std::string kind;
   std::vector<ConfigurationAxis> axes;
-  Pose X_FB;                ///< mount: neutral frame B' in F
+  Pose X_FB;  ///< mount: neutral frame B' in F
+  /// How far X_FB stands further out, against its z, than the file says, to fit a finger; m.
+  double mount_shift = 0.0;
+  /// Least gap to the resting skin of whoever wears it that the mount is shifted to, where the
+  /// configuration is zero (at home where that is out of reach), m.
+  std::optional<double> clearance;
   Configuration home;       ///< where the device rests when nothing is near
   Configuration retracted;  ///< where it goes when a run stops or stalls
   JointLimits joint_limits;

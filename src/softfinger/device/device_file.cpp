@@ -248,8 +248,9 @@ const DeviceKind& kind_named(const std::string& name) {
                                fmt::join(device_kinds(), ", ")));
 }
 
-std::shared_ptr<const Device> read_kind(const ConfigFile& file) {
+std::shared_ptr<const Device> read_kind(const ConfigFile& file, double mount_shift = 0.0) {
   DeviceSettings settings;
+  settings.mount_shift = mount_shift;
   settings.kind = file.root().choice("kind", device_kinds());
   const DeviceKind& kind = kind_named(settings.kind);
   return kind.read(file, std::move(settings));
@@ -318,8 +319,8 @@ std::vector<std::string> device_kinds() {
   return names;
 }
 
-std::shared_ptr<const Device> load_device(const std::filesystem::path& path) {
-  return read_kind(ConfigFile(path));
+std::shared_ptr<const Device> load_device(const std::filesystem::path& path, double mount_shift) {
+  return read_kind(ConfigFile(path), mount_shift);
 }
 
 std::string device_schema(const std::string& name) {

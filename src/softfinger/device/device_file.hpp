@@ -12,8 +12,9 @@ namespace softfinger {
 /// Reads a device file (TOML, keys in docs/files.md) and builds the device. Throws InputError with
 /// file, line and key: besides wrong keys and values for a home that is out of the limits, has no
 /// inverse kinematics or is singular, a retracted pose out of the workspace, and servos whose
-/// pulses do not cover the joint limits.
-[[nodiscard]] std::shared_ptr<const Device> load_device(const std::filesystem::path& file);
+/// pulses do not cover the joint limits. `mount_shift`: see DeviceSettings, m.
+[[nodiscard]] std::shared_ptr<const Device> load_device(const std::filesystem::path& file,
+                                                        double mount_shift = 0.0);
 
 /// Names of the kinds of devices, as `kind` of a device file has them.
 [[nodiscard]] std::vector<std::string> device_kinds();

@@ -47,6 +47,7 @@ DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>&
     force_ = std::make_unique<ForceRendering>(model, device, MatchingOptions{},
                                               force_aware_options(objective_));
   }
+  if (ForceLimiter::needed(*device)) limiter_ = std::make_unique<ForceLimiter>(*model, device);
   if (objective_ == Objective::kStress) nodes_F_.resize(model->mesh.nodes.size());
   if (const auto& sensor = device->settings().force_sensor) {
     offset_ = std::make_unique<TravelOffset>(model, device);
@@ -68,7 +69,7 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   const double cpu_began = thread_cpu_time();
   const ContactSet& contact = finger.contact;
   const double elapsed = std::max(0.0, input.time - record_.time);
-  const RenderedSurface* rendered = &rendering_.tick(contact);
+  const RenderedSurface* rendered = &rendering_.tick(contact, elapsed);
   if (wants_nodes()) transform(finger.X_WF.inverse(), finger.nodes_W, nodes_F_);
   if (force_) rendered = &force_->tick(contact, nodes_F_, *rendered, elapsed);
   RenderedSurface surface = *rendered;
@@ -83,6 +84,8 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
     corrected = offset_->corrected(corrected);
     record_.travel_offset = offset_->value();
   }
+  const Configuration unlimited = corrected;
+  if (limiter_ && corrected.allFinite()) corrected = limiter_->limited(corrected, elapsed);
   record_.cpu_time = thread_cpu_time() - cpu_began;
   ++record_.tick;
   record_.step = input.step;
@@ -98,6 +101,7 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
                                        .touching = contact.contact_count > 0,
                                        .emergency = input.emergency},
                                       input.time);
+  record_.command.force_limited = record_.command.force_limited || corrected != unlimited;
   note_latency(input);
   record_.hash = hash_of(record_);
   if (sensor_) measure(contact.friction_coefficient, elapsed);

@@ -15,6 +15,7 @@
 #include "softfinger/matching/objective.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
 #include "softfinger/tracking/tracker.hpp"
+#include "softfinger/twin/force_limiter.hpp"
 #include "softfinger/twin/force_rendering.hpp"
 
 namespace softfinger {
@@ -79,6 +80,7 @@ class DeviceLoop {
   SurfaceRendering rendering_;
   std::unique_ptr<ForceRendering> force_;        ///< null: another objective
   std::unique_ptr<TravelOffset> offset_;         ///< null: force is not measured
+  std::unique_ptr<ForceLimiter> limiter_;        ///< null: no limit that hangs on the way
   std::unique_ptr<EmulatedForceSensor> sensor_;  ///< null: none
   ForceReading reading_;                         ///< newest; no configuration: none yet
   Configuration stands_;                         ///< where the device is, as far as known

@@ -10,10 +10,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/tracker_kind.hpp"
-#include "softfinger/device/device_file.hpp"
-#include "softfinger/finger/bone.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
-#include "softfinger/twin/force_ceiling.hpp"
 
 namespace softfinger {
 namespace {
@@ -75,30 +72,6 @@ std::string content_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Null where the device file says nothing of force.
-std::shared_ptr<const TravelCeiling> ceiling_of(const SceneFinger& finger, const FingerModel& model,
-                                                const std::shared_ptr<const Device>& device) {
-  if (!device || !(device->settings().max_force > 0.0)) return nullptr;
-  try {
-    return std::make_shared<TravelCeiling>(
-        force_ceiling(model, device, device->settings().max_force));
-  } catch (const InputError& error) {
-    ConfigFile(*finger.device).root().table("limits").fail("max_force_N", error.what());
-  }
-}
-
-/// A measured force corrects how far the device is advanced.
-void check_force_sensor(const fs::path& device_file, const Device& device) {
-  if (!device.settings().force_sensor || device.advances()) return;
-  ConfigFile(device_file)
-      .root()
-      .table("force_sensor")
-      .fail(
-          "kind",
-          "corrects nothing, no coordinate of this device is known to move its surface towards the "
-          "finger; name it by [matching] approach, or leave the table out");
-}
-
 void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
   if (wearer.mesh.tetrahedra == model.mesh.tetrahedra &&
       wearer.sample_nodes == model.sample_nodes && wearer.node_is_rigid == model.node_is_rigid) {
@@ -108,28 +81,6 @@ void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
       fmt::format("{}: its mesh is not connected as that of {}; a wearer may have another [size], "
                   "other constants or moved nodes, but the same elements and groups",
                   wearer.file.string(), model.file.string()));
-}
-
-/// Refuses a device that could not be worn: mounted, or its surface at home, inside the bone.
-void check_mount(const fs::path& device_file, const Device& device, const FingerModel& finger) {
-  const BoneEllipsoid bone = bone_ellipsoid(finger);
-  const auto refuse = [&](const ConfigTable& table, const char* key, const char* what) {
-    table.fail(key, fmt::format("puts {} inside the bone of {}; the pad lies below it, towards -z",
-                                what, finger.file.string()));
-  };
-  const ConfigTable root = ConfigFile(device_file).root();
-  if (bone.contains(device.settings().X_FB.translation)) {
-    refuse(root.table_or_empty("mount"), "translation_mm", "the device");
-  }
-  bool inside = bone.contains(device.surface_pose(device.home()).translation);
-  std::vector<SolidPiece> pieces(static_cast<std::size_t>(device.solid_piece_count()));
-  device.solid_pieces(device.home(), pieces);
-  for (const SolidPiece& piece : pieces) {
-    inside = inside || bone.contains(piece.X_FS.translation);
-  }
-  if (!inside) return;
-  if (root.has("home")) refuse(root.table("home"), "", "the contacting surface");
-  refuse(root.table_or_empty("mount"), "translation_mm", "the contacting surface at home");
 }
 
 /// A misspelt name would leave a finger as it is in silence.
@@ -177,12 +128,10 @@ std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
         FingerModel::load(finger.model, known != nullptr ? known->size : FingerSize{}));
     setup->registrations.push_back(known != nullptr && follows_body(finger) ? known->X_BodyFt
                                                                             : std::nullopt);
-    setup->devices.push_back(finger.device ? load_device(*finger.device) : nullptr);
-    if (finger.device) {
-      check_mount(*finger.device, *setup->devices.back(), *setup->models.back());
-      check_force_sensor(*finger.device, *setup->devices.back());
-    }
-    setup->ceilings.push_back(ceiling_of(finger, *setup->models.back(), setup->devices.back()));
+    WornDevice worn = finger.device ? worn_on(*setup->models.back(), *finger.device) : WornDevice{};
+    setup->devices.push_back(std::move(worn.device));
+    setup->ceilings.push_back(std::move(worn.ceiling));
+    setup->notices.push_back(std::move(worn.notices));
   }
   if (options.wearer) {
     setup->wearer = FingerModel::load(*options.wearer);

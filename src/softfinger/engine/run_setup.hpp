@@ -12,6 +12,7 @@
 #include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/engine/person.hpp"
 #include "softfinger/engine/recording_info.hpp"
+#include "softfinger/engine/worn_device.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/matching/objective.hpp"
 #include "softfinger/scene/scene.hpp"
@@ -60,6 +61,8 @@ struct RunSetup {
   std::vector<std::shared_ptr<const Device>> devices;      ///< one per finger; null: none
   /// One per finger: how far its device may be advanced; null: its force has no limit.
   std::vector<std::shared_ptr<const TravelCeiling>> ceilings;
+  /// One per finger: what people must know of its device.
+  std::vector<std::vector<DeviceNotice>> notices;
   /// Whom emulated force sensors press; null: the simulated fingers.
   std::shared_ptr<const FingerModel> wearer;
   std::optional<Person> person;

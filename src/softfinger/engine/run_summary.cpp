@@ -40,6 +40,8 @@ void FingerSummary::add(const TickRecord& tick) {
   match_cpu_time.add(tick.cpu_time);
   latency.add(tick.latency);
   stages.add(tick.stages);
+  ++ticks;
+  if (tick.command.force_limited) ++force_limited_ticks;
 }
 
 void FingerSummary::merge(const FingerSummary& other) {
@@ -52,6 +54,8 @@ void FingerSummary::merge(const FingerSummary& other) {
   iterations.merge(other.iterations);
   unconverged_steps += other.unconverged_steps;
   commands_sent += other.commands_sent;
+  ticks += other.ticks;
+  force_limited_ticks += other.force_limited_ticks;
   max_contact_area = std::max(max_contact_area, other.max_contact_area);
   max_normal_force = std::max(max_normal_force, other.max_normal_force);
 }

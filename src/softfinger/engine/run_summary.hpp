@@ -12,6 +12,7 @@
 
 #include "softfinger/base/histogram.hpp"
 #include "softfinger/engine/record.hpp"
+#include "softfinger/engine/worn_device.hpp"
 
 namespace softfinger {
 
@@ -43,8 +44,12 @@ struct FingerSummary {
   CountHistogram iterations;
   std::uint64_t unconverged_steps = 0;
   std::uint64_t commands_sent = 0;
-  double max_contact_area = 0.0;  ///< m^2
-  double max_normal_force = 0.0;  ///< N
+  std::uint64_t ticks = 0;
+  std::uint64_t force_limited_ticks = 0;  ///< in which max_force_N held the device back
+  double max_contact_area = 0.0;          ///< m^2
+  double max_normal_force = 0.0;          ///< N
+  double mount_shift = 0.0;               ///< of its device, m
+  std::vector<DeviceNotice> notices;
 
   void add(const StepRecord& step);
   void add(const TickRecord& tick);

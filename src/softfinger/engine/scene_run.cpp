@@ -461,6 +461,8 @@ RunSummary SceneRun::finish() {
       }
     }
     summary.all.merge(one);
+    one.notices = setup_->notices[i];
+    if (setup_->devices[i]) one.mount_shift = setup_->devices[i]->settings().mount_shift;
     summary.fingers.emplace_back(setup_->scene.fingers[i].name, one);
     // A viewer may keep this run a little longer; the ports must be free for the next.
     finger.device.reset();
@@ -476,6 +478,13 @@ RunSummary SceneRun::finish() {
 }
 
 std::optional<std::string> SceneRun::take_message() {
+  for (; notices_told_.finger < fingers_.size(); notices_told_ = {notices_told_.finger + 1, 0}) {
+    const auto& notices = setup_->notices[notices_told_.finger];
+    if (notices_told_.notice == notices.size()) continue;
+    const DeviceNotice& notice = notices[notices_told_.notice++];
+    return fmt::format("{}: {}: {}", setup_->scene.fingers[notices_told_.finger].name, notice.key,
+                       notice.text);
+  }
   for (const auto& finger : fingers_) {
     if (finger->tracker) {
       if (auto message = finger->tracker->take_message()) return message;

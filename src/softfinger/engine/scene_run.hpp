@@ -122,6 +122,9 @@ class SceneRun {
   std::atomic<bool> devices_ending_{false};
   std::atomic<std::int64_t> step_{0};
   std::atomic<std::uint64_t> deadline_misses_{0};
+  struct {
+    std::size_t finger = 0, notice = 0;
+  } notices_told_;  ///< the next one to tell
   bool told_dropped_ = false;
   bool told_failed_ = false;
 };

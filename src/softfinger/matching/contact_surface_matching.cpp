@@ -26,6 +26,8 @@ constexpr std::array<int, 4> kGridPoints{0, 24, 12, 6};
 constexpr std::size_t kGridStarts = 3;
 constexpr double kSamePoint = 1e-10;  // m of surface motion
 constexpr double kRendered = 1e-16;   // m^2; less deviation than this is none
+constexpr int kAdvances = 20;         // steps along one direction
+constexpr double kAdvanced = 1e-9;    // m; a step that is none
 
 }  // namespace
 
@@ -50,6 +52,10 @@ struct ContactSurfaceMatching::Implementation {
       minimiser.emplace(*device);
       values.resize(device->constraint_count());
       jacobian.resize(device->constraint_count(), device->degrees_of_freedom());
+      const int n = device->degrees_of_freedom();
+      gradient.resize(n);
+      gauss_newton.resize(n, n);
+      hessian.resize(n, n);
     }
     for (auto* array : {&x, &y, &z, &weight, &margin}) {
       array->resize(static_cast<std::size_t>(capacity));
@@ -65,6 +71,8 @@ struct ContactSurfaceMatching::Implementation {
   bool limited = false;  ///< a limit was in the way of some start of this solve
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd gauss_newton, hessian;
 
   SurfaceSamples pack(const ContactPoints& points, const MatchingOptions& options);
   void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome);
@@ -337,6 +345,42 @@ MatchingResult ContactSurfaceMatching::solve(const ContactPoints& points,
   }
   self.finish(result, options.limits);
   return result;
+}
+
+double ContactSurfaceMatching::deviation(const ContactPoints& points,
+                                         const MatchingOptions& options, const Configuration& q) {
+  return device().deviation(q, implementation_->pack(points, options));
+}
+
+Configuration ContactSurfaceMatching::advanced(const ContactPoints& points,
+                                               const MatchingOptions& options,
+                                               const Configuration& q) {
+  Implementation& self = *implementation_;
+  const SurfaceSamples samples = self.pack(points, options);
+  Configuration at = q;
+  if (self.pins || !self.device->advances() || samples.contact_count == 0) return at;
+  Configuration ahead = Configuration::Zero(q.size());
+  self.device->advance(1.0, ahead);
+  double least = self.device->deviation(at, samples);
+  // E along one line is smooth but where samples of N come and go.
+  for (int i = 0; i < kAdvances; ++i) {
+    self.device->deviation_derivatives(at, samples, self.gradient, self.gauss_newton, self.hessian);
+    const double curvature = ahead.dot(self.gauss_newton * ahead);
+    if (!(curvature > 0.0)) break;
+    double step = -self.gradient.dot(ahead) / curvature;
+    Configuration trial = at;
+    double value = least;
+    for (int halving = 0; halving < kAdvances && std::abs(step) > kAdvanced; ++halving) {
+      trial = at + step * ahead;
+      value = self.device->deviation(trial, samples);
+      if (value < least) break;
+      step *= 0.5;
+    }
+    if (!(value < least)) break;
+    at = trial;
+    least = value;
+  }
+  return at;
 }
 
 std::vector<std::string> ContactSurfaceMatching::limit_names(const MatchingResult& result) const {

@@ -70,6 +70,13 @@ class ContactSurfaceMatching {
   /// capacity: the rest is ignored.
   [[nodiscard]] MatchingResult solve(const ContactPoints& points, const MatchingOptions& options,
                                      const Configuration* warm = nullptr);
+  /// E at q, m^2. Does not allocate.
+  [[nodiscard]] double deviation(const ContactPoints& points, const MatchingOptions& options,
+                                 const Configuration& q);
+  /// q advanced, nothing else changed, to where E is least; q itself where the device does not
+  /// advance or nothing is in contact. Does not allocate.
+  [[nodiscard]] Configuration advanced(const ContactPoints& points, const MatchingOptions& options,
+                                       const Configuration& q);
   [[nodiscard]] const Device& device() const;
   /// Names for MatchingResult::active_constraints, each once: "joint_1" or configuration names.
   [[nodiscard]] std::vector<std::string> limit_names(const MatchingResult& result) const;

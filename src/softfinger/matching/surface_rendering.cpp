@@ -11,14 +11,9 @@
 namespace softfinger {
 namespace {
 
-constexpr int kTicksOnSkin = 2;  // without contact, before the device leaves the skin
-// What an easing gives back per tick. On the skin it must pass unnoticed: two axes together stay
-// under 2 degrees and 0.15 mm.
-constexpr double kAngleOnSkin = 1.2 * deg;
-constexpr double kAngleInAir = 2.5 * deg;
-constexpr double kLength = 0.12 * mm;
+constexpr int kTicksOnSkin = 2;      // without contact, before the device leaves the skin
 constexpr double kTurn = 6.0 * deg;  // a nearest normal that turns more in one tick is a jump
-// So few contacts leave the match room to turn; its changes are then held back.
+// So few contacts leave the match room to turn; its turns are then held back.
 constexpr int kFewContacts = 8;
 
 double shrunk(double value, double by) {
@@ -43,9 +38,10 @@ std::string_view to_string(RenderingState state) {
 
 struct SurfaceRendering::Implementation {
   Implementation(std::shared_ptr<const Device> the_device, int capacity,
-                 const MatchingOptions& the_options)
+                 const MatchingOptions& the_options, const RenderingRates& the_rates)
       : device(the_device),
         options(the_options),
+        rates(the_rates),
         matching(std::move(the_device), capacity),
         skin(*device, capacity) {
     const auto size = static_cast<std::size_t>(capacity);
@@ -59,6 +55,7 @@ struct SurfaceRendering::Implementation {
 
   std::shared_ptr<const Device> device;
   MatchingOptions options;
+  RenderingRates rates;
   ContactSurfaceMatching matching;
   SkinClearance skin;
   std::vector<Vector3> points;
@@ -79,11 +76,12 @@ struct SurfaceRendering::Implementation {
 
   void reset();
   [[nodiscard]] ContactPoints take(const ContactSet& contact, bool touching);
-  [[nodiscard]] double allowance(int axis, double angle) const;
-  void touch(const ContactSet& contact);
+  [[nodiscard]] bool turns(int axis) const;
+  void touch(const ContactSet& contact, double elapsed);
+  [[nodiscard]] Configuration eased_on_skin(const ContactPoints& view, double elapsed);
   void follow(const ContactSet& contact);
   [[nodiscard]] double turn(const Configuration& a, const Configuration& b) const;
-  void stay_off(const ContactSet& contact, RenderingState state);
+  void stay_off(const ContactSet& contact, RenderingState state, double elapsed);
   [[nodiscard]] Configuration off_skin(const Configuration& orientation, double gap) const;
   void render(const Configuration& wanted, const Configuration& safe);
 };
@@ -120,8 +118,8 @@ ContactPoints SurfaceRendering::Implementation::take(const ContactSet& contact, 
           {gaps.data(), count}};
 }
 
-double SurfaceRendering::Implementation::allowance(int axis, double angle) const {
-  return device->axes()[static_cast<std::size_t>(axis)].unit == deg ? angle : kLength;
+bool SurfaceRendering::Implementation::turns(int axis) const {
+  return device->axes()[static_cast<std::size_t>(axis)].unit == deg;
 }
 
 /// Renders `wanted` cut to the limits of the axes, or what of it is reachable on the way from
@@ -146,30 +144,45 @@ Configuration SurfaceRendering::Implementation::off_skin(const Configuration& or
   return skin.with_gap(start, gap);
 }
 
-void SurfaceRendering::Implementation::touch(const ContactSet& contact) {
+void SurfaceRendering::Implementation::touch(const ContactSet& contact, double elapsed) {
   const ContactPoints view = take(contact, true);
   const MatchingResult result = matching.solve(view, options, &matched);
   matched = result.configuration;
-  rendered.deviation = result.deviation;
   rendered.iterations = result.iterations;
   rendered.termination = result.termination;
   const bool first = rendered.state != RenderingState::kTouching;
-  Configuration wanted = matched;
-  if (first || catching_up || contact.contact_count <= kFewContacts ||
-      contact_count <= kFewContacts) {
-    // At most the allowance beyond the motion of the object against the bone.
-    catching_up = false;
-    for (int k = 0; k < matched.size(); ++k) {
-      const double from = rendered.configuration[k];
-      const double room = allowance(k, kAngleOnSkin);
-      wanted[k] = std::clamp(matched[k], from + std::min(0.0, motion[k]) - room,
-                             from + std::max(0.0, motion[k]) + room);
-      catching_up = catching_up || wanted[k] != matched[k];
-    }
-  }
-  render(wanted, matched);
+  const bool few = contact.contact_count <= kFewContacts || contact_count <= kFewContacts;
   contact_count = contact.contact_count;
   rendered.state = RenderingState::kTouching;
+  if (!device->advances() || device->pin_field() != nullptr || !(first || catching_up || few)) {
+    catching_up = false;
+    render(matched, matched);
+    rendered.deviation = result.deviation;
+    return;
+  }
+  render(eased_on_skin(view, elapsed), matched);
+  rendered.deviation =
+      catching_up ? matching.deviation(view, options, rendered.configuration) : result.deviation;
+}
+
+/// The match, turned no further from what was rendered than the object turned against the bone and
+/// an easing allows, and as far advanced as E is then least. A surface that is still off the skin
+/// may turn as far as its gap is wide.
+Configuration SurfaceRendering::Implementation::eased_on_skin(const ContactPoints& view,
+                                                              double elapsed) {
+  catching_up = false;
+  const double air = std::max(0.0, skin.gap(rendered.configuration));
+  Configuration wanted = matched;
+  for (int k = 0; k < matched.size(); ++k) {
+    if (!turns(k)) continue;
+    const double from = rendered.configuration[k];
+    const double room =
+        rates.turn_on_skin * elapsed + air / device->axes()[static_cast<std::size_t>(k)].metric;
+    wanted[k] = std::clamp(matched[k], from + std::min(0.0, motion[k]) - room,
+                           from + std::max(0.0, motion[k]) + room);
+    catching_up = catching_up || wanted[k] != matched[k];
+  }
+  return catching_up ? matching.advanced(view, options, wanted) : wanted;
 }
 
 /// How the object moved against the bone since the last tick, as a device that faces its nearest
@@ -196,7 +209,8 @@ double SurfaceRendering::Implementation::turn(const Configuration& a,
   return std::sqrt(square);
 }
 
-void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, RenderingState state) {
+void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, RenderingState state,
+                                                double elapsed) {
   const Configuration& home = device->home();
   const int approach = device->approach_axis();
   const double eps =
@@ -237,13 +251,16 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
     } else if (jump) {
       air_easing[k] += air_target[k] - target[k];
     }
-    air_easing[k] =
-        shrunk(air_easing[k],
-               allowance(k, arrived_here || state == RenderingState::kHolding ? kAngleOnSkin
-                                                                              : kAngleInAir));
+    const bool on_skin = arrived_here || state == RenderingState::kHolding;
+    const double rate =
+        !turns(k) ? rates.gap_in_air : (on_skin ? rates.turn_on_skin : rates.turn_in_air);
+    air_easing[k] = shrunk(air_easing[k], rate * elapsed);
   }
   if (before != state) gap_easing = skin.gap(rendered.configuration) - gap;
-  gap_easing = shrunk(gap_easing, kLength);
+  gap_easing = shrunk(gap_easing, rates.gap_in_air * elapsed);
+  // It comes no nearer than it stands or is asked to, and presses nothing.
+  const double standing = std::max(0.0, skin.gap(rendered.configuration));
+  gap_easing = std::max(gap_easing, std::min(0.0, standing - gap));
   air_target = target;
 
   Configuration orientation = target;
@@ -262,15 +279,16 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
 }
 
 SurfaceRendering::SurfaceRendering(std::shared_ptr<const Device> device, int capacity,
-                                   MatchingOptions options)
-    : implementation_(std::make_unique<Implementation>(std::move(device), capacity, options)) {}
+                                   MatchingOptions options, RenderingRates rates)
+    : implementation_(
+          std::make_unique<Implementation>(std::move(device), capacity, options, rates)) {}
 SurfaceRendering::~SurfaceRendering() = default;
 SurfaceRendering::SurfaceRendering(SurfaceRendering&&) noexcept = default;
 SurfaceRendering& SurfaceRendering::operator=(SurfaceRendering&&) noexcept = default;
 
 void SurfaceRendering::reset() { implementation_->reset(); }
 
-const RenderedSurface& SurfaceRendering::tick(const ContactSet& contact) {
+const RenderedSurface& SurfaceRendering::tick(const ContactSet& contact, double elapsed) {
   Implementation& self = *implementation_;
   self.skin.take(contact);
   self.follow(contact);
@@ -278,13 +296,13 @@ const RenderedSurface& SurfaceRendering::tick(const ContactSet& contact) {
                            self.rendered.state == RenderingState::kHolding;
   if (contact.contact_count > 0) {
     self.ticks_without_contact = 0;
-    self.touch(contact);
+    self.touch(contact, elapsed);
   } else if (was_on_skin && ++self.ticks_without_contact <= kTicksOnSkin) {
-    self.stay_off(contact, RenderingState::kHolding);
+    self.stay_off(contact, RenderingState::kHolding, elapsed);
   } else if (contact.least_gap < self.device->settings().matching.approach) {
-    self.stay_off(contact, RenderingState::kApproaching);
+    self.stay_off(contact, RenderingState::kApproaching, elapsed);
   } else {
-    self.stay_off(contact, RenderingState::kHome);
+    self.stay_off(contact, RenderingState::kHome, elapsed);
   }
   return self.rendered;
 }

@@ -11,6 +11,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/parallel_for.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/finger/rest_skin.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -29,42 +30,12 @@ constexpr double kSpacing = 1.0 * mm;
 /// moved aside, forces change more from node to node.
 constexpr double kReserve = 0.93;
 constexpr double kReserveAside = 0.75;
-constexpr int kProbes = 40;                 // of how far an axis goes
-constexpr double kFarthest = 20.0 * mm;     // of surface motion from home that is looked at
-constexpr double kMarch = 0.5 * mm;         // of advance between two presses
+constexpr int kProbes = 40;              // of how far an axis goes
+constexpr double kFarthest = 20.0 * mm;  // of surface motion from home that is looked at
+constexpr double kMarch = 0.5 * mm;      // of advance between two presses
+constexpr double kLeastMarch = 0.1 * mm;
 constexpr double kAdvanceTolerance = 3e-5;  // m
-
-std::shared_ptr<const FingerModel> stiffest(const FingerModel& model) {
-  auto wearer = std::make_shared<FingerModel>(model);
-  for (FingerModel::Material& material : wearer->materials) {
-    material.youngs_modulus *= kStiffestWearer;
-  }
-  wearer->strain_limits.stiffness *= kStiffestWearer;
-  return wearer;
-}
-
-/// Points of the resting skin, close enough to each other that a small tip meets it between them no
-/// deeper than at them: corners of its triangles, middles of their sides, and their centroids.
-std::vector<Vector3> points_of_skin(const FingerModel& model) {
-  std::vector<Vector3> points;
-  for (const int node : model.sample_nodes) {
-    points.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
-  }
-  for (const std::array<int, 3>& triangle : model.skin_triangles) {
-    const auto corner = [&](std::size_t c) {
-      return points[static_cast<std::size_t>(triangle[c % 3])];
-    };
-    const Vector3 centroid = (corner(0) + corner(1) + corner(2)) / 3.0;
-    points.push_back(centroid);
-    for (std::size_t c = 0; c < 3; ++c) {
-      // Each side once, from its corner of lower index; those of the rim may miss.
-      if (triangle[c] < triangle[(c + 1) % 3]) {
-        points.push_back(0.5 * (corner(c) + corner(c + 1)));
-      }
-    }
-  }
-  return points;
-}
+constexpr double kForceTolerance = 0.01;    // of the force looked for
 
 /// The one number that says how far a device is advanced.
 struct Advance {
@@ -168,6 +139,7 @@ double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Spa
   twin.reset();
   const double tolerance = kAdvanceTolerance / advance.metric;
   const double longest = kMarch / advance.metric;
+  const double least = kLeastMarch / advance.metric;
   double low = -kInfinity;  // presses with no more than max_force, and does further off
   double high = kInfinity;  // presses with more
   double value = span.min;
@@ -182,6 +154,7 @@ double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Spa
       if (value == span.max) return kMissing;
     }
     if (high - low <= tolerance) return low;
+    if (low == value && pressing.force >= (1.0 - kForceTolerance) * max_force) return low;
     // Of a round body in contact the root of the force is nearly straight.
     const double root = std::sqrt(pressing.force);
     double step = 2.0 * root * (std::sqrt(max_force) - root) / pressing.rate;
@@ -191,10 +164,9 @@ double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Spa
       step = std::max(longest, std::isfinite(gap) ? gap / advance.metric : 0.0);
     } else if (!(pressing.rate > 0.0)) {
       step = longest;
-    } else if (std::abs(step) <= tolerance) {
-      return std::min(value + step, span.max);
-    } else {
-      step = std::min(step, longest);
+    } else if (std::isinf(high)) {
+      // Where one vertex has just begun to touch, force says nothing yet of what follows.
+      step = std::clamp(step, least, longest);
     }
     value = std::min(value + step, span.max);
     if (!(value > low && value < high)) value = std::isfinite(high) ? 0.5 * (low + high) : span.max;
@@ -343,6 +315,15 @@ std::vector<double> least_around(const Grid& nodes, const Grid& cells,
 
 }  // namespace
 
+std::shared_ptr<const FingerModel> stiffest_wearer(const FingerModel& model) {
+  auto wearer = std::make_shared<FingerModel>(model);
+  for (FingerModel::Material& material : wearer->materials) {
+    material.youngs_modulus *= kStiffestWearer;
+  }
+  wearer->strain_limits.stiffness *= kStiffestWearer;
+  return wearer;
+}
+
 TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<const Device>& device,
                             double max_force) {
   if (!device->advances()) {
@@ -351,14 +332,14 @@ TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<cons
         "finger; name it by [matching] approach, or leave it out");
   }
   const Advance advance(*device);
-  const std::shared_ptr<const FingerModel> wearer = stiffest(model);
+  const std::shared_ptr<const FingerModel> wearer = stiffest_wearer(model);
   const std::vector<TravelCeiling::GridAxis> axes = grid_axes(*device, advance);
   const Grid nodes(axes, false);
   const bool aside = std::any_of(axes.begin(), axes.end(), [&](const auto& axis) {
     return device->axes()[static_cast<std::size_t>(axis.axis)].unit != deg;
   });
   const double force = (aside ? kReserveAside : kReserve) * max_force;
-  const std::vector<Vector3> rest_skin = points_of_skin(model);
+  const std::vector<Vector3> rest_skin = rest_skin_points(model);
   const TravelCeiling skin(device, rest_skin, {}, {kNoLimit});
   std::vector<double> values = depths(nodes, wearer, device, advance, skin, force);
   fill_missing(nodes, values);

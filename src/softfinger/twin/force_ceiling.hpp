@@ -10,6 +10,8 @@ namespace softfinger {
 /// How much stiffer than the model a wearer is taken to be where a force limit counts.
 inline constexpr double kStiffestWearer = 1.5;
 
+[[nodiscard]] std::shared_ptr<const FingerModel> stiffest_wearer(const FingerModel& model);
+
 /// Up to where a device may be advanced so that a wearer kStiffestWearer times as stiff as the
 /// model is pressed with at most `max_force` (normal force, N, > 0): what a twin without friction
 /// and relaxation feels, over a grid of the axes that do not advance the device. Nodes have

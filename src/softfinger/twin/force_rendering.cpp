@@ -8,9 +8,9 @@
 namespace softfinger {
 namespace {
 
-// The correction's most change in one tick.
-constexpr double kAngle = 3.0 * deg;
-constexpr double kLength = 0.3 * mm;
+// The correction's most change.
+constexpr double kTurnRate = 90.0 * deg;   // rad/s
+constexpr double kLengthRate = 30.0 * mm;  // m/s
 
 }  // namespace
 
@@ -19,7 +19,8 @@ ForceRendering::ForceRendering(const std::shared_ptr<const FingerModel>& model,
                                ForceAwareOptions options)
     : device_(std::move(device)),
       matching_(matching),
-      force_(model, device_, static_cast<int>(model->sample_nodes.size()), options) {
+      force_(model, device_, static_cast<int>(model->sample_nodes.size()), options),
+      skin_(*device_, static_cast<int>(model->sample_nodes.size())) {
   reset();
 }
 
@@ -39,10 +40,15 @@ const RenderedSurface& ForceRendering::tick(const ContactSet& contact,
   for (int k = 0; k < correction_.size(); ++k) {
     const double wanted = matched.configuration[k] - surface.configuration[k];
     const bool angle = device_->axes()[static_cast<std::size_t>(k)].unit == deg;
-    const double room = angle ? kAngle : kLength;
+    const double room = (angle ? kTurnRate : kLengthRate) * elapsed;
     correction_[k] = std::clamp(wanted, correction_[k] - room, correction_[k] + room);
   }
-  const Configuration wanted = surface.configuration + correction_;
+  Configuration wanted = surface.configuration + correction_;
+  if (contact.contact_count == 0 && !correction_.isZero()) {
+    skin_.take(contact);
+    wanted = skin_.with_gap(wanted, skin_.gap(surface.configuration));
+    if (!device_->advances()) wanted = surface.configuration;
+  }
   rendered_.configuration =
       device_->reachable(wanted) ? wanted : last_reachable(*device_, surface.configuration, wanted);
   static_cast<void>(device_->inverse_kinematics(rendered_.configuration, rendered_.joints));

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "softfinger/matching/skin_clearance.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
 #include "softfinger/twin/force_aware_matching.hpp"
 
@@ -10,8 +11,9 @@ namespace softfinger {
 
 /// The running loop's behaviour with objectives "surface_and_force" and "stress": what
 /// SurfaceRendering wants, put right by what the twin feels. Off the skin the correction is given
-/// back at a bounded rate, so that neither touch nor release, nor a twin that loses contact, makes
-/// the device jump. tick() does not allocate.
+/// back at a bounded rate, at the gap to the skin that SurfaceRendering wants, so that neither
+/// touch nor release, nor a twin that loses contact, makes the device jump, and nothing is pressed
+/// where nothing touches. tick() does not allocate.
 class ForceRendering {
  public:
   ForceRendering(const std::shared_ptr<const FingerModel>& model,
@@ -28,6 +30,7 @@ class ForceRendering {
   std::shared_ptr<const Device> device_;
   MatchingOptions matching_;
   ForceAwareMatching force_;
+  SkinClearance skin_;
   Configuration correction_;  ///< rendered minus SurfaceRendering's
   RenderedSurface rendered_;
 };

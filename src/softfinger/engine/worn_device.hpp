@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "softfinger/device/device.hpp"
+#include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/finger/finger_model.hpp"
+
+namespace softfinger {
+
+/// What people must know of a device on a finger: a limit or a setting that keeps it from touching,
+/// or makes it touch.
+struct DeviceNotice {
+  std::string key;   ///< of the device file, "matching.approach_mm"
+  std::string text;  ///< one line
+};
+
+/// A device as it sits on one finger.
+struct WornDevice {
+  std::shared_ptr<const Device> device;          ///< its mount shifted to fit; null: none is worn
+  std::shared_ptr<const TravelCeiling> ceiling;  ///< null: its force has no limit
+  std::vector<DeviceNotice> notices;
+};
+
+/// Reads a device file and puts the device on the finger: with `[mount] clearance_mm` shifted along
+/// the mount's z, in hundredths of a millimetre and at most 5 mm, to have that least gap to the
+/// resting skin where the configuration is zero.
+/// Throws InputError, with file, line and key, for what load_device() and force_ceiling() refuse
+/// and for a device that could not be worn or would be of no use: mounted or at home inside the
+/// bone, resting against the skin at home or retracted, too far from the skin to touch it from
+/// anywhere in its workspace, or advancing away from it.
+[[nodiscard]] WornDevice worn_on(const FingerModel& finger, const std::filesystem::path& file);
+
+}  // namespace softfinger

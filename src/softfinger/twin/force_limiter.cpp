@@ -1,0 +1,66 @@
+#include "softfinger/twin/force_limiter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/twin/force_ceiling.hpp"
+
+namespace softfinger {
+namespace {
+
+/// Of the limit, for what happens between two ticks.
+constexpr double kReserve = 0.85;
+constexpr double kFirstStep = 0.1 * mm;  // back
+constexpr double kMostBack = 20.0 * mm;
+constexpr int kRefinements = 5;
+
+}  // namespace
+
+ForceLimiter::ForceLimiter(const FingerModel& model, std::shared_ptr<const Device> device)
+    : twin_(stiffest_wearer(model), std::move(device)) {}
+
+bool ForceLimiter::needed(const Device& device) {
+  if (!(device.settings().max_force > 0.0) || device.approach_axis() < 0) return false;
+  for (int k = 0; k < device.degrees_of_freedom(); ++k) {
+    if (k != device.approach_axis() && device.axes()[static_cast<std::size_t>(k)].unit != deg) {
+      return true;
+    }
+  }
+  return false;
+}
+
+double ForceLimiter::force_at(const Configuration& q) {
+  twin_.attempt(q);
+  return twin_.contact().normal_force;
+}
+
+Configuration ForceLimiter::limited(const Configuration& q, double elapsed) {
+  const Device& device = twin_.device();
+  const double most = kReserve * device.settings().max_force;
+  twin_.begin_frame(kMostFriction, elapsed);
+  Configuration at = q;
+  if (force_at(q) > most) {
+    const auto back = [&](double distance) {
+      Configuration drawn = q;
+      device.advance(-distance, drawn);
+      return drawn;
+    };
+    double hard = 0.0;
+    double soft = kFirstStep;
+    while (soft < kMostBack && force_at(back(soft)) > most) {
+      hard = soft;
+      soft *= 2.0;
+    }
+    for (int i = 0; i < kRefinements; ++i) {
+      const double middle = 0.5 * (hard + soft);
+      (force_at(back(middle)) > most ? hard : soft) = middle;
+    }
+    at = back(soft);
+    twin_.attempt(at);
+  }
+  twin_.keep();
+  return at;
+}
+
+}  // namespace softfinger

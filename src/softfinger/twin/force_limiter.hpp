@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/twin/twin.hpp"
+
+namespace softfinger {
+
+/// How rough a wearer is taken to be where a force limit counts.
+inline constexpr double kMostFriction = 1.5;
+
+/// Keeps a device that moves its surface aside, dragging skin along, below its force limit. How
+/// hard it presses then hangs on the way it came, so that no table can tell: a twin as stiff as
+/// kStiffestWearer and as rough as kMostFriction is led along, and what would press it harder than
+/// `[limits] max_force_N` is drawn back along the device's advance. limited() does not allocate.
+class ForceLimiter {
+ public:
+  /// `device` needs a limit of force and an axis that advances it.
+  ForceLimiter(const FingerModel& model, std::shared_ptr<const Device> device);
+
+  /// Whether a device has a limit that hangs on the way: it moves aside, and not by pins.
+  [[nodiscard]] static bool needed(const Device& device);
+
+  /// q, drawn back where it would press too hard; the device is taken to go there in `elapsed` s.
+  [[nodiscard]] Configuration limited(const Configuration& q, double elapsed);
+
+ private:
+  [[nodiscard]] double force_at(const Configuration& q);
+
+  Twin twin_;
+};
+
+}  // namespace softfinger
