@@ -11,6 +11,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/finger/finger_size.hpp"
 #include "softfinger/twin/force_ceiling.hpp"
 #include "softfinger/twin/twin.hpp"
 
@@ -79,6 +80,27 @@ TEST_P(ForceCeilingOf, KeepsAStifferWearerBelowTheLimit) {
   // It limits, and not more than it has to.
   EXPECT_GT(lowered, 0);
   EXPECT_GE(highest, GetParam().reached * limit);
+}
+
+// Of some sizes the first vertex to touch touches alone and hardly presses: no end of the search.
+TEST(ForceCeiling, LetsFingersOfEverySizeBePressed) {
+  const auto device = load_device(kProject / "devices" / "plate-2dof.toml");
+  for (int k = 0; k <= 20; ++k) {
+    auto finger = std::make_shared<FingerModel>(*index_finger());
+    const FingerSize size = finger_size(*finger);
+    const double scale = 0.90 + 0.01 * k;
+    resize(*finger, {.length = *size.length * scale,
+                     .breadth = *size.breadth * scale,
+                     .depth = *size.depth * scale});
+    constexpr double kLimit = 2.0;  // N
+    const TravelCeiling ceiling = force_ceiling(*finger, device, kLimit);
+    Configuration q = device->home();
+    q[device->approach_axis()] = ceiling.travel(q);
+    Twin twin(stiffer(*finger, kStiffestWearer), device);
+    twin.press(q, 0.0, 0.0);
+    EXPECT_LE(twin.contact().normal_force, kLimit) << scale;
+    EXPECT_GT(twin.contact().normal_force, 0.5 * kLimit) << scale;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, ForceCeilingOf,

@@ -101,6 +101,9 @@ SceneDescription describe(const RunSetup& setup) {
       finger.workspace = device->workspace_outline();
     }
     description.fingers.push_back(std::move(finger));
+    for (const DeviceNotice& notice : setup.notices[description.fingers.size() - 1]) {
+      description.notices.push_back({description.fingers.size() - 1, notice.key, notice.text});
+    }
   }
   return description;
 }
@@ -171,6 +174,7 @@ void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback) {
     snapshot.pieces[k] = {feedback.pieces[k].X_FS, ball != nullptr ? ball->radius : 0.0};
   }
   snapshot.device_state = state_name(feedback.state);
+  snapshot.force_limited = feedback.tick.command.force_limited;
 }
 
 }  // namespace softfinger
