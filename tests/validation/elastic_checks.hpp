@@ -6,6 +6,7 @@ namespace softfinger::validation {
 
 struct PatchTest {
   int tetrahedra = 0;
+  int free_nodes = 0;
   double strain = 0.0;
   double error = 0.0;  ///< m, farthest interior node from the affine map
 };

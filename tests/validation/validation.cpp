@@ -18,8 +18,10 @@ using namespace softfinger;
 Json patch_json() {
   Json rows = Json::array();
   for (const validation::PatchTest& t : validation::patch_tests()) {
-    rows.push_back(
-        {{"tetrahedra", t.tetrahedra}, {"strain", t.strain}, {"error_mm", t.error / mm}});
+    rows.push_back({{"tetrahedra", t.tetrahedra},
+                    {"free_nodes", t.free_nodes},
+                    {"strain", t.strain},
+                    {"error_mm", t.error / mm}});
   }
   return rows;
 }
@@ -82,6 +84,7 @@ Json free_flight_json() {
     }
     rows.push_back({{"time_step_ms", time_step / ms},
                     {"converged", converged},
+                    {"momentum", momentum.norm()},
                     {"momentum_drift", drift},
                     {"largest_energy_gain", gain},
                     {"energy_J", energies}});
