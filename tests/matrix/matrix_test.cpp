@@ -38,6 +38,12 @@ std::uint64_t seed() {
   return given != nullptr ? std::stoull(given) : kSeed;
 }
 
+/// A tip's table of force limits, the more so of a finer mesh, and stress of many pins.
+bool takes_long(const MatrixCase& one) {
+  return one.device == "delta-schorr" || one.device == "five-bar" ||
+         one.finger == "index-layered" || one.objective == "stress";
+}
+
 struct Frame {
   double virtual_force = 0.0;  // N
   double model = 0.0, stiff = 0.0, small = 0.0, rough = 0.0;
@@ -207,7 +213,10 @@ TEST_F(Matrix, TheWearerFeelsWhatIsTouchedAndNothingElse) {
   std::vector<MatrixCase> cases = matrix_cases(seed());
   const char* which = std::getenv("SOFTFINGER_MATRIX");
   const bool all = which != nullptr && std::string(which) == "all";
-  if (!all) cases.resize(std::min(cases.size(), kDrawn));
+  if (!all) {
+    std::erase_if(cases, takes_long);
+    cases.resize(std::min(cases.size(), kDrawn));
+  }
   std::size_t part = 0;
   std::size_t parts = 1;
   if (const char* given = std::getenv("SOFTFINGER_MATRIX_PART")) {  // "1/2"
