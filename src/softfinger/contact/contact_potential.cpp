@@ -14,6 +14,9 @@ constexpr double kAround = 5e-4;
 /// What is left of the friction limit of a point that came off, so that it is known to have
 /// touched, N.
 constexpr double kLeastLimit = 1e-12;
+/// A limit that only falls goes further by this part of its fall: with less friction the next
+/// normal force is mostly lower too.
+constexpr double kOvershoot = 0.3;
 
 /// An interpolated distance has no gradient of unit length near its edges. Where it has none at all
 /// any direction is as good.
@@ -383,8 +386,9 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool o
       const Pair& pair = pairs_[k];
       FrictionAnchor& anchor = anchors[k];
       if (anchor.limit <= 0.0) continue;  // it touches for the first time: no history to slide from
-      const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
+      double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       if (only_lower && limit >= anchor.limit) continue;
+      if (only_lower) limit = std::max(0.0, limit - kOvershoot * (anchor.limit - limit));
       change = std::max(change, std::abs(limit - anchor.limit));
       anchor.limit = std::max(limit, kLeastLimit);
       if (limit <= 0.0) continue;

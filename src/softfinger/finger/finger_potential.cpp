@@ -13,7 +13,9 @@ constexpr double kForceFloor = 1e-3;
 /// Contact stiffness per area is this times the tissue's modulus, 1/m: a pressure as large as the
 /// modulus sinks in by the inverse.
 constexpr double kContactStiffness = 3e5;
-constexpr int kConePasses = 12;
+constexpr int kConePasses = 20;
+/// Residual to which a pass goes before friction limits are looked at: they are nearly final there.
+constexpr double kRoughly = 1e-2;
 
 /// Mean Young's modulus of what deforms, by rest volume, Pa.
 double mean_modulus(const FingerModel& model) {
@@ -385,20 +387,31 @@ NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOpti
 
 NewtonSummary minimise_in_cone(FingerPotential& potential, const NewtonOptions& options,
                                std::span<FrictionAnchor> anchors) {
-  NewtonSummary summary = untangle_and_minimise(potential, options);
-  for (int pass = 0; pass < kConePasses; ++pass) {
+  NewtonOptions rough = options;
+  rough.tolerance = std::max(options.tolerance, kRoughly);
+  NewtonSummary summary = untangle_and_minimise(potential, rough);
+  int pass = 0;
+  for (bool fully = false;;) {
     potential.settle();
-    if (potential.contact().is_in_cone()) return summary;
-    // Limits that only fall come to an end.
-    potential.contact().update_limits(anchors, pass > 0);
-    potential.renew();
-    const NewtonSummary again = minimise(potential, options);
+    const bool inside = potential.contact().is_in_cone();
+    const bool last = inside || pass == kConePasses;
+    if (fully && last) {
+      summary.converged = summary.converged && inside;
+      return summary;
+    }
+    fully = last;
+    if (!fully) {
+      // Limits that only fall come to an end.
+      potential.contact().update_limits(anchors, pass > 0);
+      potential.renew();
+      ++pass;
+    }
+    const NewtonSummary again = minimise(potential, fully ? options : rough);
     summary.iterations += again.iterations;
     summary.factorisations += again.factorisations;
     summary.converged = again.converged;
     summary.residual = again.residual;
   }
-  return summary;
 }
 
 }  // namespace softfinger

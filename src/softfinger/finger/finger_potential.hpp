@@ -157,7 +157,8 @@ class FingerPotential {
 /// which the wanted one is near.
 NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOptions& options);
 /// The same, and where friction is then outside the cone of the normal forces found, again with the
-/// limits of `anchors` (those of the step) brought down to these, until it is inside.
+/// limits of `anchors` (those of the step) brought down to these, until it is inside; if that does
+/// not come to an end the summary says that it did not converge.
 NewtonSummary minimise_in_cone(FingerPotential& potential, const NewtonOptions& options,
                                std::span<FrictionAnchor> anchors);
 
