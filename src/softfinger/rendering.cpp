@@ -79,16 +79,16 @@ PoseConditioning conditioning_of(const RenderingOptions& options) {
   return conditioning;
 }
 
-/// What the caller hands over, as a tracker.
-struct HandedPose final : Tracker {
-  TrackedPose pose;
-  TrackedPose sample(double) override { return pose; }
-  [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
-};
-
 }  // namespace
 
 struct Rendering::Implementation {
+  /// What the caller hands over, as a tracker.
+  struct HandedPose final : Tracker {
+    TrackedPose pose;
+    TrackedPose sample(double) override { return pose; }
+    [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
+  };
+
   Implementation(const std::filesystem::path& scene, const RenderingOptions& options)
       : Implementation(load(scene, options), options) {}
 
