@@ -13,7 +13,7 @@ constexpr double kForceFloor = 1e-3;
 /// Contact stiffness per area is this times the tissue's modulus, 1/m: a pressure as large as the
 /// modulus sinks in by the inverse.
 constexpr double kContactStiffness = 3e5;
-constexpr int kConePasses = 20;
+constexpr int kConePasses = 40;
 /// Residual to which a pass goes before friction limits are looked at: they are nearly final there.
 constexpr double kRoughly = 1e-2;
 
