@@ -42,7 +42,7 @@ TEST(DilatationPatches, AreConnectedOfOneMaterialAndOfAboutFour) {
   for (std::size_t t = 0; t < material.size(); ++t) {
     material[t] = static_cast<int>(t % 100 < 40) - static_cast<int>(t < 7);
   }
-  const std::vector<int> patch = dilatation_patches(mesh.tetrahedra, material);
+  const std::vector<int> patch = dilatation_patches(mesh.nodes, mesh.tetrahedra, material);
   std::map<int, std::vector<int>> members;
   for (std::size_t t = 0; t < patch.size(); ++t) {
     EXPECT_EQ(patch[t] < 0, material[t] < 0);

@@ -10,6 +10,7 @@
 
 #include "../geometry/generated_mesh.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/contact/deepest_point.hpp"
 #include "softfinger/geometry/closed_surface.hpp"
 #include "softfinger/geometry/grid_sampling.hpp"
 #include "softfinger/geometry/triangle_tree.hpp"
@@ -23,21 +24,27 @@ Pose at(const Vector3& place, const Vector3& turn = Vector3::Zero()) {
   return {exp_rotation(turn), place};
 }
 
-/// Samples, and points that cut each skin triangle's edges in four.
-std::vector<Vector3> skin_points(const FingerModel& model) {
-  std::vector<Vector3> points;
+/// Least distance of the skin, as its triangles have it, to the object, m.
+double least_distance(const FingerModel& model, const Shape& shape, const Pose& X_OF) {
+  double least = std::numeric_limits<double>::infinity();
   for (const auto& triangle : model.skin_triangles) {
-    const auto corner = [&](std::size_t k) -> const Vector3& {
+    std::array<Vector3, 3> corners;
+    double nearest = std::numeric_limits<double>::infinity();
+    double longest = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
       const auto sample = static_cast<std::size_t>(triangle[k]);
-      return model.mesh.nodes[static_cast<std::size_t>(model.sample_nodes[sample])];
-    };
-    for (int i = 0; i <= 4; ++i) {
-      for (int j = 0; i + j <= 4; ++j) {
-        points.push_back((i * corner(0) + j * corner(1) + (4 - i - j) * corner(2)) / 4.0);
-      }
+      corners[k] = X_OF * model.mesh.nodes[static_cast<std::size_t>(model.sample_nodes[sample])];
+      nearest = std::min(nearest, signed_distance(shape, corners[k]).distance);
+      longest = std::max(longest, (corners[k] - corners[0]).norm());
     }
+    longest = std::max(longest, (corners[2] - corners[1]).norm());
+    least = std::min(least, nearest);
+    if (nearest - longest > least) continue;
+    TrianglePoint point = least_of_few(shape, {}, corners);
+    for (int descent = 0; descent < 4; ++descent) point = deepest_point(shape, {}, corners, point);
+    least = std::min(least, point.gap);
   }
-  return points;
+  return least;
 }
 
 const MeshShape& ball_of_triangles() {
@@ -145,15 +152,11 @@ VirtualObject draw_object(Draw& draw, Thing thing, std::string& what) {
 }
 
 Pose touching(const FingerModel& model, const VirtualObject& object, const Matrix3& turn) {
-  const std::vector<Vector3> points = skin_points(model);
   const Pose X_OW = object.motion.sample(0.0).inverse();
   Pose X_WFt{turn, Vector3(0.0, 0.0, 40 * mm)};
   // Distances bound how far down nothing touches.
   for (int look = 0; look < 400; ++look) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Vector3& point : points) {
-      least = std::min(least, signed_distance(object.shape, X_OW * (X_WFt * point)).distance);
-    }
+    const double least = least_distance(model, object.shape, X_OW * X_WFt);
     if (least < 1e-7) break;
     X_WFt.translation.z() -= 0.98 * least;
   }

@@ -40,8 +40,8 @@ inline constexpr std::initializer_list<Path> kAllPaths{Path::kTap, Path::kPress,
 [[nodiscard]] std::shared_ptr<const FingerModel> draw_finger(Draw& draw, std::string& what);
 /// The object, its top at z = 0 of W below the origin; mu 0 to 1.
 [[nodiscard]] VirtualObject draw_object(Draw& draw, Thing thing, std::string& what);
-/// X_WFt over `object` where it just touches: over the origin, turned like `turn`. What is known of
-/// the skin are its samples at rest and points inside its triangles.
+/// X_WFt over `object` where it just touches: over the origin, turned like `turn`. The skin is what
+/// its triangles at rest have of it.
 [[nodiscard]] Pose touching(const FingerModel& model, const VirtualObject& object,
                             const Matrix3& turn);
 

@@ -118,8 +118,8 @@ TEST(Order, OfElementsAndTriangles) {
   }
 }
 
-// Which elements share a patch depends on where the search begins.
-TEST(Order, DISABLED_OfElementsInPatches) {
+// Patches go by where elements are.
+TEST(Order, OfElementsInPatches) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("patches", number);
     Exploration exploration = draw_exploration(draw, number, kSmoothThings);
@@ -130,6 +130,7 @@ TEST(Order, DISABLED_OfElementsInPatches) {
   }
 }
 
+// What remains open: a point found a step earlier sticks elsewhere, see docs/robustness.md.
 TEST(Order, DISABLED_OfElementsAndTrianglesWithFeatures) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("elements", number);

@@ -40,9 +40,11 @@ double pressed(const FingerModel& model, const Indenter& indenter, double depth,
 
 // Depth counts from the touch of the skin's surface, which the drawn points know to 1 um; at rest
 // nothing else differs than how far the stiff coupling gives way, some um of a millimetre.
-void expect_alike(const Indenter& indenter, const char* name, Draw& draw, double tolerance) {
+void expect_alike(const Indenter& indenter, const char* name, Draw& draw, double tolerance,
+                  bool features = true) {
   std::string what;
   const auto model = with_stiff_coupling(*draw_finger(draw, what));
+  model->feature_contact = features;
   what += std::string(", ") + name;
   const double pitch = draw.between(0.0, 20.0) * deg;
   const double depth = draw.between(0.4, 1.5) * mm;
@@ -71,13 +73,24 @@ TEST(Press, AgainstARunOnAPlane) {
   }
 }
 
+// A point inside a triangle goes part of the way to the deepest one in a step: in a press, a tenth
+// of a millimetre each, it is not there yet.
+constexpr double kFeatures = 0.06;
+// Samples that slide off something round come to rest by the way they took: 2.3 % seen.
+constexpr double kSamples = 0.04;
+
+// What remains open, see docs/robustness.md.
 TEST(Press, DISABLED_AgainstARunOnABallAndAnEdge) {
   for (int number = 0; number < cases(3); ++number) {
     Draw draw("press", number);
     const double at_x = draw.between(-1.0, 1.0) * mm;
     const double at_y = draw.between(-1.0, 1.0) * mm;
-    expect_alike(Indenter::ball(draw.between(5.0, 20.0) * mm, at_x, at_y), "ball", draw, 0.01);
-    expect_alike(Indenter::edge(draw.between(0.2, 2.0) * mm), "edge", draw, 0.02);
+    const Indenter ball = Indenter::ball(draw.between(5.0, 20.0) * mm, at_x, at_y);
+    const Indenter edge = Indenter::edge(draw.between(0.2, 2.0) * mm);
+    for (const bool features : {true, false}) {
+      expect_alike(ball, "ball", draw, features ? kFeatures : kSamples, features);
+      expect_alike(edge, "edge", draw, features ? kFeatures : kSamples, features);
+    }
   }
 }
 

@@ -98,19 +98,34 @@ TEST(Scaling, OfDensities) {
   }
 }
 
-TEST(Scaling, DISABLED_OfModuli) {
+Exploration of_samples(Exploration exploration) {
+  auto model = std::make_shared<FingerModel>(*exploration.model);
+  model->feature_contact = false;
+  exploration.model = model;
+  return exploration;
+}
+
+// The floor under forces that iterations are measured by, 1 mN, stays; a point inside a triangle
+// may be found a step earlier.
+TEST(Scaling, OfModuli) {
   for (int number = 0; number < cases(4); ++number) {
     Draw draw("moduli", number);
     const Exploration exploration = draw_exploration(draw, number, kScalable);
-    expect_scaled(exploration, {.modulus = std::exp(draw.between(-2.0, 4.6))}, 1e-3);
+    const Scales by{.modulus = std::exp(draw.between(-2.0, 4.6))};
+    expect_scaled(exploration, by, 0.06);
+    expect_scaled(of_samples(exploration), by, 2e-3);
   }
 }
 
-TEST(Scaling, DISABLED_OfLengths) {
+// Contact gives way by lengths of its own, as skin is no smoother on a smaller finger: 3 um under a
+// pressure as large as the modulus. Points inside triangles lie 50 um deep, friction
+// catches the skin elsewhere: both are left out.
+TEST(Scaling, OfLengths) {
   for (int number = 0; number < cases(4); ++number) {
     Draw draw("lengths", number);
-    const Exploration exploration = draw_exploration(draw, number, kScalable);
-    expect_scaled(exploration, {.length = draw.between(0.5, 2.0)}, 1e-3);
+    Exploration exploration = draw_exploration(draw, number, kScalable);
+    exploration.objects.front().friction_coefficient = 0.0;
+    expect_scaled(of_samples(exploration), {.length = draw.between(0.5, 2.0)}, 0.01);
   }
 }
 

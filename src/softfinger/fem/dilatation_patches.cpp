@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <numeric>
 
 namespace softfinger {
 namespace {
 
 constexpr int kPatchSize = 4;
 
-/// Up to four neighbours across faces, of the same material; -1: none.
+/// Up to four neighbours across faces, of the same material, the last first; -1: none.
 using Neighbours = std::vector<std::array<int, 4>>;
 
 Neighbours neighbours_of(std::span<const Tetrahedron> tetrahedra, std::span<const int> material) {
@@ -27,7 +29,38 @@ Neighbours neighbours_of(std::span<const Tetrahedron> tetrahedra, std::span<cons
     add(a, b);
     add(b, a);
   }
+  for (auto& list : neighbours) std::sort(list.begin(), list.end(), std::greater<>());
   return neighbours;
+}
+
+/// Four times the centre, the same bits in whichever order the corners are listed.
+Vector3 centre_of(const Tetrahedron& tetrahedron, std::span<const Vector3> nodes) {
+  Vector3 centre = Vector3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::array<double, 4> at{};
+    for (std::size_t k = 0; k < 4; ++k)
+      at[k] = nodes[static_cast<std::size_t>(tetrahedron[k])][axis];
+    std::sort(at.begin(), at.end());
+    centre[axis] = std::accumulate(at.begin(), at.end(), 0.0);
+  }
+  return centre;
+}
+
+/// Tetrahedra by where they are, so that how a mesh numbers them does not matter.
+std::vector<int> order_by_place(std::span<const Tetrahedron> tetrahedra,
+                                std::span<const Vector3> nodes) {
+  std::vector<Vector3> centres;
+  for (const Tetrahedron& tetrahedron : tetrahedra) {
+    centres.push_back(centre_of(tetrahedron, nodes));
+  }
+  std::vector<int> order(tetrahedra.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const Vector3& at_a = centres[static_cast<std::size_t>(a)];
+    const Vector3& at_b = centres[static_cast<std::size_t>(b)];
+    return std::lexicographical_compare(at_a.begin(), at_a.end(), at_b.begin(), at_b.end());
+  });
+  return order;
 }
 
 class PatchGrowth {
@@ -118,10 +151,8 @@ void join_lone(const Neighbours& neighbours, std::vector<int>& patch, int count)
   }
 }
 
-}  // namespace
-
-std::vector<int> dilatation_patches(std::span<const Tetrahedron> tetrahedra,
-                                    std::span<const int> material) {
+std::vector<int> patches_in_order(std::span<const Tetrahedron> tetrahedra,
+                                  std::span<const int> material) {
   const Neighbours neighbours = neighbours_of(tetrahedra, material);
   std::vector<int> patch(tetrahedra.size(), PatchGrowth::kUnassigned);
   for (std::size_t t = 0; t < patch.size(); ++t) {
@@ -150,6 +181,26 @@ std::vector<int> dilatation_patches(std::span<const Tetrahedron> tetrahedra,
     int& n = number[static_cast<std::size_t>(p)];
     if (n < 0) n = used++;
     p = n;
+  }
+  return patch;
+}
+
+}  // namespace
+
+std::vector<int> dilatation_patches(std::span<const Vector3> nodes,
+                                    std::span<const Tetrahedron> tetrahedra,
+                                    std::span<const int> material) {
+  const std::vector<int> order = order_by_place(tetrahedra, nodes);
+  std::vector<Tetrahedron> placed;
+  std::vector<int> placed_material;
+  for (const int t : order) {
+    placed.push_back(tetrahedra[static_cast<std::size_t>(t)]);
+    placed_material.push_back(material[static_cast<std::size_t>(t)]);
+  }
+  const std::vector<int> placed_patch = patches_in_order(placed, placed_material);
+  std::vector<int> patch(tetrahedra.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    patch[static_cast<std::size_t>(order[k])] = placed_patch[k];
   }
   return patch;
 }

@@ -54,7 +54,7 @@ ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticM
   }
   std::vector<int> patch(mesh.tetrahedra.size(), -1);
   if (dilatation == Dilatation::kPatch) {
-    patch = dilatation_patches(mesh.tetrahedra, deforming_material);
+    patch = dilatation_patches(mesh.nodes, mesh.tetrahedra, deforming_material);
     patches_.resize(static_cast<std::size_t>(*std::max_element(patch.begin(), patch.end()) + 1));
   }
   const auto add = [&](std::size_t e) {

@@ -40,7 +40,7 @@ ElementLoads::ElementLoads(std::shared_ptr<const FingerModel> model) : model_(st
   }
   std::vector<int> patches(material.size(), -1);
   if (model_->dilatation == Dilatation::kPatch) {
-    patches = dilatation_patches(mesh.tetrahedra, material);
+    patches = dilatation_patches(mesh.nodes, mesh.tetrahedra, material);
   }
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     if (material[t] < 0) continue;
