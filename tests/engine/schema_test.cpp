@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../support/json_schema.hpp"
+#include "../support/toml_json.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/engine/person.hpp"
 #include "softfinger/finger/finger_file.hpp"
@@ -18,24 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-json to_json(const toml::node& node) {
-  if (const toml::table* table = node.as_table()) {
-    json object = json::object();
-    for (const auto& [key, value] : *table) object[std::string(key.str())] = to_json(value);
-    return object;
-  }
-  if (const toml::array* array = node.as_array()) {
-    json list = json::array();
-    for (const toml::node& value : *array) list.push_back(to_json(value));
-    return list;
-  }
-  if (const auto* text_node = node.as_string()) return text_node->get();
-  if (const auto* integer = node.as_integer()) return integer->get();
-  if (const auto* number = node.as_floating_point()) return number->get();
-  if (const auto* truth = node.as_boolean()) return truth->get();
-  return nullptr;
-}
 
 std::vector<fs::path> files(const char* kind) {
   std::vector<fs::path> found;
