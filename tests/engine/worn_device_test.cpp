@@ -67,7 +67,9 @@ TEST_F(WornDevice, FitsEveryFingerAndPressesNoneAtHome) {
     for (const char* kind : {"membrane", "pins-wagner-6x6", "plate-2dof"}) {
       const auto worn = worn_on(*model, device(kind)).device;
       EXPECT_EQ(force_at_home(*model, worn), 0.0) << name << ' ' << kind;
-      if (std::string(name) == "index") EXPECT_EQ(worn->settings().mount_shift, 0.0) << kind;
+      if (std::string(name) == "index") {
+        EXPECT_EQ(worn->settings().mount_shift, 0.0) << kind;
+      }
     }
   }
   // A thumb is thicker: without the shift the membrane's ring would press it.
