@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, ForceCeilingOf,
                          ::testing::Values(LimitedDevice{"thimble-3rrs", 1.5, 0.9},
                                            LimitedDevice{"thimble-3rrs", 4.7, 0.9},
                                            LimitedDevice{"cable-prattichizzo", 1.5, 0.9},
-                                           LimitedDevice{"delta-schorr", 0.5, 0.75},
+                                           LimitedDevice{"delta-schorr", 0.5, 0.7},
                                            LimitedDevice{"pins-wagner-6x6", 0.5, 0.85}),
                          [](const auto& each) {
                            std::string name = each.param.file;
