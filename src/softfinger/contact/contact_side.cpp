@@ -6,7 +6,7 @@ namespace softfinger {
 namespace {
 
 /// Greatest slope of a mesh's interpolated distance; the true one has 1.
-constexpr double kSteepest = 1.5;
+constexpr double kSteepestSide = 1.5;
 /// As near as this a way has met the solid, m.
 constexpr double kMet = 1e-7;
 constexpr int kMostAdvances = 32;
@@ -14,7 +14,7 @@ constexpr int kMostAdvances = 32;
 constexpr double kOverhang = 0.5;
 
 double steepest(const Shape& shape) {
-  return std::holds_alternative<MeshShape>(shape) ? kSteepest : 1.0;
+  return std::holds_alternative<MeshShape>(shape) ? kSteepestSide : 1.0;
 }
 
 }  // namespace
