@@ -35,7 +35,7 @@ constexpr double kFarthest = 20.0 * mm;  // of surface motion from home that is 
 constexpr double kMarch = 0.5 * mm;      // of advance between two presses
 constexpr double kLeastMarch = 0.1 * mm;
 constexpr double kAdvanceTolerance = 3e-5;  // m
-constexpr double kForceTolerance = 0.01;    // of the force looked for
+constexpr double kNearEnough = 0.01;        // of the force looked for
 
 /// The one number that says how far a device is advanced.
 struct Advance {
@@ -154,7 +154,7 @@ double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Spa
       if (value == span.max) return kMissing;
     }
     if (high - low <= tolerance) return low;
-    if (low == value && pressing.force >= (1.0 - kForceTolerance) * max_force) return low;
+    if (low == value && pressing.force >= (1.0 - kNearEnough) * max_force) return low;
     // Of a round body in contact the root of the force is nearly straight.
     const double root = std::sqrt(pressing.force);
     double step = 2.0 * root * (std::sqrt(max_force) - root) / pressing.rate;

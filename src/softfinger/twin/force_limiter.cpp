@@ -10,10 +10,10 @@ namespace softfinger {
 namespace {
 
 /// Of the limit, for what happens between two ticks.
-constexpr double kReserve = 0.85;
-constexpr double kFirstStep = 0.1 * mm;  // back
+constexpr double kKept = 0.85;
+constexpr double kFirstBack = 0.1 * mm;  // back
 constexpr double kMostBack = 20.0 * mm;
-constexpr int kRefinements = 5;
+constexpr int kBackRefinements = 5;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ double ForceLimiter::force_at(const Configuration& q) {
 
 Configuration ForceLimiter::limited(const Configuration& q, double elapsed) {
   const Device& device = twin_.device();
-  const double most = kReserve * device.settings().max_force;
+  const double most = kKept * device.settings().max_force;
   twin_.begin_frame(kMostFriction, elapsed);
   Configuration at = q;
   if (force_at(q) > most) {
@@ -47,12 +47,12 @@ Configuration ForceLimiter::limited(const Configuration& q, double elapsed) {
       return drawn;
     };
     double hard = 0.0;
-    double soft = kFirstStep;
+    double soft = kFirstBack;
     while (soft < kMostBack && force_at(back(soft)) > most) {
       hard = soft;
       soft *= 2.0;
     }
-    for (int i = 0; i < kRefinements; ++i) {
+    for (int i = 0; i < kBackRefinements; ++i) {
       const double middle = 0.5 * (hard + soft);
       (force_at(back(middle)) > most ? hard : soft) = middle;
     }
