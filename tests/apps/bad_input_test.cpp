@@ -450,6 +450,7 @@ TEST(BadInput, ADeviceInsideTheBoneIsRefused) {
   const std::string device = "devices/thimble-3rrs.toml";
   const std::string scene = place.path("scenes/plane.toml");
   const std::vector<std::string> run{"run", scene, "--headless", "--as-fast-as-possible"};
+  place.replace_line(device, "clearance_mm", "");
   int line = place.replace_line(device, "translation_mm", "translation_mm = [2.0, 0.5, -1.0]");
   const std::vector<std::string> words{"thimble-3rrs.toml:" + std::to_string(line),
                                        "mount.translation_mm", "bone", "index.toml"};
@@ -462,14 +463,13 @@ TEST(BadInput, ADeviceInsideTheBoneIsRefused) {
   expect_refused(run, {"thimble-3rrs.toml:" + std::to_string(line), "home", "bone", "index.toml"});
 }
 
-TEST(BadInput, AForceLimitBelowWhatHomePressesIsRefused) {
+TEST(BadInput, AHomeThatPressesTheSkinIsRefused) {
   const Workplace place;
   const std::string device = "devices/thimble-3rrs.toml";
   place.replace_line(device, "travel_mm = 0.0", "travel_mm = 5.0");
-  const int line = place.replace_line(device, "max_force_N", "max_force_N = 0.05");
-  expect_refused(
-      {"run", place.path("scenes/plane.toml"), "--headless", "--as-fast-as-possible"},
-      {"thimble-3rrs.toml:" + std::to_string(line), "limits.max_force_N", "0.05", "[home]"});
+  const int line = place.replace_line(device, "[home]", "[home]");
+  expect_refused({"run", place.path("scenes/plane.toml"), "--headless", "--as-fast-as-possible"},
+                 {"thimble-3rrs.toml:" + std::to_string(line), "home", "presses", "index.toml"});
 }
 
 TEST(BadInput, ForceOfADeviceThatNothingAdvances) {

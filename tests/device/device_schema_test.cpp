@@ -55,7 +55,13 @@ TEST(DeviceSchema, RefusesWhatTheReaderDoes) {
     EXPECT_NE(breach(schema, bad), "") << file;
 
     std::string far = content.str();
-    far.replace(far.find("approach_mm ="), 13, "approach_mm = -1.0 #");
+    if (const auto at = far.find("\napproach_mm ="); at != std::string::npos) {
+      far.replace(at + 1, 13, "approach_mm = -1.0 #");
+    } else if (far.find("[matching]") == std::string::npos) {
+      far += "\n[matching]\napproach_mm = -1.0\n";
+    } else {
+      far.replace(far.find("[matching]"), 10, "[matching]\napproach_mm = -1.0");
+    }
     EXPECT_TRUE(refused(far)) << file;
     bad = good;
     bad["matching"]["approach_mm"] = -1.0;
