@@ -222,9 +222,9 @@ fs::path grid_cache_folder(const fs::path& mesh_file) {
   const fs::path real = fs::canonical(mesh_file, error);
   const fs::path folder = error ? fs::absolute(mesh_file, error).parent_path() : real.parent_path();
   if (is_own_folder(folder)) return folder / ".softfinger-cache";
-  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* cache = std::getenv("XDG_CACHE_HOME");  // NOLINT(concurrency-mt-unsafe)
   if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "softfinger";
-  const char* home = std::getenv("HOME");
+  const char* home = std::getenv("HOME");  // NOLINT(concurrency-mt-unsafe)
   if (home != nullptr && fs::path(home).is_absolute()) {
     return fs::path(home) / ".cache" / "softfinger";
   }

@@ -365,7 +365,9 @@ Configuration ContactSurfaceMatching::advanced(const ContactPoints& points,
   // E along one line is smooth but where samples of N come and go.
   for (int i = 0; i < kAdvances; ++i) {
     self.device->deviation_derivatives(at, samples, self.gradient, self.gauss_newton, self.hessian);
-    const double curvature = ahead.dot(self.gauss_newton * ahead);
+    double curvature = 0.0;  // of the whole product Eigen would allocate
+    for (int k = 0; k < ahead.size(); ++k)
+      curvature += ahead[k] * self.gauss_newton.col(k).dot(ahead);
     if (!(curvature > 0.0)) break;
     double step = -self.gradient.dot(ahead) / curvature;
     Configuration trial = at;
