@@ -1,6 +1,7 @@
 // Where in the world a scene stands, how it is turned, in which time and behind which mirror makes
 // no difference to what happens in it.
 #include <gtest/gtest.h>
+#include <algorithm>
 
 #include "drawn_exploration.hpp"
 #include "softfinger/base/units.hpp"
@@ -11,6 +12,9 @@ namespace {
 // Both sides solve each step to a residual of 1e-6; what rounding does before is far below. A
 // touch in steps of 1 ms forgets such differences, it does not pile them up.
 constexpr double kSolved = 1e-4;
+/// Limits of friction are sought to 1 %: two runs that differ by rounding may stop a pass apart.
+constexpr double kLimits = 0.01;
+constexpr double kLimitsOfNormals = 0.003;
 // A point inside a triangle may be found one step earlier or later.
 constexpr double kFeatures = 0.06;
 // Samples pass an edge.
@@ -33,8 +37,8 @@ void expect_near(const Exploration& one, const Exploration& other, const Pose& X
   const Trace b = explore(other);
   ASSERT_GT(a.most_force, 0.01) << one.what << ": touches nothing";
   const Departure most = departure(a, b, X_VW);
-  EXPECT_LT(most.normal_force, tolerance) << one.what << most.where;
-  EXPECT_LT(most.force, tolerance) << one.what << most.where;
+  EXPECT_LT(most.normal_force, std::max(tolerance, kLimitsOfNormals)) << one.what << most.where;
+  EXPECT_LT(most.force, std::max(tolerance, kLimits)) << one.what << most.where;
   EXPECT_LT(most.bone, tolerance * 1 * mm) << one.what << most.where;
 }
 

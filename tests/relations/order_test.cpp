@@ -10,6 +10,10 @@
 namespace softfinger::relations {
 namespace {
 
+/// Limits of friction are sought to 1 %: two runs that differ by rounding may stop a pass apart.
+constexpr double kLimits = 0.01;
+constexpr double kLimitsOfNormals = 0.003;
+
 /// 0 .. count - 1 in a drawn order.
 std::vector<int> shuffled(Draw& draw, std::size_t count) {
   std::vector<int> order(count);
@@ -81,8 +85,9 @@ void expect_alike(const Exploration& exploration, std::shared_ptr<FingerModel> o
   const Trace b = explore(shuffled);
   ASSERT_GT(a.most_force, 0.01) << exploration.what;
   const Departure most = departure(a, b);
-  EXPECT_LT(most.normal_force, tolerance) << exploration.what << most.where;
-  EXPECT_LT(most.force, tolerance) << exploration.what << most.where;
+  EXPECT_LT(most.normal_force, std::max(tolerance, kLimitsOfNormals))
+      << exploration.what << most.where;
+  EXPECT_LT(most.force, std::max(tolerance, kLimits)) << exploration.what << most.where;
 }
 
 /// Of the samples alone, without points inside triangles, and of elements each by itself.
@@ -97,7 +102,7 @@ std::shared_ptr<const FingerModel> plain(const FingerModel& model) {
 // residual. Points inside triangles take places in the order in which they are found, and two
 // that are alike may take turns.
 constexpr double kSamples = 1e-4;
-constexpr double kFeatures = 0.02;
+constexpr double kFeatures = 0.05;
 
 TEST(Order, OfNodesAndSamples) {
   for (int number = 0; number < cases(5); ++number) {
