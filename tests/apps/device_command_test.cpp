@@ -48,8 +48,12 @@ TEST(DeviceCommand, AnswersForEveryShippedDevice) {
       EXPECT_NEAR(posed.at("configuration").at(name).get<double>(), value.get<double>(), 1e-9);
     }
     EXPECT_FALSE(answer_of({"device", "workspace", file}).empty()) << file;
-    EXPECT_EQ(answer_of({"device", "schema", file}).at("properties").at("kind").at("const"),
-              shown.at("kind"));
+    // Of mechanisms there are two, with and without an approach.
+    EXPECT_NE(answer_of({"device", "schema", file})
+                  .dump()
+                  .find("\"kind\":{\"const\":" + shown.at("kind").dump() + "}"),
+              std::string::npos)
+        << file;
   }
 }
 
