@@ -212,7 +212,8 @@ int find_approach(const ConfigTable& root, const std::vector<LinkageReading>& co
   std::vector<std::string> names;
   for (const ConfigurationAxis& axis : settings.axes) names.push_back(axis.name);
   const ConfigTable matching = root.table_or_empty("matching");
-  if (matching.optional_text("approach")) return read_name(matching, "approach", names, "coordinate");
+  if (matching.optional_text("approach"))
+    return read_name(matching, "approach", names, "coordinate");
   for (std::size_t k = 0; k < configuration.size(); ++k) {
     const LinkageReading& reading = configuration[k];
     if (reading.kind == LinkageReading::Kind::kPosition && reading.component == 2 &&
