@@ -35,9 +35,7 @@ constexpr int kDraws = 3000;              // of configurations, where no advance
 class RestingGap {
  public:
   RestingGap(const Device& device, std::span<const Vector3> skin)
-      : device_(device),
-        skin_(skin),
-        pieces_(static_cast<std::size_t>(device.solid_piece_count())) {
+      : device_(device), pieces_(static_cast<std::size_t>(device.solid_piece_count())) {
     for (const Vector3& p : skin) {
       x_.push_back(p.x());
       y_.push_back(p.y());
@@ -74,7 +72,6 @@ class RestingGap {
 
  private:
   const Device& device_;
-  std::span<const Vector3> skin_;
   std::vector<SolidPiece> pieces_;
   std::vector<double> x_, y_, z_;
 };
