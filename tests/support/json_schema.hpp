@@ -61,16 +61,14 @@ inline std::string breach(const nlohmann::json& schema, const nlohmann::json& va
   for (const json& key : schema.value("required", json::array())) {
     if (!value.contains(key)) return at + ": no " + key.get<std::string>();
   }
+  const json by_pattern = schema.value("patternProperties", json::object());
   for (const auto& [key, inside] : value.items()) {
     const json* rule = nullptr;
     if (schema.contains("properties") && schema["properties"].contains(key)) {
       rule = &schema["properties"][key];
     }
-    for (const auto& [pattern, schema_of_it] :
-         schema.value("patternProperties", json::object()).items()) {
-      if (rule == nullptr && std::regex_search(key, std::regex(pattern))) {
-        rule = &schema["patternProperties"][pattern];
-      }
+    for (const auto& [pattern, schema_of_it] : by_pattern.items()) {
+      if (rule == nullptr && std::regex_search(key, std::regex(pattern))) rule = &schema_of_it;
     }
     if (rule == nullptr && schema.contains("additionalProperties")) {
       const json& others = schema["additionalProperties"];
