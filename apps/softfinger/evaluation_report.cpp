@@ -28,7 +28,9 @@ Json frame_json(const EvaluatedFrame& frame, const Evaluation& evaluation) {
   Json result{{"time_s", frame.time}, {"finger", evaluation.fingers[frame.finger]}};
   result.update(measures_json(frame.commanded));
   result["virtual_force_N"] = frame.virtual_force;
+  result["virtual_force_sum_N"] = frame.virtual_force_sum;
   result["twin_force_N"] = frame.twin_force;
+  result["twin_force_sum_N"] = frame.twin_force_sum;
   result["lagged"] = frame.lagged ? measures_json(*frame.lagged) : Json(nullptr);
   return result;
 }

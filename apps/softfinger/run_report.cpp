@@ -60,6 +60,7 @@ Json report(const FingerSummary& finger, std::int64_t steps, const Json& deadlin
           {"force_limited_ticks", finger.force_limited_ticks},
           {"max_contact_area_mm2", finger.max_contact_area / mm2},
           {"max_normal_force_N", finger.max_normal_force},
+          {"max_normal_force_sum_N", finger.max_normal_force_sum},
           {"latency_ms", in_ms(finger.latency)},
           {"latency_stages_ms", in_ms(finger.stages)},
           {"pose_age_ms", in_ms(finger.pose_age)}};

@@ -246,6 +246,7 @@ RenderingSnapshot Rendering::snapshot() const {
   }
   snapshot.contact_area = contact.contact_area;
   snapshot.normal_force = contact.normal_force;
+  snapshot.normal_force_sum = contact.normal_force_sum;
   snapshot.tangential_force = contact.tangential_force;
   snapshot.centroid_F = contact.centroid_F;
   snapshot.mean_normal_F = contact.mean_normal_F;

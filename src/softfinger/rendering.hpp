@@ -54,7 +54,8 @@ struct RenderingSnapshot {
   std::vector<double> sample_pressures;     ///< Pa
   std::vector<bool> in_contact;             ///< whether each sample touches
   double contact_area = 0.0;                ///< m^2
-  double normal_force = 0.0;                ///< N, sum over the samples in contact
+  double normal_force = 0.0;                ///< N, magnitude of the vector sum
+  double normal_force_sum = 0.0;            ///< N, sum of the magnitudes
   double tangential_force = 0.0;            ///< N, magnitude of the sum
   Vector3 centroid_F = Vector3::Zero();     ///< m, weighted by force; zero without contact
   Vector3 mean_normal_F = Vector3::Zero();  ///< out of the object; zero without contact

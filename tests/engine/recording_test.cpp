@@ -49,6 +49,7 @@ StepRecord step_record(std::int64_t step) {
   record.contact_count = step;
   record.contact_area = 1.1e-5;
   record.normal_force = 0.123456789012345678;
+  record.normal_force_sum = 0.25;
   record.tangential_force = 0.5;
   record.slip_ratio = 0.75;
   record.stuck_fraction = 0.25;

@@ -219,6 +219,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   snapshot.fingers.resize(1);
   Snapshot::Finger& finger = snapshot.fingers[0];
   finger.normal_force = 0.75;
+  finger.normal_force_sum = 0.8125;
   finger.contact_area = 42 * mm2;
   finger.skin.positions_F.assign(5, Eigen::Vector3f(0.001F, 0.002F, 0.003F));
   finger.skin.pressures.assign(5, 2000.0F);
@@ -237,6 +238,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.twin.measures.iou = 0.5;
   finger.twin.measures.centroid_shift = 1.5 * mm;
   finger.twin.normal_force = 0.625;
+  finger.twin.normal_force_sum = 0.6875;
   finger.twin.cpu_time = 2 * ms;
   finger.slip_ratio = 0.25;
   finger.stuck_fraction = 0.875;
@@ -247,12 +249,12 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   const std::size_t pose = 28;
-  const std::size_t samples = 48 + pose + 3 * pose + 24 + 28 + 32 + 16;
+  const std::size_t samples = 48 + pose + 3 * pose + 28 + 28 + 32 + 16;
   const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 2 + 3 + 27);
   const std::size_t twin = pieces + 2 * 32;
-  ASSERT_EQ(message.size(), twin + 32 + 5 * 16 + 8);
+  ASSERT_EQ(message.size(), twin + 36 + 5 * 16 + 8);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS5", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS6", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U);
@@ -269,10 +271,11 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 8), 42.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 16), 0.25F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 20), 0.875F);
-  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 24), 17U);
-  EXPECT_TRUE(std::isnan(read_at<float>(message, forces + 28))) << "a stage that is not known";
-  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 44), 3.0F);
-  const std::size_t counts = forces + 52;
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 24), 0.8125F);
+  EXPECT_EQ(read_at<std::uint32_t>(message, forces + 28), 17U);
+  EXPECT_TRUE(std::isnan(read_at<float>(message, forces + 32))) << "a stage that is not known";
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 48), 3.0F);
+  const std::size_t counts = forces + 56;
   EXPECT_EQ(read_at<std::uint32_t>(message, counts), 5U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 12), 9U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 16), 2U);
@@ -298,8 +301,9 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_TRUE(std::isnan(read_at<float>(message, twin + 8))) << "an undefined measure";
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 20), 0.625F);
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 28), 2.0F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 32 + 8), 3.0F);
-  EXPECT_EQ(read_at<std::uint8_t>(message, twin + 32 + 80), 1U);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 32), 0.6875F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 36 + 8), 3.0F);
+  EXPECT_EQ(read_at<std::uint8_t>(message, twin + 36 + 80), 1U);
 }
 
 TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {
@@ -311,8 +315,8 @@ TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {
   snapshot.fingers[0].twin.skin.in_contact.resize(3);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24 + 28 + 20), 0U);
-  EXPECT_EQ(message.size(), 48U + 3 * 28 + 24 + 28 + 32 + 16);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 28 + 28 + 20), 0U);
+  EXPECT_EQ(message.size(), 48U + 3 * 28 + 28 + 28 + 32 + 16);
 }
 
 TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
@@ -324,7 +328,7 @@ TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
   snapshot.fingers[0].skin.in_contact.resize(2);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 24 + 28), 2U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 28 + 28), 2U);
 }
 
 }  // namespace

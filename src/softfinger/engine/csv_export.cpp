@@ -174,7 +174,7 @@ class Export {
         open("contact.csv",
              "contact_samples,contact_area_mm2,normal_force_N,tangential_force_N,slip_ratio,"
              "stuck_fraction,centroid_x_mm,centroid_y_mm,centroid_z_mm,normal_x,normal_y,normal_z,"
-             "least_gap_mm");
+             "least_gap_mm,normal_force_sum_N");
     const auto timing = open(
         "timing.csv", "step_ms,step_wall_ms,iterations,converged,residual,match_ms,latency_ms");
     StepRecord step;
@@ -205,6 +205,7 @@ class Export {
         contact->missing(6);
       }
       contact->field(step.least_gap / mm);
+      contact->field(step.normal_force_sum);
       contact->end_row();
 
       if (step.step == 0) continue;

@@ -55,12 +55,14 @@ class Judge {
     frame.finger = static_cast<std::size_t>(tick.finger);
     frame.time = tick.time;
     frame.virtual_force = loop.contact().normal_force;
+    frame.virtual_force_sum = loop.contact().normal_force_sum;
     if (loop.contact().contact_count > 0) {
       transform(loop.simulation().bone_pose().inverse(), loop.simulation().positions(), nodes_F_);
       model_.take(nodes_F_);
     }
     frame.commanded = press(twin_, tick.command.configuration, friction, elapsed, loop, answer);
     frame.twin_force = twin_.contact().normal_force;
+    frame.twin_force_sum = twin_.contact().normal_force_sum;
     answer.commanded.add(frame.commanded);
     JointAngles joints;
     if (device.actuator().read_servo_joints(joints)) {

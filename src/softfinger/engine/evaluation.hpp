@@ -18,10 +18,12 @@ struct EvaluationOptions {
 /// One device tick of one finger, judged.
 struct EvaluatedFrame {
   std::size_t finger = 0;
-  double time = 0.0;            ///< s
-  double virtual_force = 0.0;   ///< normal force of the virtual contact, N
-  double twin_force = 0.0;      ///< of the twin's, N
-  RenderingMeasures commanded;  ///< twin pressed by the commanded configuration
+  double time = 0.0;               ///< s
+  double virtual_force = 0.0;      ///< normal force of the virtual contact, N
+  double virtual_force_sum = 0.0;  ///< sum of the magnitudes of its normal forces, N
+  double twin_force = 0.0;         ///< of the twin, N
+  double twin_force_sum = 0.0;     ///< N
+  RenderingMeasures commanded;     ///< twin pressed by the commanded configuration
   /// Twin pressed where the servos are at this time; empty for a device without servos.
   std::optional<RenderingMeasures> lagged;
 };

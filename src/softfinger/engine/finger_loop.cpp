@@ -90,6 +90,7 @@ void FingerLoop::read_simulation() {
   record_.contact_count = contact.contact_count;
   record_.contact_area = contact.contact_area;
   record_.normal_force = contact.normal_force;
+  record_.normal_force_sum = contact.normal_force_sum;
   record_.tangential_force = contact.tangential_force;
   record_.slip_ratio = contact.slip_ratio;
   record_.stuck_fraction = contact.stuck_fraction;

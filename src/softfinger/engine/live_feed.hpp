@@ -80,10 +80,11 @@ struct Snapshot {
   struct Twin {
     bool pressed = false;  ///< not yet, or there is none: what follows means nothing
     Skin skin;
-    double normal_force = 0.0;   ///< N
-    double contact_area = 0.0;   ///< m^2
-    RenderingMeasures measures;  ///< against the virtual contact that led to the command
-    double cpu_time = 0.0;       ///< s, of the press
+    double normal_force = 0.0;      ///< N, magnitude of the vector sum
+    double normal_force_sum = 0.0;  ///< N, sum of the magnitudes
+    double contact_area = 0.0;      ///< m^2
+    RenderingMeasures measures;     ///< against the virtual contact that led to the command
+    double cpu_time = 0.0;          ///< s, of the press
   };
   struct Finger {
     Pose X_WFt;                     ///< tracked
@@ -91,7 +92,8 @@ struct Snapshot {
     double tracked_time = 0.0;      ///< s, when X_WFt was true
     Pose X_WF;                      ///< simulated
     Skin skin;                      ///< virtual
-    double normal_force = 0.0;      ///< N
+    double normal_force = 0.0;      ///< N, magnitude of the vector sum
+    double normal_force_sum = 0.0;  ///< N, sum of the magnitudes
     double tangential_force = 0.0;  ///< N
     double slip_ratio = 0.0;        ///< see ContactSet
     double stuck_fraction = 0.0;

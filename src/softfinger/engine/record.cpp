@@ -15,6 +15,9 @@ void add(Hash& hash, const StoredPose& pose) {
   hash.add(pose.translation).add(pose.rotation.coeffs());
 }
 
+// Recordings made before there was the field have NaN.
+bool same_or_not_recorded(double a, double b) { return std::isnan(a) || std::isnan(b) || a == b; }
+
 // To the bit, but for the sign of zero, which SQLite does not keep.
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
@@ -69,7 +72,8 @@ const char* first_difference(const StepRecord& a, const StepRecord& b) {
       !same(a.normal_force, b.normal_force) || !same(a.tangential_force, b.tangential_force) ||
       !same(a.slip_ratio, b.slip_ratio) || !same(a.stuck_fraction, b.stuck_fraction) ||
       !same(a.centroid_F, b.centroid_F) || !same(a.mean_normal_F, b.mean_normal_F) ||
-      !same(a.least_gap, b.least_gap)) {
+      !same(a.least_gap, b.least_gap) ||
+      !same_or_not_recorded(a.normal_force_sum, b.normal_force_sum)) {
     return "contact";
   }
   if (a.iterations != b.iterations || a.converged != b.converged || !same(a.residual, b.residual)) {

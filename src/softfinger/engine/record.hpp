@@ -59,7 +59,8 @@ struct StepRecord {
   StoredPose X_WF;  ///< bone
   std::int64_t contact_count = 0;
   double contact_area = 0.0;      ///< m^2
-  double normal_force = 0.0;      ///< N
+  double normal_force = 0.0;      ///< N, magnitude of the vector sum
+  double normal_force_sum = 0.0;  ///< N, sum of the magnitudes; NaN where a recording does not say
   double tangential_force = 0.0;  ///< N
   double slip_ratio = 0.0;        ///< see ContactSet
   double stuck_fraction = 0.0;

@@ -25,6 +25,7 @@ create table steps(step integer not null, finger integer not null, time_s real n
   normal_x real, normal_y real, normal_z real, least_gap_m real,
   iterations integer not null, converged integer not null, residual real,
   tick integer not null, hash integer not null, cpu_s real, wall_s real,
+  normal_force_sum_N real,
   primary key(step, finger)) without rowid;
 create table ticks(step integer not null, finger integer not null, tick integer not null,
   time_s real not null, tracked integer not null, emergency integer not null,
@@ -50,7 +51,7 @@ inline const std::string kLinearJointsKey = "linear_joints:";
 inline const std::string kServoUnitKey = "servo_unit:";
 inline const std::string kServoStepKey = "servo_step:";
 
-inline constexpr int kStepColumns = 39;
+inline constexpr int kStepColumns = 40;
 inline constexpr int kTickColumns = 20;
 
 /// "insert into TABLE values (?,?,...)".

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -281,6 +282,8 @@ bool RecordingReader::next(StepRecord& r) {
     r.hash = static_cast<std::uint64_t>(row.integer(column++));
     r.cpu_time = row.number(column++);
     r.wall_time = row.number(column++);
+    r.normal_force_sum =
+        column < row.columns() ? row.number(column) : std::numeric_limits<double>::quiet_NaN();
     if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
     r.nodes_W.clear();
     r.samples.clear();

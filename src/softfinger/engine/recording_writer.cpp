@@ -174,6 +174,7 @@ struct RecordingWriter::Database {
     s.bind(column++, static_cast<std::int64_t>(r.hash));
     s.bind(column++, r.cpu_time);
     s.bind(column++, r.wall_time);
+    s.bind(column++, r.normal_force_sum);
     s.run();
     if (r.nodes_W.empty()) return;
     insert_state->bind(0, r.step);

@@ -34,6 +34,7 @@ void FingerSummary::add(const StepRecord& step) {
   if (!step.converged) ++unconverged_steps;
   max_contact_area = std::max(max_contact_area, step.contact_area);
   max_normal_force = std::max(max_normal_force, step.normal_force);
+  max_normal_force_sum = std::max(max_normal_force_sum, step.normal_force_sum);
 }
 
 void FingerSummary::add(const TickRecord& tick) {
@@ -58,6 +59,7 @@ void FingerSummary::merge(const FingerSummary& other) {
   force_limited_ticks += other.force_limited_ticks;
   max_contact_area = std::max(max_contact_area, other.max_contact_area);
   max_normal_force = std::max(max_normal_force, other.max_normal_force);
+  max_normal_force_sum = std::max(max_normal_force_sum, other.max_normal_force_sum);
 }
 
 }  // namespace softfinger

@@ -47,7 +47,8 @@ struct FingerSummary {
   std::uint64_t ticks = 0;
   std::uint64_t force_limited_ticks = 0;  ///< in which max_force_N held the device back
   double max_contact_area = 0.0;          ///< m^2
-  double max_normal_force = 0.0;          ///< N
+  double max_normal_force = 0.0;          ///< N, of the magnitude of the vector sum
+  double max_normal_force_sum = 0.0;      ///< N, of the sum of magnitudes
   double mount_shift = 0.0;               ///< of its device, m
   std::vector<DeviceNotice> notices;
 

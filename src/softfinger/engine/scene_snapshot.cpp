@@ -150,6 +150,7 @@ void fill(Snapshot::Finger& snapshot, const FingerLoop& loop) {
   snapshot.X_WF = loop.simulation().bone_pose();
   fill(snapshot.skin, contact);
   snapshot.normal_force = contact.normal_force;
+  snapshot.normal_force_sum = contact.normal_force_sum;
   snapshot.tangential_force = contact.tangential_force;
   snapshot.slip_ratio = contact.slip_ratio;
   snapshot.stuck_fraction = contact.stuck_fraction;

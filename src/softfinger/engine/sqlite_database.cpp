@@ -94,6 +94,8 @@ bool SqliteStatement::next() {
   return false;
 }
 
+int SqliteStatement::columns() const { return sqlite3_column_count(handle_); }
+
 double SqliteStatement::number(int column) const {
   if (is_null(column)) return std::numeric_limits<double>::quiet_NaN();
   return sqlite3_column_double(handle_, column);

@@ -59,6 +59,7 @@ class SqliteStatement {
   /// Next row of a query; false at the end, after which the query may be bound and stepped again.
   bool next();
 
+  [[nodiscard]] int columns() const;  ///< of a row
   [[nodiscard]] double number(int column) const;
   [[nodiscard]] std::int64_t integer(int column) const;
   [[nodiscard]] std::string text(int column) const;

@@ -63,6 +63,7 @@ void write_twin(const Snapshot::Twin& twin, std::size_t samples, Writer& out) {
   out.real(twin.normal_force);
   out.real(twin.contact_area / mm2);
   out.real(twin.cpu_time / ms);
+  out.real(twin.normal_force_sum);
   write_skin(twin.skin, samples, out);
 }
 
@@ -78,6 +79,7 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
   out.real(finger.deviation / mm2);
   out.real(finger.slip_ratio);
   out.real(finger.stuck_fraction);
+  out.real(finger.normal_force_sum);
   out.put(static_cast<std::uint32_t>(finger.tick));
   for (const double stage : finger.stages.all()) out.real(stage / ms);
 

@@ -188,6 +188,8 @@ export class Panel {
       element("patch-twin-count").textContent = `${twinContacts}`;
     }
     element("stuck").textContent = contacts > 0 ? (100 * finger.stuck_fraction).toFixed(0) : "–";
+    element("normal").textContent = finger.normal_force_N.toFixed(2);
+    element("normal-sum").textContent = finger.normal_force_sum_N.toFixed(2);
     element("slip").textContent = contacts > 0 ? finger.slip_ratio.toFixed(2) : "–";
     element("deviation").textContent = finger.deviation_mm2.toFixed(3);
     element("joints").textContent =

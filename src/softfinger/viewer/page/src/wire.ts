@@ -107,6 +107,7 @@ export interface Twin extends Skin {
   normal_force_N: number;
   contact_area_mm2: number;
   press_ms: number;
+  normal_force_sum_N: number;
 }
 
 /** The way from a finger to the servos. */
@@ -122,6 +123,7 @@ export interface FingerSnapshot extends Skin {
   deviation_mm2: number;
   slip_ratio: number;
   stuck_fraction: number; // of the contact area
+  normal_force_sum_N: number; // sum of magnitudes; normal_force_N is the magnitude of the sum
   tick: number; // of the device
   stages_ms: Float32Array; // of that tick, one each of kStages; NaN: unknown
   device_state: string;
@@ -150,7 +152,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x35534653;
+const kMagic = 0x36534653;
 
 /** Reads a binary frame; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
@@ -190,6 +192,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     normal_force_N: f32(),
     contact_area_mm2: f32(),
     press_ms: f32(),
+    normal_force_sum_N: f32(),
     ...skin(samples),
   });
   const readFinger = (): FingerSnapshot => {
@@ -202,6 +205,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const deviation_mm2 = f32();
     const slip_ratio = f32();
     const stuck_fraction = f32();
+    const normal_force_sum_N = f32();
     const tick = u32();
     const stages_ms = floats(kStages.length);
     const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
@@ -217,7 +221,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
     return {
       X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
-      slip_ratio, stuck_fraction, tick, stages_ms, device_state, force_limited: (flags & 1) !== 0,
+      slip_ratio, stuck_fraction, normal_force_sum_N, tick, stages_ms, device_state, force_limited: (flags & 1) !== 0,
       ...touched, configuration, actual,
       joint_values, linkage_mm, pieces, twin,
     };
