@@ -18,12 +18,12 @@ constexpr StrainLimit kLimit{0.35, 1.5, 40e3, 0.5};
 struct Block {
   explicit Block(StrainLimit limit = kLimit, double nu = 0.4,
                  InstructionSet set = active_instruction_set(),
-                 Dilatation dilatation = Dilatation::kElement)
+                 Dilatation dilatation = Dilatation::kElement, Relaxation relaxation = {})
       : mesh(box_mesh(2, 3, 2, Vector3(-1, -1, -1) * 1e-3, Vector3(2, 3, 2) * 1e-3)),
         tied(mesh.nodes.size(), false),
         model(mesh, std::vector<ElasticMaterial>{{45e3, nu, 1000.0}},
-              std::vector<int>(mesh.tetrahedra.size(), 0), tied, limit, dilatation, Relaxation{},
-              set),
+              std::vector<int>(mesh.tetrahedra.size(), 0), tied, limit, dilatation,
+              std::move(relaxation), set),
         work(model.make_work()) {}
 
   double energy(const std::vector<Vector3>& x) {
@@ -48,37 +48,8 @@ double greatest(const std::vector<Vector3>& v) {
   return m;
 }
 
-class EveryInstructionSet : public testing::TestWithParam<InstructionSet> {
- protected:
-  void SetUp() override {
-    if (GetParam() > best_instruction_set()) GTEST_SKIP() << "this processor lacks it";
-  }
-};
-
-TEST_P(EveryInstructionSet, GradientIsTheDerivativeOfTheEnergy) {
-  for (const Dilatation dilatation : {Dilatation::kElement, Dilatation::kPatch}) {
-    Block block(kLimit, 0.4, GetParam(), dilatation);
-    auto x = block.mesh.nodes;
-    displace(x, 0.25e-3, 1);
-    const auto g = block.gradient(x);
-    const double scale = greatest(g);
-    for (std::size_t n = 0; n < x.size(); ++n) {
-      for (int k = 0; k < 3; ++k) {
-        const double h = 1e-8;
-        auto low = x;
-        auto high = x;
-        low[n][k] -= h;
-        high[n][k] += h;
-        EXPECT_NEAR((block.energy(high) - block.energy(low)) / (2 * h), g[n][k], 2e-6 * scale);
-      }
-    }
-  }
-}
-
-TEST_P(EveryInstructionSet, HessianIsTheDerivativeOfTheGradient) {
-  Block block(kLimit, 0.4, GetParam());
-  auto x = block.mesh.nodes;
-  displace(x, 0.25e-3, 2);
+/// By central differences, at x.
+void expect_hessian_is_derivative(Block& block, const std::vector<Vector3>& x) {
   const auto size = static_cast<Eigen::Index>(3 * x.size());
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(size, size);
   block.gradient(x);
@@ -114,6 +85,68 @@ TEST_P(EveryInstructionSet, HessianIsTheDerivativeOfTheGradient) {
         EXPECT_LT((numeric - exact).norm(), 1e-5 * hessian.cwiseAbs().maxCoeff());
       }
     }
+  }
+}
+
+class EveryInstructionSet : public testing::TestWithParam<InstructionSet> {
+ protected:
+  void SetUp() override {
+    if (GetParam() > best_instruction_set()) GTEST_SKIP() << "this processor lacks it";
+  }
+};
+
+TEST_P(EveryInstructionSet, GradientIsTheDerivativeOfTheEnergy) {
+  for (const Dilatation dilatation : {Dilatation::kElement, Dilatation::kPatch}) {
+    Block block(kLimit, 0.4, GetParam(), dilatation);
+    auto x = block.mesh.nodes;
+    displace(x, 0.25e-3, 1);
+    const auto g = block.gradient(x);
+    const double scale = greatest(g);
+    for (std::size_t n = 0; n < x.size(); ++n) {
+      for (int k = 0; k < 3; ++k) {
+        const double h = 1e-8;
+        auto low = x;
+        auto high = x;
+        low[n][k] -= h;
+        high[n][k] += h;
+        EXPECT_NEAR((block.energy(high) - block.energy(low)) / (2 * h), g[n][k], 2e-6 * scale);
+      }
+    }
+  }
+}
+
+TEST_P(EveryInstructionSet, HessianIsTheDerivativeOfTheGradient) {
+  Block block(kLimit, 0.4, GetParam());
+  auto x = block.mesh.nodes;
+  displace(x, 0.25e-3, 2);
+  expect_hessian_is_derivative(block, x);
+}
+
+TEST_P(EveryInstructionSet, HessianKnowsTheStressRemembered) {
+  const Relaxation relaxation{{{0.8, 4e-3}, {0.15, 70e-3}}};
+  for (const double elapsed : {1e-3, 33e-3}) {
+    Block block(kLimit, 0.4, GetParam(), Dilatation::kElement, relaxation);
+    StressHistory history = block.model.make_history();
+    auto x = block.mesh.nodes;
+    for (Vector3& p : x) p = p.cwiseProduct(Vector3(1.2, 0.9, 0.7));
+    displace(x, 0.2e-3, 6);
+    for (int step = 0; step < 3; ++step) {  // held, so that it is remembered
+      block.model.begin_step(history, 50e-3, block.work);
+      block.energy(x);
+      block.model.end_step(block.work, 50e-3, history);
+    }
+    block.model.begin_step(history, elapsed, block.work);
+    auto back = block.mesh.nodes;
+    displace(back, 0.25e-3, 7);
+    const auto g = block.gradient(back);
+    const std::size_t n = x.size() / 2;
+    const double h = 1e-8;
+    auto low = back;
+    auto high = back;
+    low[n][1] -= h;
+    high[n][1] += h;
+    EXPECT_NEAR((block.energy(high) - block.energy(low)) / (2 * h), g[n][1], 2e-6 * greatest(g));
+    expect_hessian_is_derivative(block, back);
   }
 }
 

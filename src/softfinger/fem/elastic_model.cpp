@@ -276,8 +276,8 @@ void ElasticModel::hessian(std::size_t group, const Work& work, bool projected,
                            ElementHessians& hessians) const {
   alignas(64) double pressures[kLanes];
   read_pressures(work, group, 1.0, pressures);
-  kernels_->hessian(groups_[group], work.factor, work.decompositions[group], pressures, projected,
-                    &hessians);
+  kernels_->hessian(groups_[group], work.factor, work.decompositions[group], pressures,
+                    !work.memory.empty(), projected, &hessians);
 }
 
 void ElasticModel::body_hessian(std::size_t group, std::span<const Vector3> lever_arms,

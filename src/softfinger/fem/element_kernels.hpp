@@ -27,10 +27,10 @@ struct ElementGroup {
 struct ElementDecomposition {
   alignas(64) double v[9][kLanes];  ///< column-major
   alignas(64) double s[3][kLanes];  ///< principal stretches; one is negative where inverted
-  alignas(64) double limit_stress[3][kLanes];     ///< b'(s), Pa
-  alignas(64) double limit_stiffness[3][kLanes];  ///< b''(s), Pa
-  alignas(64) double memory_stress[3][kLanes];    ///< of the past, along the axes, Pa
-  alignas(64) float u[9][kLanes];                 ///< column-major
+  alignas(64) double limit_stress[3][kLanes];      ///< b'(s), Pa
+  alignas(64) double limit_stiffness[3][kLanes];   ///< b''(s), Pa
+  alignas(64) double memory_stress[3][3][kLanes];  ///< of the past, V^T H V, Pa
+  alignas(64) float u[9][kLanes];                  ///< column-major
 };
 
 /// Symmetric stress in the material frame, xx yy zz xy xz yz, Pa.
@@ -93,11 +93,11 @@ struct ElementKernels {
                             ElementDecomposition* decomposition, ElementForces* forces,
                             ElementDilatation* dilatation);
   /// Second derivative at the decomposition last computed, N/m. `pressures`, one a lane, Pa, is
-  /// what patches add to the principal stresses. `projected` cuts negative eigenvalues (twist modes
-  /// under compression) to zero.
+  /// what patches add to the principal stresses. `remembering`: a stress was remembered then.
+  /// `projected` cuts negative eigenvalues (twist modes under compression) to zero.
   void (*hessian)(const ElementGroup& group, double factor,
                   const ElementDecomposition& decomposition, const double* pressures,
-                  bool projected, ElementHessians* hessians);
+                  bool remembering, bool projected, ElementHessians* hessians);
   /// Elastic stress at the decomposition last computed; `pressures` as above but unscaled.
   void (*elastic_stress)(const ElementGroup& group, const ElementDecomposition& decomposition,
                          const double* pressures, ElementStress* stress);

@@ -351,11 +351,11 @@ inline Mat3 with_memory(const Symmetric& memory, const Mat3& v, const Mat3& u, c
     h[0][j] = column.x;
     h[1][j] = column.y;
     h[2][j] = column.z;
+    for (int i = 0; i < 3; ++i) store(decomposition->memory_stress[i][j] + first, h[i][j]);
   }
   Mat3 result;
   for (int j = 0; j < 3; ++j) {
     energy += h[j][j] * (s[j] - 1.0);
-    store(decomposition->memory_stress[j] + first, h[j][j]);
     Vec3 column = u.c[j] * (p[j] + h[j][j]);
     for (int i = 0; i < 3; ++i) {
       if (i == j) continue;
@@ -460,8 +460,9 @@ struct Modes {
   Floats mixed[3][3];  ///< coefficient of (ij, ji)
 };
 
+/// With `remembering` the past's stress is left to Memory, but where projected.
 inline Modes modes_at(const ElementGroup& group, double factor, const ElementDecomposition& d,
-                      const double* pressures, bool projected) {
+                      const double* pressures, bool remembering, bool projected) {
   // Differences of nearly equal numbers: in double precision, then rounded.
   alignas(64) double stretch[3][kLanes], same[3][kLanes], mixed[3][kLanes];
   for (int first = 0; first < kLanes; first += kWide) {
@@ -474,8 +475,8 @@ inline Modes modes_at(const ElementGroup& group, double factor, const ElementDec
     for (int i = 0; i < 3; ++i) {
       b1[i] = factor * load(d.limit_stress[i] + first);
       b2[i] = factor * load(d.limit_stiffness[i] + first);
-      p[i] = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) + b1[i] +
-             load(d.memory_stress[i] + first);
+      p[i] = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) + b1[i];
+      if (remembering && projected) p[i] += load(d.memory_stress[i][i] + first);
       store(stretch[i] + first, (2.0 * mu + lambda + b2[i]) * volume);
     }
     for (int k = 0; k < 3; ++k) {  // the pair of axes without k
@@ -505,12 +506,64 @@ inline Modes modes_at(const ElementGroup& group, double factor, const ElementDec
   return m;
 }
 
+/// Second derivative of V H : S by F, S the stretch tensor and H what is remembered. With G from
+/// S G + G S = H, S^2 = F^T F gives d2(H : S) = 2 G : (dF^T dF - dS dS); in the frame of the
+/// decomposition, G is H_ij / (s_i + s_j) and dS is (s_i M_ij + s_j M_ji) / (s_i + s_j).
+struct Memory {
+  Floats g[3][3];      ///< G times volume
+  Floats share[3][3];  ///< s_i / (s_i + s_j)
+};
+
+inline Memory memory_at(const ElementGroup& group, const ElementDecomposition& d) {
+  Memory m;
+  const Floats volume = load_as_floats(group.volume);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Floats s = load_as_floats(d.s[i]);
+      Floats sum = s + load_as_floats(d.s[j]);
+      sum = sum > 1e-3F ? sum : Floats{} + 1e-3F;
+      m.g[i][j] = load_as_floats(d.memory_stress[i][j]) * volume / sum;
+      m.share[i][j] = s / sum;
+    }
+  }
+  return m;
+}
+
+/// Adds its block of two nodes, V^T grad N of which are p and q, in the frame of U.
+inline void add_memory(const Memory& m, const Floats* p, const Floats* q, Floats entry[3][3]) {
+  // dS is e_i w_i^T + w_i e_i^T where a node moves along axis i.
+  Floats w[3][3], v[3][3], gw[3][3], gv[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      w[i][k] = m.share[i][k] * p[k];
+      v[i][k] = m.share[i][k] * q[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+      gw[i][k] = m.g[k][0] * w[i][0] + m.g[k][1] * w[i][1] + m.g[k][2] * w[i][2];
+      gv[i][k] = m.g[k][0] * v[i][0] + m.g[k][1] * v[i][1] + m.g[k][2] * v[i][2];
+    }
+  }
+  Floats across{};
+  for (int k = 0; k < 3; ++k) {
+    across += p[k] * (m.g[k][0] * q[0] + m.g[k][1] * q[1] + m.g[k][2] * q[2]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Floats both = w[i][0] * v[j][0] + w[i][1] * v[j][1] + w[i][2] * v[j][2];
+      entry[i][j] -= 2.0F * (w[i][j] * gv[j][i] + both * m.g[i][j] + v[j][i] * gw[i][j]);
+    }
+    entry[i][i] += 2.0F * (across - (v[i][0] * gw[i][0] + v[i][1] * gw[i][1] + v[i][2] * gw[i][2]));
+  }
+}
+
 /// Place of block (a, b) in ElementHessians; (b, a), its transpose, shares it.
 constexpr int kPlace[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
 
 void hessian(const ElementGroup& group, double factor, const ElementDecomposition& decomposition,
-             const double* pressures, bool projected, ElementHessians* hessians) {
-  const Modes m = modes_at(group, factor, decomposition, pressures, projected);
+             const double* pressures, bool remembering, bool projected, ElementHessians* hessians) {
+  const Modes m = modes_at(group, factor, decomposition, pressures, remembering, projected);
+  const bool exact = remembering && !projected;
+  const Memory memory = exact ? memory_at(group, decomposition) : Memory{};
   const Mat<Floats> u = load_matrix<Floats>(decomposition.u, 0);
   Floats shape[3][3];  // V^T grad N_a
   {
@@ -543,6 +596,7 @@ void hessian(const ElementGroup& group, double factor, const ElementDecompositio
         }
         entry[i][i] = diagonal;
       }
+      if (exact) add_memory(memory, p, q, entry);
       Mat<Floats> k;
       for (int c = 0; c < 3; ++c) k.c[c] = {entry[0][c], entry[1][c], entry[2][c]};
       const Mat<Floats> block = u * k * transpose(u);
