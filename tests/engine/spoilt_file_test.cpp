@@ -1,4 +1,4 @@
-// Scene and finger files, spoilt key by key: what the schema refuses the reader refuses too, in
+// Files of scenes, fingers, devices and persons, spoilt key by key: what the schema refuses the reader refuses too, in
 // one line, and nothing but a refusal comes of any of them.
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
@@ -21,6 +21,8 @@
 #include "../support/json_schema.hpp"
 #include "../support/toml_json.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "softfinger/engine/person.hpp"
 #include "softfinger/finger/finger_file.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"
@@ -253,6 +255,36 @@ TEST_F(SpoiltFiles, FingersAreRefusedAsTheirSchemaSays) {
         name, schema, [](const fs::path& file) { (void)FingerModel::load(file); },
         toml::parse_file((kTree / "fingers" / name).string()), 40);
   }
+}
+
+TEST_F(SpoiltFiles, DevicesAreRefusedAsTheirSchemaSays) {
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(kTree / "devices")) {
+    if (entry.path().extension() != ".toml") continue;
+    const toml::table root = toml::parse_file(entry.path().string());
+    const std::string kind = root["kind"].value_or("");
+    reads_what_holds_ = kind != "mechanism";
+    spoil(
+        entry.path().filename().string(), json::parse(device_schema(kind)),
+        [](const fs::path& file) { (void)load_device(file); }, root, 30);
+    ++files;
+  }
+  EXPECT_GE(files, 15);
+}
+
+TEST_F(SpoiltFiles, PersonsAreRefusedAsTheirSchemaSays) {
+  const std::string text = R"toml(
+[index.size]
+length_mm = 25.0
+breadth_mm = 16.0
+depth_mm = 13.5
+[index.registration]
+translation_mm = [1.0, 2.0, 3.0]
+rotation_vector_deg = [0.0, 10.0, 0.0]
+)toml";
+  spoil(
+      "person", json::parse(person_schema()), [](const fs::path& file) { (void)load_person(file); },
+      toml::parse(text), 60);
 }
 
 }  // namespace
