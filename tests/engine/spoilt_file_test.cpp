@@ -1,5 +1,5 @@
-// Files of scenes, fingers, devices and persons, spoilt key by key: what the schema refuses the reader refuses too, in
-// one line, and nothing but a refusal comes of any of them.
+// Files of scenes, fingers, devices and persons, spoilt key by key: what the schema refuses the
+// reader refuses too, in one line, and nothing but a refusal comes of any of them.
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
 #include <unistd.h>
