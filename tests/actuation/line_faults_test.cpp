@@ -70,8 +70,10 @@ class LineFaults : public testing::TestWithParam<const char*> {
   /// No joint gets faster than it may, where every command arrived.
   void expect_gentle(double from, double to) const {
     const auto& sent = line_.sent();
+    int compared = 0;
     for (std::size_t k = 2; k < sent.size(); ++k) {
       if (sent[k - 2].time < from || sent[k].time > to) continue;
+      ++compared;
       const double dt = sent[k].time - sent[k - 1].time;
       const double dt_before = sent[k - 1].time - sent[k - 2].time;
       const auto speed = (sent[k].joints - sent[k - 1].joints).array() / dt;
@@ -79,6 +81,7 @@ class LineFaults : public testing::TestWithParam<const char*> {
       const double gained = (speed.abs() - before.abs()).maxCoeff();
       EXPECT_LE(gained, kAcceleration * dt + 4.0 * rounding() / dt) << "at " << sent[k].time;
     }
+    EXPECT_GT(compared, 5) << from << " to " << to << " s";
   }
   const SimulatedLine::Sent* first_after(double time) const {
     const auto& sent = line_.sent();

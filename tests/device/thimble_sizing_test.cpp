@@ -28,6 +28,7 @@ TEST(ThimbleSizing, TiltsThirtyDegreesEverywhereFromHomeToDeepPress) {
 TEST(ThimbleSizing, NoSingularityNear) {
   const WorkspaceSummary workspace = thimble().workspace_summary();
   const double margin = thimble().geometry().max_tilt + 5.0 * deg;
+  int within = 0;
   // Wherever the joints are within their limits, and in all directions at mid travel.
   for (double travel = workspace.min_travel; travel <= workspace.max_travel; travel += 0.25 * mm) {
     for (int direction = 0; direction < 360; direction += 5) {
@@ -39,9 +40,11 @@ TEST(ThimbleSizing, NoSingularityNear) {
         if ((joints - thimble().joint_limits().min).minCoeff() < 0.0) continue;
         if ((joints - thimble().joint_limits().max).maxCoeff() > 0.0) continue;
         EXPECT_GT(thimble().singularity_ratio(q), 0.3);
+        ++within;
       }
     }
   }
+  EXPECT_GT(within, 10000);
 }
 
 TEST(ThimbleSizing, RetractsAwayFromTheFinger) {

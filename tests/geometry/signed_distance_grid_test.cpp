@@ -89,16 +89,21 @@ TEST(SignedDistanceGrid, AgreesWithTheFormulaOfATorus) {
 }
 
 TEST(SignedDistanceGrid, SignIsExactAwayFromTheRounding) {
+  int compared[2] = {};
   for (const Vector3& p : points(tunnel(), 50000, 3.0 * mm)) {
     const double exact = tunnel().tree.closest(p).distance;
     if (std::abs(exact) < 0.3 * mm) continue;
     EXPECT_EQ(tunnel().grid.signed_distance(p).distance < 0.0, exact < 0.0);
+    ++compared[exact < 0.0 ? 0 : 1];
   }
+  EXPECT_GT(compared[0], 1000);
+  EXPECT_GT(compared[1], 1000);
 }
 
 TEST(SignedDistanceGrid, DerivativesAreThoseOfTheValue) {
   const double h = 1e-7;
   for (const Solid* solid : {&torus(), &tunnel()}) {
+    int in_domain = 0;
     for (const Vector3& p : points(*solid, 5000, 8.0 * mm)) {  // up to 2 mm outside the domain
       const SignedDistance at = solid->grid.signed_distance(p);
       const SignedDistance first = solid->grid.distance_and_gradient(p);
@@ -109,10 +114,12 @@ TEST(SignedDistanceGrid, DerivativesAreThoseOfTheValue) {
         const SignedDistance minus = solid->grid.signed_distance(p - h * Vector3::Unit(i));
         EXPECT_NEAR(at.gradient[i], (plus.distance - minus.distance) / (2.0 * h), 1e-6);
         if (!solid->grid.content().domain.contains(p)) continue;
+        ++in_domain;
         const Vector3 change = (plus.gradient - minus.gradient) / (2.0 * h);
         EXPECT_LT((at.hessian.col(i) - change).norm(), 0.02 + 1e-3 * at.hessian.norm());
       }
     }
+    EXPECT_GT(in_domain, 1000);
   }
 }
 
@@ -135,23 +142,29 @@ TEST(SignedDistanceGrid, GradientIsContinuousAcrossCellsAndBands) {
 
 /// Deeper than the finest band a gradient still leads out.
 TEST(SignedDistanceGrid, PushesOutFromDeepInside) {
+  int inside = 0;
   for (const Vector3& p : points(sphere(), 20000, 0.0)) {
     const double depth = 8.0 * mm - p.norm();
     if (depth < 5.0 * um || depth > 6.0 * mm) continue;  // facets lie a little inside
     const SignedDistance at = sphere().grid.signed_distance(p);
     EXPECT_LT(at.distance, 0.0);
     EXPECT_GT(at.gradient.dot(p.normalized()), 0.95);
+    ++inside;
   }
+  EXPECT_GT(inside, 1000);
 }
 
 TEST(SignedDistanceGrid, FarDistanceIsNeverTooLarge) {
+  int far = 0;
   for (const Vector3& p : points(sphere(), 20000, 60.0 * mm)) {
     const double exact = p.norm() - 8.0 * mm;
     if (exact < 6.0 * mm) continue;
     const double distance = sphere().grid.signed_distance(p).distance;
     EXPECT_LT(distance, 1.02 * exact);
     EXPECT_GT(distance, 0.5 * exact);
+    ++far;
   }
+  EXPECT_GT(far, 10000);
   // Continuous where the domain ends.
   const Eigen::AlignedBox3d& domain = sphere().grid.content().domain;
   Vector3 border(1.0 * mm, 2.0 * mm, domain.max().z());
@@ -193,13 +206,16 @@ TEST(SignedDistanceGrid, TurnsWithItsObject) {
   const TriangleMesh mesh = torus_mesh(9.0 * mm, 4.0 * mm, 360, 160);
   const Solid here(mesh);
   const Solid there(moved(mesh, X));
+  int near = 0;
   for (const Vector3& p : points(here, 5000, 1.0 * mm)) {
     const SignedDistance a = here.grid.signed_distance(p);
     const SignedDistance b = there.grid.signed_distance(X * p);
     if (std::abs(a.distance) > 1.0 * mm) continue;
     EXPECT_NEAR(a.distance, b.distance, 3.0 * um);
     EXPECT_LT((X.rotation * a.gradient - b.gradient).norm(), 0.02);
+    ++near;
   }
+  EXPECT_GT(near, 1000);
 }
 
 TEST(SignedDistanceGrid, IsTheSameEachTime) {

@@ -49,9 +49,11 @@ void expect_global(double tilt_deg, unsigned seed, int presses) {
   std::mt19937 random(seed);
   ContactSurfaceMatching matching(thimble(), 200);
   int limited = 0;
+  int touching = 0;
   for (int i = 0; i < presses; ++i) {
     const Pad pad = random_press(random, tilt_deg);
     if (pad.contacts() == 0) continue;
+    ++touching;
     const MatchingResult result = matching.solve(pad.view(), {});
     EXPECT_EQ(result.termination, Termination::kConverged);
     EXPECT_TRUE(thimble()->reachable(result.configuration));
@@ -61,6 +63,7 @@ void expect_global(double tilt_deg, unsigned seed, int presses) {
     EXPECT_LE(result.deviation, 1.001 * brute_force(pad, random) + 1e-14) << "press " << i;
     limited += result.active_constraints.any() ? 1 : 0;
   }
+  EXPECT_GT(touching, presses / 2);
   if (tilt_deg > 40.0) {
     EXPECT_GT(limited, presses / 6);
   }
@@ -89,9 +92,11 @@ TEST(Matching, FindsTheGlobalMinimumOfScatteredContacts) {
 TEST(Matching, ProjectedGradientVanishes) {
   std::mt19937 random(14);
   ContactSurfaceMatching matching(thimble(), 200);
+  int touching = 0;
   for (int i = 0; i < 200; ++i) {
     const Pad pad = random_press(random, 40.0);
     if (pad.contacts() < 3) continue;
+    ++touching;
     const MatchingResult result = matching.solve(pad.view(), {});
     Eigen::Vector3d gradient;
     for (int k = 0; k < 3; ++k) {
@@ -123,6 +128,7 @@ TEST(Matching, ProjectedGradientVanishes) {
     // 1e-6 m of surface at 120 samples would be 1e-4.
     EXPECT_LT(gradient.norm(), 2e-7) << i;
   }
+  EXPECT_GT(touching, 100);
 }
 
 TEST(Matching, RendersAPlaneExactly) {
@@ -130,7 +136,8 @@ TEST(Matching, RendersAPlaneExactly) {
   ContactSurfaceMatching matching(thimble(), 200);
   std::uniform_real_distribution<double> tilt(-12.0, 12.0);
   std::uniform_real_distribution<double> depth(0.5, 2.5);
-  for (int i = 0; i < 50; ++i) {
+  int rendered = 0;
+  for (int i = 0; i < 150; ++i) {
     const Configuration q = configuration(tilt(random), tilt(random), 3.0 + depth(random));
     const Pose X_FP = thimble()->surface_pose(q);
     const Pad pad = press_plane(resting_pad(120, random), X_FP.translation, X_FP.rotation.col(2));
@@ -140,6 +147,7 @@ TEST(Matching, RendersAPlaneExactly) {
       if (pad.in_contact[k] != 0) farthest = std::max(farthest, std::hypot(p_P.x(), p_P.y()));
     }
     if (farthest > 8.0 * mm || pad.contacts() < 3) continue;
+    ++rendered;
     const MatchingResult result = matching.solve(pad.view(), {});
     EXPECT_LT(result.deviation, 1e-14);
     EXPECT_LT(thimble()->squared_distance(result.configuration, q), 1e-12);
@@ -148,6 +156,7 @@ TEST(Matching, RendersAPlaneExactly) {
     constant.separation = Separation::kConstant;
     EXPECT_GT(matching.solve(pad.view(), constant).deviation, 1e-10);
   }
+  EXPECT_GT(rendered, 30);
 }
 
 TEST(Matching, OfSeveralMinimisersTheNearestHome) {
@@ -205,9 +214,11 @@ TEST(Matching, NothingInContactClearsEverySample) {
 TEST(Matching, WarmAndColdAgree) {
   std::mt19937 random(17);
   ContactSurfaceMatching matching(thimble(), 200);
+  int touching = 0;
   for (int i = 0; i < 100; ++i) {
     const Pad pad = random_press(random, 20.0);
     if (pad.contacts() < 3) continue;
+    ++touching;
     const MatchingResult cold = matching.solve(pad.view(), {});
     Configuration near = cold.configuration;
     near[0] += 0.01;
@@ -215,14 +226,17 @@ TEST(Matching, WarmAndColdAgree) {
     const MatchingResult warm = matching.solve(pad.view(), {}, &near);
     EXPECT_LT(std::sqrt(thimble()->squared_distance(warm.configuration, cold.configuration)), 1e-7);
   }
+  EXPECT_GT(touching, 50);
 }
 
 TEST(Matching, OrderOfSamplesDoesNotMatter) {
   std::mt19937 random(18);
   ContactSurfaceMatching matching(thimble(), 200);
+  int touching = 0;
   for (int i = 0; i < 50; ++i) {
     const Pad pad = random_press(random, 20.0);
     if (pad.contacts() < 3) continue;
+    ++touching;
     std::vector<std::size_t> order(pad.points.size());
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), random);
@@ -238,6 +252,7 @@ TEST(Matching, OrderOfSamplesDoesNotMatter) {
     EXPECT_NEAR(a.deviation, b.deviation, 1e-9 * a.deviation + 1e-18);
     EXPECT_LT(std::sqrt(thimble()->squared_distance(a.configuration, b.configuration)), 1e-7);
   }
+  EXPECT_GT(touching, 25);
 }
 
 TEST(Matching, AreaWeightsWeigh) {

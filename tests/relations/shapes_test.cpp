@@ -83,6 +83,7 @@ TEST(Shapes, ABallAndOneOfTriangles) {
 // What the finger does to the object the object may do to the finger: paths without turns, slow
 // enough that accelerating the bone, 10 g, takes little force.
 TEST(Shapes, ObjectToFingerAndFingerToObject) {
+  int at_rest = 0;
   for (int number = 0; number < cases(4); ++number) {
     Draw draw("reversed", number);
     const Exploration exploration =
@@ -104,6 +105,7 @@ TEST(Shapes, ObjectToFingerAndFingerToObject) {
     const Trace b = explore(reversed);
     ASSERT_GT(a.most_force, 0.01) << exploration.what;
     if (a.last().normal_force < 0.01) continue;  // slid off the object
+    ++at_rest;
     // At rest at the end; on the way the bone's inertia tells who moves, and friction remembers
     // how far the skin swung where a slide ended.
     EXPECT_NEAR(b.last().normal_force, a.last().normal_force, 0.02 * a.last().normal_force)
@@ -112,6 +114,7 @@ TEST(Shapes, ObjectToFingerAndFingerToObject) {
         << exploration.what;
     EXPECT_LT(departure(a, b).normal_force, 0.3) << exploration.what;
   }
+  EXPECT_GT(at_rest, 0);
 }
 
 }  // namespace

@@ -40,13 +40,16 @@ TEST(PageFile, TheBuiltPageIsWhole) {
   EXPECT_EQ(index->content_type, "text/html; charset=utf-8");
   EXPECT_TRUE(index->content.starts_with("<!doctype html>"));
   // Every file is named by another, and nothing is fetched from elsewhere.
+  int assets = 0;
   for (const PageFile& file : page) {
     if (!file.path.starts_with("/assets/index")) continue;
+    ++assets;
     const std::string_view name = file.path.substr(file.path.rfind('/') + 1);
     EXPECT_TRUE(std::ranges::any_of(page, [&](const PageFile& other) {
       return other.path != file.path && other.content.find(name) != std::string_view::npos;
     })) << file.path;
   }
+  EXPECT_GE(assets, 2) << "a script and a style";
   EXPECT_EQ(index->content.find("http"), std::string_view::npos);
 }
 
