@@ -104,8 +104,18 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   record_.command.force_limited = record_.command.force_limited || corrected != unlimited;
   note_latency(input);
   record_.hash = hash_of(record_);
+  follow();
   if (sensor_) measure(contact.friction_coefficient, elapsed);
   return record_;
+}
+
+/// Leads what foresees forces along the way that the device really goes.
+void DeviceLoop::follow() {
+  const double cpu_began = thread_cpu_time();
+  const Configuration& went = record_.command.configuration;
+  if (limiter_) limiter_->follow(went);
+  if (force_) force_->follow(offset_ ? offset_->felt(went) : went);
+  record_.cpu_time += thread_cpu_time() - cpu_began;
 }
 
 void DeviceLoop::note_latency(const TickInput& input) {

@@ -74,6 +74,7 @@ class DeviceLoop {
 
  private:
   void measure(double friction_coefficient, double elapsed);
+  void follow();
   void note_latency(const TickInput& input);
 
   Objective objective_;

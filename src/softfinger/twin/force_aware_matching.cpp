@@ -60,7 +60,8 @@ struct ForceAwareMatching::Implementation {
   std::vector<double> x, y, z, weight, margin;
   SurfaceSamples samples;
   Vector3 target = Vector3::Zero();
-  Configuration before;  ///< at the end of the last frame
+  Configuration before;    ///< the last match
+  bool under_way = false;  ///< the last frame has not ended
   ForceAwareResult result;
 
   void take(const ContactSet& contact, const MatchingOptions& matching);
@@ -163,7 +164,7 @@ void ForceAwareMatching::Implementation::cut_step() {
   step /= longest;
 }
 
-/// Where the last frame ended, unless the surface match is better: at first touch, and where the
+/// Where the last match was, unless the surface match is better: at first touch, and where the
 /// twin has lost contact. The twin is then at result.configuration.
 void ForceAwareMatching::Implementation::choose_start(const Configuration& surface) {
   const auto cost_at = [&](const Configuration& q) {
@@ -227,6 +228,7 @@ ForceAwareMatching& ForceAwareMatching::operator=(ForceAwareMatching&&) noexcept
 
 void ForceAwareMatching::reset() {
   implementation_->twin.reset();
+  implementation_->under_way = false;
   implementation_->before = implementation_->device->home();
 }
 
@@ -237,25 +239,32 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
                                                   std::span<const Vector3> nodes_F) {
   Implementation& self = *implementation_;
   ForceAwareResult& result = self.result;
+  follow(self.before);
   result = {};
   self.take(virtual_side, matching);
   self.target = normal_force_vector(virtual_side);
+  self.twin.begin_frame(friction_coefficient, elapsed);
+  self.under_way = true;
   if (virtual_side.contact_count > 0 && self.target.norm() > kWorthwhileForce) {
     if (self.stress) self.stress->want(nodes_F);
-    self.twin.begin_frame(friction_coefficient, elapsed);
     self.choose_start(surface);
     self.search();
-    // A step that was refused is not where the frame ends.
-    if (self.twin.configuration() != result.configuration) self.twin.attempt(result.configuration);
-    self.twin.keep();
   } else {
     result.configuration = surface;
-    self.twin.press(surface, friction_coefficient, elapsed);
   }
+  // A step that was refused is not where the frame ends.
+  if (self.twin.configuration() != result.configuration) self.twin.attempt(result.configuration);
   result.force = normal_force_vector(self.twin.contact());
   result.deviation = self.device->deviation(result.configuration, self.samples);
   self.before = result.configuration;
   return result;
+}
+
+void ForceAwareMatching::follow(const Configuration& went) {
+  Implementation& self = *implementation_;
+  if (!self.under_way) return;
+  self.under_way = false;
+  self.twin.end_frame(went);
 }
 
 const Twin& ForceAwareMatching::twin() const { return implementation_->twin; }

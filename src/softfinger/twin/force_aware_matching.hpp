@@ -59,13 +59,16 @@ class ForceAwareMatching {
 
   void reset();
   /// One frame, `elapsed` s after the last: from `surface`, which is reachable, or from where the
-  /// last frame ended if that is the better start. Where the virtual side touches nothing the twin
+  /// last match was if that is the better start. Where the virtual side touches nothing the twin
   /// only follows to `surface`. `nodes_F`: all nodes of the virtual finger, m; only looked at where
   /// stresses weigh something.
   const ForceAwareResult& match(const ContactSet& virtual_side, const Configuration& surface,
                                 double friction_coefficient, double elapsed,
                                 const MatchingOptions& matching,
                                 std::span<const Vector3> nodes_F = {});
+  /// Where the device went in this frame: where its limits led it elsewhere, friction and
+  /// relaxation of the twin follow there. Without it, it is taken to have gone to the match.
+  void follow(const Configuration& went);
   [[nodiscard]] const Twin& twin() const;
 
  private:

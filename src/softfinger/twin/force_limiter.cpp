@@ -38,6 +38,7 @@ double ForceLimiter::force_at(const Configuration& q) {
 Configuration ForceLimiter::limited(const Configuration& q, double elapsed) {
   const Device& device = twin_.device();
   const double most = kKept * device.settings().max_force;
+  follow(limited_);
   twin_.begin_frame(kMostFriction, elapsed);
   Configuration at = q;
   if (force_at(q) > most) {
@@ -59,8 +60,15 @@ Configuration ForceLimiter::limited(const Configuration& q, double elapsed) {
     at = back(soft);
     twin_.attempt(at);
   }
-  twin_.keep();
+  limited_ = at;
+  under_way_ = true;
   return at;
+}
+
+void ForceLimiter::follow(const Configuration& went) {
+  if (!under_way_) return;
+  under_way_ = false;
+  twin_.end_frame(went);
 }
 
 }  // namespace softfinger

@@ -24,11 +24,15 @@ class ForceLimiter {
 
   /// q, drawn back where it would press too hard; the device is taken to go there in `elapsed` s.
   [[nodiscard]] Configuration limited(const Configuration& q, double elapsed);
+  /// Where the device went, if other limits led it elsewhere.
+  void follow(const Configuration& went);
 
  private:
   [[nodiscard]] double force_at(const Configuration& q);
 
   Twin twin_;
+  Configuration limited_;   ///< the last answer
+  bool under_way_ = false;  ///< its frame has not ended
 };
 
 }  // namespace softfinger

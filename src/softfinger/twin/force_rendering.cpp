@@ -8,7 +8,7 @@
 namespace softfinger {
 namespace {
 
-// The correction's most change.
+// The most that the device moves beside the surface's own motion.
 constexpr double kTurnRate = 90.0 * deg;   // rad/s
 constexpr double kLengthRate = 30.0 * mm;  // m/s
 
@@ -36,13 +36,18 @@ const RenderedSurface& ForceRendering::tick(const ContactSet& contact,
                                             const RenderedSurface& surface, double elapsed) {
   const ForceAwareResult& matched = force_.match(
       contact, surface.configuration, contact.friction_coefficient, elapsed, matching_, nodes_F);
-  rendered_ = surface;
+  // As near the match as is possible from where it was and from where the surface takes it: a
+  // surface that jumps between two answers as good takes nobody along who stays.
   for (int k = 0; k < correction_.size(); ++k) {
-    const double wanted = matched.configuration[k] - surface.configuration[k];
     const bool angle = device_->axes()[static_cast<std::size_t>(k)].unit == deg;
     const double room = (angle ? kTurnRate : kLengthRate) * elapsed;
-    correction_[k] = std::clamp(wanted, correction_[k] - room, correction_[k] + room);
+    const double stay = rendered_.configuration[k];
+    const double go = surface.configuration[k] + correction_[k];
+    correction_[k] =
+        std::clamp(matched.configuration[k], std::min(stay, go) - room, std::max(stay, go) + room) -
+        surface.configuration[k];
   }
+  rendered_ = surface;
   Configuration wanted = surface.configuration + correction_;
   if (contact.contact_count == 0 && !correction_.isZero()) {
     skin_.take(contact);

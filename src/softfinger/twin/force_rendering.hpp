@@ -25,6 +25,8 @@ class ForceRendering {
   /// ForceAwareMatching::match().
   const RenderedSurface& tick(const ContactSet& contact, std::span<const Vector3> nodes_F,
                               const RenderedSurface& surface, double elapsed);
+  /// See ForceAwareMatching::follow().
+  void follow(const Configuration& went) { force_.follow(went); }
 
  private:
   std::shared_ptr<const Device> device_;

@@ -46,4 +46,10 @@ Configuration TravelOffset::corrected(const Configuration& q) const {
   return result;
 }
 
+Configuration TravelOffset::felt(const Configuration& q) const {
+  Configuration result = q;
+  twin_.device().advance(value_, result);
+  return result;
+}
+
 }  // namespace softfinger

@@ -41,6 +41,8 @@ class TravelOffset {
   /// The configuration for the wearer that does what q does for the model; limits are not looked
   /// at.
   [[nodiscard]] Configuration corrected(const Configuration& q) const;
+  /// The configuration that does for the model what q does for the wearer.
+  [[nodiscard]] Configuration felt(const Configuration& q) const;
 
  private:
   TravelOffsetOptions options_;

@@ -13,6 +13,7 @@ namespace {
 
 /// The device moves on the skin in parts no longer than this, so that friction sees the path, m.
 constexpr double kLongestPart = 0.25e-3;
+constexpr double kLongestFrame = 1e-3;  // of one that is an attempt alone
 /// A jump has no path worth following: no more parts than this.
 constexpr int kMostParts = 16;
 constexpr double kTolerance = 1e-7;  // relative residual
@@ -372,6 +373,15 @@ void Twin::begin_frame(double friction_coefficient, double elapsed) {
 }
 TwinSummary Twin::attempt(const Configuration& q) { return implementation_->attempt(q); }
 void Twin::keep() { implementation_->keep(); }
+void Twin::end_frame(const Configuration& q) {
+  const Implementation& self = *implementation_;
+  const double way = std::sqrt(self.device->squared_distance(q, self.kept_q));
+  if (self.q == q && way <= kLongestFrame) {
+    keep();
+  } else {
+    press(q, self.friction_coefficient, self.elapsed);
+  }
+}
 
 const Configuration& Twin::configuration() const { return implementation_->q; }
 bool Twin::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {

@@ -40,6 +40,9 @@ class Twin {
   void begin_frame(double friction_coefficient, double elapsed);
   TwinSummary attempt(const Configuration& q);
   void keep();
+  /// keep() with the device at q, wherever it was tried. As press() does, unless q was tried last
+  /// and is so near that the way there tells little.
+  void end_frame(const Configuration& q);
 
   /// Of the last attempt.
   [[nodiscard]] const Configuration& configuration() const;
