@@ -1,12 +1,14 @@
 #include "program.hpp"
 
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
@@ -90,6 +92,13 @@ ProgramRun RunningProgram::stop(int signal) {
   const int status =
       WIFEXITED(wait_status_) ? WEXITSTATUS(wait_status_) : 128 + WTERMSIG(wait_status_);
   return {status, content(output_file_), content(errors_file_)};
+}
+
+void expect_refused(const ProgramRun& run, const std::vector<std::string>& words) {
+  EXPECT_EQ(run.status, 2) << run.errors;
+  EXPECT_EQ(run.output, "");
+  EXPECT_EQ(std::ranges::count(run.errors, '\n'), 1) << run.errors;
+  for (const std::string& word : words) EXPECT_THAT(run.errors, testing::HasSubstr(word));
 }
 
 ProgramRun run_program(const std::vector<std::string>& arguments) {

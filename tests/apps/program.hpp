@@ -14,6 +14,9 @@ struct ProgramRun {
 /// Runs build/softfinger with these arguments and waits for it.
 [[nodiscard]] ProgramRun run_program(const std::vector<std::string>& arguments);
 
+/// Refused as bad input: status 2, nothing said but one line with all of `words` in it.
+void expect_refused(const ProgramRun& run, const std::vector<std::string>& words);
+
 /// Runs a line of bash, in which "$@" is the program with these arguments, and waits for it:
 /// `exec "$@" >/dev/full`.
 [[nodiscard]] ProgramRun run_in_shell(const std::string& line,

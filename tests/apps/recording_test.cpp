@@ -19,13 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-void expect_one_line(const ProgramRun& run, const std::string& words) {
-  EXPECT_EQ(run.status, 2);
-  EXPECT_EQ(run.output, "");
-  EXPECT_EQ(std::ranges::count(run.errors, '\n'), 1) << run.errors;
-  EXPECT_THAT(run.errors, HasSubstr(words));
-}
-
 class Recorded : public testing::Test {
  protected:
   void record() const {
@@ -84,7 +77,7 @@ TEST_F(Recorded, CopiedWhileItIsWrittenNeedsItsLog) {
     if (command == "condition") words.emplace_back("--filter");
     if (command == "emulate") words = {"emulate", "udp", alone, "--port", "9"};
     const ProgramRun run = run_program(words);
-    expect_one_line(run, "was being written when it was copied");
+    expect_refused(run, {"was being written when it was copied"});
     EXPECT_THAT(run.errors, HasSubstr("alone.sqlite-wal, which belongs to it"));
   }
   EXPECT_EQ(run_program({"replay", whole}).status, 0);
@@ -93,8 +86,8 @@ TEST_F(Recorded, CopiedWhileItIsWrittenNeedsItsLog) {
   fs::copy(file, place.path("ended.sqlite"));
   fs::copy(alone, place.path("there.sqlite"));
   fs::copy(whole, place.path("there.sqlite-wal"));
-  expect_one_line(run_program({"replay", place.path("there.sqlite")}),
-                  "a folder that can be written");
+  expect_refused(run_program({"replay", place.path("there.sqlite")}),
+                 {"a folder that can be written"});
   // Ended, it is one file.
   EXPECT_EQ(run_program({"replay", place.path("ended.sqlite")}).status, 0);
 }

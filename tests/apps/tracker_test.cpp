@@ -45,13 +45,6 @@ void expect_contact(const ProgramRun& run) {
   EXPECT_TRUE(report.at("pose_age_ms").at("p50").is_number());
 }
 
-void expect_one_line(const ProgramRun& run, const std::vector<std::string>& words) {
-  EXPECT_EQ(run.status, 2) << run.errors;
-  EXPECT_EQ(run.output, "");
-  EXPECT_EQ(std::ranges::count(run.errors, '\n'), 1) << run.errors;
-  for (const std::string& word : words) EXPECT_THAT(run.errors, HasSubstr(word));
-}
-
 class EmulatedNatNet : public testing::Test {
  protected:
   EmulatedNatNet() { place_.write("press.csv", press_csv()); }
@@ -89,14 +82,14 @@ TEST_F(EmulatedNatNet, DrivesARunThatReplays) {
 
 TEST_F(EmulatedNatNet, WrongBodyIsAnsweredWithThoseThereAre) {
   const std::string port = start({});
-  expect_one_line(run("natnet:127.0.0.1:" + port + ",body=thumb"),
-                  {"no rigid body 'thumb'", "index"});
+  expect_refused(run("natnet:127.0.0.1:" + port + ",body=thumb"),
+                 {"no rigid body 'thumb'", "index"});
 }
 
 TEST_F(EmulatedNatNet, SilentHostIsDiagnosed) {
   const std::string port = unused_port();
-  expect_one_line(run("natnet:127.0.0.1:" + port + ",body=index"),
-                  {"command socket is silent", "127.0.0.1:" + port, "firewall"});
+  expect_refused(run("natnet:127.0.0.1:" + port + ",body=index"),
+                 {"command socket is silent", "127.0.0.1:" + port, "firewall"});
 }
 
 TEST_F(EmulatedNatNet, BadFlagsAreRefused) {
@@ -114,10 +107,10 @@ TEST_F(EmulatedNatNet, BadFlagsAreRefused) {
                                              {"--port", "70000"}}) {
     std::vector<std::string> words{"emulate", "natnet", csv};
     words.insert(words.end(), flags.begin(), flags.end());
-    expect_one_line(run_program(words), {flags[0] == "--address" ? flags[1] : flags[0]});
+    expect_refused(run_program(words), {flags[0] == "--address" ? flags[1] : flags[0]});
   }
-  expect_one_line(run_program({"emulate", "natnet", place_.path("absent.csv")}), {"absent.csv"});
-  expect_one_line(run_program({"emulate", "udp", csv, "--port", "0"}), {"--port"});
+  expect_refused(run_program({"emulate", "natnet", place_.path("absent.csv")}), {"absent.csv"});
+  expect_refused(run_program({"emulate", "udp", csv, "--port", "0"}), {"--port"});
 }
 
 TEST_F(EmulatedNatNet, EndsWithItsFile) {
@@ -144,13 +137,13 @@ TEST(NetworkTrackerCommand, PortInUseAndRunsAsFastAsPossibleAreRefused) {
   const UdpSocket taken({kLoopback, 0});
   const std::string port = std::to_string(taken.local().port);
   const std::string scene = place.path("scenes/sphere.toml");
-  expect_one_line(run_program({"run", scene, "--headless", "--tracker", "udp:" + port}),
-                  {"udp:" + port, "in use"});
-  expect_one_line(run_program({"run", scene, "--headless", "--as-fast-as-possible", "--tracker",
-                               "osc:" + unused_port()}),
-                  {"osc:", "as fast as possible"});
-  expect_one_line(run_program({"run", scene, "--headless", "--tracker", "udp:70000"}),
-                  {"udp:70000", "udp:ADDRESS:PORT"});
+  expect_refused(run_program({"run", scene, "--headless", "--tracker", "udp:" + port}),
+                 {"udp:" + port, "in use"});
+  expect_refused(run_program({"run", scene, "--headless", "--as-fast-as-possible", "--tracker",
+                              "osc:" + unused_port()}),
+                 {"osc:", "as fast as possible"});
+  expect_refused(run_program({"run", scene, "--headless", "--tracker", "udp:70000"}),
+                 {"udp:70000", "udp:ADDRESS:PORT"});
 }
 
 TEST(ConditionCommand, SaysWhatFilterAndPredictionMakeOfAMotion) {
@@ -173,11 +166,10 @@ TEST(ConditionCommand, RefusesWhatItCannotDo) {
   const Workplace place;
   place.write("press.csv", press_csv());
   const std::string file = place.path("press.csv");
-  expect_one_line(run_program({"condition", file}), {"--filter", "--predict-ms"});
-  expect_one_line(run_program({"condition", file, "--filter", "--rate-Hz", "0"}), {"--rate-Hz 0"});
-  expect_one_line(run_program({"condition", file, "--filter", "--noise-mm", "nan"}),
-                  {"--noise-mm"});
-  expect_one_line(run_program({"condition", place.path("none.csv"), "--filter"}), {"none.csv"});
+  expect_refused(run_program({"condition", file}), {"--filter", "--predict-ms"});
+  expect_refused(run_program({"condition", file, "--filter", "--rate-Hz", "0"}), {"--rate-Hz 0"});
+  expect_refused(run_program({"condition", file, "--filter", "--noise-mm", "nan"}), {"--noise-mm"});
+  expect_refused(run_program({"condition", place.path("none.csv"), "--filter"}), {"none.csv"});
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTimeStep = 1e-3;
+constexpr double kConeStep = 1e-3;
 
 VirtualObject object(Shape shape, const Pose& pose, double friction) {
   VirtualObject object;
@@ -27,7 +27,7 @@ Pose at(double x, double y, double z) {
   return {Matrix3::Identity(), Vector3(x * mm, y * mm, z * mm)};
 }
 
-std::shared_ptr<const FingerModel> finger() {
+std::shared_ptr<const FingerModel> finger_on_cones() {
   static const auto model = FingerModel::load(kProject / "fingers/index.toml");
   return model;
 }
@@ -39,14 +39,14 @@ TEST(FrictionCone, HoldsInEveryStepOfATapThatSlides) {
     for (const Shape& shape : {Shape(HalfSpace{}), Shape(Ball{20.0 * mm})}) {
       const bool flat = std::holds_alternative<HalfSpace>(shape);
       const VirtualObject thing = object(shape, at(0, 0, flat ? 0.0 : -20.0), mu);
-      FingerSimulation simulation(finger(), {&thing, 1}, kTimeStep);
+      FingerSimulation simulation(finger_on_cones(), {&thing, 1}, kConeStep);
       simulation.reset(at(0, 0, 9.0));
       double most_slip = 0.0;
       double most_force = 0.0;
       for (int k = 1; k <= 120; ++k) {
         const double part = k / 50.0;
         const double z = 9.0 - 3.0 * std::sin(std::min(1.0, 0.5 * part) * std::numbers::pi);
-        const StepSummary step = simulation.step(at(4.0 * part, 0, z), k * kTimeStep);
+        const StepSummary step = simulation.step(at(4.0 * part, 0, z), k * kConeStep);
         EXPECT_TRUE(step.converged) << k;
         const ContactSet& contact = simulation.contact();
         const double cone = mu * contact.normal_force_sum;
@@ -74,13 +74,13 @@ TEST(NormalForce, IsTheMagnitudeOfTheVectorSum) {
     pose.rotation = exp_rotation(Vector3(angle * deg, 0.0, 0.0));
     sides.push_back(object(HalfSpace{}, pose, 0.0));
   }
-  FingerSimulation simulation(finger(), sides, kTimeStep);
+  FingerSimulation simulation(finger_on_cones(), sides, kConeStep);
   const Pose pose = at(0, 0, 9.5);
   simulation.reset(at(0, 0, 12.5));
   for (int k = 1; k <= 400; ++k) {
-    simulation.step(at(0, 0, std::max(9.5, 12.5 - 0.03 * k)), k * kTimeStep);
+    simulation.step(at(0, 0, std::max(9.5, 12.5 - 0.03 * k)), k * kConeStep);
   }
-  const Vector3 pull = finger()->coupling.translation_stiffness *
+  const Vector3 pull = finger_on_cones()->coupling.translation_stiffness *
                        (simulation.bone_pose().translation - pose.translation);
   const ContactSet& contact = simulation.contact();
   EXPECT_GT(contact.normal_force, 0.1);

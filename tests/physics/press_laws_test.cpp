@@ -13,7 +13,7 @@
 namespace softfinger {
 namespace {
 
-FingerModel finger() { return *FingerModel::load(kProject / "fingers/index.toml"); }
+FingerModel index_model() { return *FingerModel::load(kProject / "fingers/index.toml"); }
 
 struct Row {
   double depth, force, touch, least_gap;
@@ -55,7 +55,7 @@ double gap_of_triangles(const FingerModel& model, const Indenter& indenter, doub
 }
 
 TEST(Press, CountsFromWhereTheSkinTouches) {
-  const FingerModel model = finger();
+  const FingerModel model = index_model();
   IndentationOptions options{.depth = 1.0 * mm, .rows = 5};
   for (const double radius : {0.5, 1.0, 3.0, 6.0, 9.0, 9.5, 20.0}) {
     for (const double x : {0.0, 0.7}) {
@@ -78,12 +78,12 @@ TEST(Press, CountsFromWhereTheSkinTouches) {
 }
 
 TEST(Press, BesideTheFingerIsRefused) {
-  EXPECT_THROW(press(finger(), Indenter::ball(1.0 * mm, 60.0 * mm, 0.0), {}), InputError);
+  EXPECT_THROW(press(index_model(), Indenter::ball(1.0 * mm, 60.0 * mm, 0.0), {}), InputError);
 }
 
 // Nothing in a frictionless press but its moduli has the unit of a stress.
 TEST(Press, ForcesScaleWithAllModuli) {
-  const FingerModel soft = finger();
+  const FingerModel soft = index_model();
   for (const Indenter& indenter : {Indenter::plane(), Indenter::ball(6.0 * mm, 0.0, 0.0)}) {
     const IndentationOptions options{.depth = 2.0 * mm, .rows = 4, .friction = false};
     const std::vector<Row> reference = press(soft, indenter, options);
@@ -104,7 +104,7 @@ TEST(Press, ForcesScaleWithAllModuli) {
 // Tissue in motion with its bone has to be stopped: force at speed is more than at rest, and the
 // more the faster.
 TEST(Press, InertiaAddsForce) {
-  const FingerModel model = finger();
+  const FingerModel model = index_model();
   IndentationOptions options{.depth = 0.1 * mm, .rows = 1, .friction = false};
   double before = press(model, Indenter::plane(), options).back().force;
   EXPECT_GT(before, 0.005);

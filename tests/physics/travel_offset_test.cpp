@@ -20,7 +20,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTimeStep = 1e-3;
+constexpr double kSimulationStep = 1e-3;
 constexpr int kStepsPerFrame = 33;
 constexpr int kFrames = 300;
 
@@ -61,7 +61,7 @@ struct Frame {
   Configuration wanted;  ///< by the objective
 };
 
-constexpr double kElapsed = kStepsPerFrame * kTimeStep;
+constexpr double kElapsed = kStepsPerFrame * kSimulationStep;
 
 std::vector<Frame> virtual_frames(const std::shared_ptr<const FingerModel>& model,
                                   const std::shared_ptr<const Device>& device, double radius) {
@@ -73,14 +73,14 @@ std::vector<Frame> virtual_frames(const std::shared_ptr<const FingerModel>& mode
     still.pose.translation.z() = -radius;
   }
   object.motion = Trajectory({still});
-  FingerSimulation simulation(model, {&object, 1}, kTimeStep);
+  FingerSimulation simulation(model, {&object, 1}, kSimulationStep);
   simulation.reset(tracked_pose(*model, radius, 0.0));
   SurfaceRendering surface(device, static_cast<int>(model->sample_nodes.size()));
   ForceRendering force(model, device);
   std::vector<Frame> frames;
   for (int frame = 0; frame < kFrames; ++frame) {
     for (int step = 1; step <= kStepsPerFrame; ++step) {
-      const double time = (frame * kStepsPerFrame + step) * kTimeStep;
+      const double time = (frame * kStepsPerFrame + step) * kSimulationStep;
       simulation.step(tracked_pose(*model, radius, time), time);
     }
     const ContactSet& contact = simulation.contact();

@@ -68,6 +68,13 @@ Exploration moved(const Exploration& exploration, const Pose& X_VW, double time_
   return result;
 }
 
+Exploration of_samples(Exploration exploration) {
+  auto model = std::make_shared<FingerModel>(*exploration.model);
+  model->feature_contact = false;
+  exploration.model = model;
+  return exploration;
+}
+
 Departure departure(const Trace& a, const Trace& b, const Pose& X_VW) {
   Departure most;
   EXPECT_EQ(a.moments.size(), b.moments.size());

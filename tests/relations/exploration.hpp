@@ -55,6 +55,13 @@ using Look = std::function<void(const FingerSimulation&, const Moment&)>;
 [[nodiscard]] Exploration moved(const Exploration& exploration, const Pose& X_VW,
                                 double time_shift = 0.0);
 
+/// The same without points inside triangles.
+[[nodiscard]] Exploration of_samples(Exploration exploration);
+
+/// Limits of friction are sought to 1 %: two runs that differ by rounding may stop a pass apart.
+inline constexpr double kLimits = 0.01;
+inline constexpr double kLimitsOfNormals = 0.003;
+
 /// Of two traces with as many moments: the greatest departure over all of them, forces as a part of
 /// the greatest force of `a`; `b` was moved by X_VW.
 struct Departure {

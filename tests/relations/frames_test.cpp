@@ -12,9 +12,6 @@ namespace {
 // Both sides solve each step to a residual of 1e-6; what rounding does before is far below. A
 // touch in steps of 1 ms forgets such differences, it does not pile them up.
 constexpr double kSolved = 1e-4;
-/// Limits of friction are sought to 1 %: two runs that differ by rounding may stop a pass apart.
-constexpr double kLimits = 0.01;
-constexpr double kLimitsOfNormals = 0.003;
 // A point inside a triangle may be found one step earlier or later.
 constexpr double kFeatures = 0.06;
 // Samples pass an edge.
@@ -40,14 +37,6 @@ void expect_near(const Exploration& one, const Exploration& other, const Pose& X
   EXPECT_LT(most.normal_force, std::max(tolerance, kLimitsOfNormals)) << one.what << most.where;
   EXPECT_LT(most.force, std::max(tolerance, kLimits)) << one.what << most.where;
   EXPECT_LT(most.bone, tolerance * 1 * mm) << one.what << most.where;
-}
-
-Exploration of_samples(const Exploration& exploration) {
-  Exploration plain = exploration;
-  auto model = std::make_shared<FingerModel>(*exploration.model);
-  model->feature_contact = false;
-  plain.model = model;
-  return plain;
 }
 
 /// With points inside triangles, and of the samples alone.

@@ -10,10 +10,6 @@
 namespace softfinger::relations {
 namespace {
 
-/// Limits of friction are sought to 1 %: two runs that differ by rounding may stop a pass apart.
-constexpr double kLimits = 0.01;
-constexpr double kLimitsOfNormals = 0.003;
-
 /// 0 .. count - 1 in a drawn order.
 std::vector<int> shuffled(Draw& draw, std::size_t count) {
   std::vector<int> order(count);
@@ -101,16 +97,16 @@ std::shared_ptr<const FingerModel> plain(const FingerModel& model) {
 // Sums are taken in another order: rounding, and where the iterations of a step end, 1e-6 of its
 // residual. Points inside triangles take places in the order in which they are found, and two
 // that are alike may take turns.
-constexpr double kSamples = 1e-4;
-constexpr double kFeatures = 0.05;
+constexpr double kSamplesInOrder = 1e-4;
+constexpr double kFeaturesInOrder = 0.05;
 
 TEST(Order, OfNodesAndSamples) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("nodes", number);
     Exploration exploration = draw_exploration(draw, number, kSmoothThings);
-    expect_alike(exploration, with_other_nodes(*exploration.model, draw), kFeatures);
+    expect_alike(exploration, with_other_nodes(*exploration.model, draw), kFeaturesInOrder);
     exploration.model = plain(*exploration.model);
-    expect_alike(exploration, with_other_nodes(*exploration.model, draw), kSamples);
+    expect_alike(exploration, with_other_nodes(*exploration.model, draw), kSamplesInOrder);
   }
 }
 
@@ -119,7 +115,7 @@ TEST(Order, OfElementsAndTriangles) {
     Draw draw("elements", number);
     Exploration exploration = draw_exploration(draw, number, kSmoothThings);
     exploration.model = plain(*exploration.model);
-    expect_alike(exploration, with_other_elements(*exploration.model, draw), kSamples);
+    expect_alike(exploration, with_other_elements(*exploration.model, draw), kSamplesInOrder);
   }
 }
 
@@ -131,7 +127,7 @@ TEST(Order, OfElementsInPatches) {
     auto model = std::make_shared<FingerModel>(*plain(*exploration.model));
     model->dilatation = Dilatation::kPatch;
     exploration.model = model;
-    expect_alike(exploration, with_other_elements(*model, draw), kSamples);
+    expect_alike(exploration, with_other_elements(*model, draw), kSamplesInOrder);
   }
 }
 
@@ -143,7 +139,7 @@ TEST(Order, DISABLED_OfElementsAndTrianglesWithFeatures) {
     auto model = std::make_shared<FingerModel>(*exploration.model);
     model->dilatation = Dilatation::kElement;
     exploration.model = model;
-    expect_alike(exploration, with_other_elements(*model, draw), kFeatures);
+    expect_alike(exploration, with_other_elements(*model, draw), kFeaturesInOrder);
   }
 }
 
@@ -164,7 +160,7 @@ TEST(Order, OfObjects) {
     std::reverse(other.objects.begin(), other.objects.end());
     const Trace a = explore(exploration);
     ASSERT_GT(a.most_force, 0.01) << exploration.what;
-    EXPECT_LT(departure(a, explore(other)).force, kFeatures) << exploration.what;
+    EXPECT_LT(departure(a, explore(other)).force, kFeaturesInOrder) << exploration.what;
     exploration.model = other.model = plain(*exploration.model);
     EXPECT_LT(departure(explore(exploration), explore(other)).force, 1e-6) << exploration.what;
   }

@@ -75,9 +75,9 @@ TEST(Press, AgainstARunOnAPlane) {
 
 // A point inside a triangle goes part of the way to the deepest one in a step: in a press, a tenth
 // of a millimetre each, it is not there yet.
-constexpr double kFeatures = 0.06;
+constexpr double kPressedFeatures = 0.06;
 // Samples that slide off something round come to rest by the way they took: 2.3 % seen.
-constexpr double kSamples = 0.04;
+constexpr double kPressedSamples = 0.04;
 
 // What remains open, see docs/robustness.md.
 TEST(Press, DISABLED_AgainstARunOnABallAndAnEdge) {
@@ -88,8 +88,8 @@ TEST(Press, DISABLED_AgainstARunOnABallAndAnEdge) {
     const Indenter ball = Indenter::ball(draw.between(5.0, 20.0) * mm, at_x, at_y);
     const Indenter edge = Indenter::edge(draw.between(0.2, 2.0) * mm);
     for (const bool features : {true, false}) {
-      expect_alike(ball, "ball", draw, features ? kFeatures : kSamples, features);
-      expect_alike(edge, "edge", draw, features ? kFeatures : kSamples, features);
+      expect_alike(ball, "ball", draw, features ? kPressedFeatures : kPressedSamples, features);
+      expect_alike(edge, "edge", draw, features ? kPressedFeatures : kPressedSamples, features);
     }
   }
 }

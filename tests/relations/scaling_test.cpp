@@ -98,13 +98,6 @@ TEST(Scaling, OfDensities) {
   }
 }
 
-Exploration of_samples(Exploration exploration) {
-  auto model = std::make_shared<FingerModel>(*exploration.model);
-  model->feature_contact = false;
-  exploration.model = model;
-  return exploration;
-}
-
 // The floor under forces that iterations are measured by, 1 mN, stays; a point inside a triangle
 // may be found a step earlier.
 TEST(Scaling, OfModuli) {
