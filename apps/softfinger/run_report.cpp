@@ -58,6 +58,7 @@ Json report(const FingerSummary& finger, std::int64_t steps, const Json& deadlin
           {"commands_sent", finger.commands_sent},
           {"device_ticks", finger.ticks},
           {"force_limited_ticks", finger.force_limited_ticks},
+          {"rate_limited_ticks", finger.rate_limited_ticks},
           {"max_contact_area_mm2", finger.max_contact_area / mm2},
           {"max_normal_force_N", finger.max_normal_force},
           {"max_normal_force_sum_N", finger.max_normal_force_sum},
@@ -122,6 +123,11 @@ std::string run_report_text(const RunSummary& summary) {
     if (finger.force_limited_ticks > 0) {
       text += fmt::format("    limits.max_force_N held its device back in {} of {} ticks\n",
                           finger.force_limited_ticks, finger.ticks);
+    }
+    if (finger.rate_limited_ticks > 0) {
+      text += fmt::format(
+          "    its device was still on its way, at its motors' rates, in {} of {} ticks\n",
+          finger.rate_limited_ticks, finger.ticks);
     }
   }
   if (summary.recording) {

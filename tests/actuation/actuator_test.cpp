@@ -124,6 +124,25 @@ TEST(ActuatorInSimulatedTime, FollowsRepeatsRetractsAndStops) {
   EXPECT_EQ(actuator.commands_sent(), sent);
 }
 
+TEST(ActuatorInSimulatedTime, TellsThatItIsStillOnItsWay) {
+  const auto device = lever_platform();
+  Actuator actuator(device, {.simulated_time = true});
+  const auto at = [&](const Configuration& wanted, int tick) -> const FormedCommand& {
+    return actuator.command(touching(wanted), tick * 0.02);
+  };
+  for (int k = 0; k < 60; ++k) at(device->home(), k);
+  EXPECT_FALSE(at(device->home(), 60).rate_limited);
+  const Configuration wanted = configuration(8, -4, 3);
+  int late = 0;
+  for (int k = 61; k < 120; ++k) {
+    const FormedCommand& formed = at(wanted, k);
+    late += formed.rate_limited ? 1 : 0;
+    EXPECT_EQ(formed.rate_limited, formed.configuration != wanted) << k;
+  }
+  EXPECT_GT(late, 0);
+  EXPECT_LT(late, 40);
+}
+
 TEST(ActuatorInSimulatedTime, RepeatsBitForBit) {
   const auto device = lever_platform();
   std::vector<JointAngles> first;

@@ -176,6 +176,7 @@ void Actuator::Impl::form(const Configuration& goal, double dt) {
   guard.step(goal, dt);
   formed.configuration = guard.configuration();
   formed.joints = guard.joints();
+  formed.rate_limited = dt > 0.0 && goal.allFinite() && !guard.arrived();
   if (options.ceiling) {
     formed.ceiling = options.ceiling->travel(formed.configuration);
     formed.force_limited = goal.allFinite() && options.ceiling->excess(goal) > kForceLimited;

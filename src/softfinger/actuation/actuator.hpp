@@ -55,6 +55,7 @@ struct FormedCommand {
   /// Up to where force limits let the device advance there; SI, infinite without a limit.
   double ceiling = std::numeric_limits<double>::infinity();
   bool force_limited = false;                      ///< what was wanted lies above that
+  bool rate_limited = false;                       ///< its motors' rates keep it from there as yet
   std::array<std::int32_t, kMaxServos> targets{};  ///< steps of the wire, one per joint
   int servos = 0;  ///< how many of `targets` are used; 0 for a device without transport
   DeviceState state = DeviceState::kHoming;

@@ -43,6 +43,7 @@ void FingerSummary::add(const TickRecord& tick) {
   stages.add(tick.stages);
   ++ticks;
   if (tick.command.force_limited) ++force_limited_ticks;
+  if (tick.command.rate_limited) ++rate_limited_ticks;
 }
 
 void FingerSummary::merge(const FingerSummary& other) {
@@ -57,6 +58,7 @@ void FingerSummary::merge(const FingerSummary& other) {
   commands_sent += other.commands_sent;
   ticks += other.ticks;
   force_limited_ticks += other.force_limited_ticks;
+  rate_limited_ticks += other.rate_limited_ticks;
   max_contact_area = std::max(max_contact_area, other.max_contact_area);
   max_normal_force = std::max(max_normal_force, other.max_normal_force);
   max_normal_force_sum = std::max(max_normal_force_sum, other.max_normal_force_sum);

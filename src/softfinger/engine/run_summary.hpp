@@ -46,6 +46,7 @@ struct FingerSummary {
   std::uint64_t commands_sent = 0;
   std::uint64_t ticks = 0;
   std::uint64_t force_limited_ticks = 0;  ///< in which max_force_N held the device back
+  std::uint64_t rate_limited_ticks = 0;   ///< in which its motors' rates did
   double max_contact_area = 0.0;          ///< m^2
   double max_normal_force = 0.0;          ///< N, of the magnitude of the vector sum
   double max_normal_force_sum = 0.0;      ///< N, of the sum of magnitudes
