@@ -2,7 +2,10 @@
 // follows through the coupling.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "drawn_exploration.hpp"
 #include "softfinger/base/units.hpp"
@@ -70,6 +73,77 @@ TEST(Press, AgainstARunOnAPlane) {
   for (int number = 0; number < cases(3); ++number) {
     Draw draw("press", number);
     expect_alike(Indenter::plane(), "plane", draw, 0.01);
+  }
+}
+
+/// Depth (m) and force (N), deeper and deeper.
+using PressCurve = std::vector<std::pair<double, double>>;
+
+/// What the way down to this depth took, J; 0 where the curve does not reach it.
+double work_to(const PressCurve& curve, double depth) {
+  double work = 0.0;
+  for (std::size_t k = 1; k < curve.size(); ++k) {
+    const auto& [from, least] = curve[k - 1];
+    const auto& [to, most] = curve[k];
+    if (to >= depth * (1.0 - 1e-9)) {
+      const double part = (depth - from) / (to - from);
+      return work + (depth - from) * (least + 0.5 * part * (most - least));
+    }
+    work += 0.5 * (least + most) * (to - from);
+  }
+  return 0.0;
+}
+
+// By the work it takes: a fast touch rings from step to step.
+// Tissue that moves has inertia: both step it alike, and the run comes from so far away that what
+// its start shook has come to rest.
+TEST(Press, AtSpeedAgainstARunOnAPlane) {
+  constexpr double kRate = 20000.0;
+  for (int number = 0; number < cases(3); ++number) {
+    Draw draw("press at speed", number);
+    std::string what;
+    const auto model = with_stiff_coupling(*draw_finger(draw, what));
+    const double pitch = draw.between(0.0, 20.0) * deg;
+    const double speed = std::exp(draw.between(std::log(0.02), std::log(0.5)));
+    const double depth = draw.between(0.1, 0.8) * mm;
+    Exploration exploration;
+    exploration.model = model;
+    exploration.objects.push_back(obstacle(Indenter::plane()));
+    exploration.rate = kRate;
+    const Pose touch =
+        touching(*model, exploration.objects.front(), exp_rotation({0.0, pitch, 0.0}));
+    const double from = std::max(2.0 * mm, 0.3 * speed);
+    constexpr int kPieces = 16;
+    std::vector<Waypoint> waypoints;
+    for (int k = 0; k <= kPieces; ++k) {
+      const double gone = (from + depth) * k / kPieces;
+      Pose pose = touch;
+      pose.translation.z() += from - gone;
+      waypoints.push_back({gone / speed, pose});
+    }
+    // Goes on at this speed where it is compared.
+    Pose beyond = touch;
+    beyond.translation.z() += from - (from + depth) * (kPieces + 1) / kPieces;
+    waypoints.push_back({(from + depth) * (kPieces + 1) / kPieces / speed, beyond});
+    exploration.motion = Trajectory(waypoints);
+    PressCurve run;
+    static_cast<void>(explore(exploration, [&](const FingerSimulation&, const Moment& moment) {
+      run.emplace_back(touch.translation.z() - moment.X_WF.translation.z(), moment.force_W.z());
+    }));
+    const int rows = static_cast<int>(depth / speed * kRate) + 1;
+    PressCurve press{{0.0, 0.0}};
+    indent(*model, Indenter::plane(),
+           {.depth = depth, .rows = rows, .pitch = pitch, .friction = false, .speed = speed},
+           [&](const IndentationState& state) {
+             press.emplace_back(state.row.indentation, state.row.normal_force);
+           });
+    const double whole = work_to(press, depth);
+    ASSERT_GT(whole, 1e-7) << what;
+    for (const double part : {0.25, 0.5, 1.0}) {
+      EXPECT_NEAR(work_to(run, part * depth), work_to(press, part * depth),
+                  (speed < 0.1 ? 5e-3 : 8e-2) * whole)
+          << what << ", " << part * depth / mm << " mm deep at " << speed << " m/s";
+    }
   }
 }
 
