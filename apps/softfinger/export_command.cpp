@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <memory>
 #include <string>
 
@@ -13,5 +15,8 @@ void add_export_command(CLI::App& app) {
   command->add_option("RECORDING", flags->recording, "what run --record wrote")->required();
   command->add_option("--to", flags->directory, "directory for the files; made if absent")
       ->required();
-  command->callback([flags] { softfinger::export_csv(flags->recording, flags->directory); });
+  command->callback([flags] {
+    const std::string cut = softfinger::export_csv(flags->recording, flags->directory);
+    if (!cut.empty()) fmt::print(stderr, "softfinger: {}\n", cut);
+  });
 }

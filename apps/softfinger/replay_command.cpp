@@ -30,9 +30,11 @@ void run(ReplayFlags flags) {
   const ReplayResult result =
       replay(flags.options, [&bar](double fraction) { bar.show(fraction); });
   bar.clear();
+  if (!result.cut.empty()) fmt::print(stderr, "softfinger: {}\n", result.cut);
   if (flags.json) {
     nlohmann::ordered_json json{{"agree", result.agree},
                                 {"steps", result.steps},
+                                {"complete", result.cut.empty()},
                                 {"first_difference", nullptr},
                                 {"difference", nullptr}};
     if (result.first_difference) {

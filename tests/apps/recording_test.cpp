@@ -80,7 +80,13 @@ TEST_F(Recorded, CopiedWhileItIsWrittenNeedsItsLog) {
     expect_refused(run, {"was being written when it was copied"});
     EXPECT_THAT(run.errors, HasSubstr("alone.sqlite-wal, which belongs to it"));
   }
-  EXPECT_EQ(run_program({"replay", whole}).status, 0);
+  // What there is agrees, but it is not all, and that is told.
+  const ProgramRun cut = run_program({"replay", whole, "--json"});
+  EXPECT_EQ(cut.status, 0);
+  EXPECT_THAT(cut.output, HasSubstr("\"complete\": false"));
+  EXPECT_THAT(cut.errors, HasSubstr("whole.sqlite: ends at step "));
+  EXPECT_THAT(run_program({"export", whole, "--to", place.path("cut")}).errors,
+              HasSubstr("whole.sqlite: ends at step "));
   // With its log, but where it cannot be read.
   forbid_log(place.path("there.sqlite"));
   fs::copy(file, place.path("ended.sqlite"));
@@ -89,7 +95,10 @@ TEST_F(Recorded, CopiedWhileItIsWrittenNeedsItsLog) {
   expect_refused(run_program({"replay", place.path("there.sqlite")}),
                  {"a folder that can be written"});
   // Ended, it is one file.
-  EXPECT_EQ(run_program({"replay", place.path("ended.sqlite")}).status, 0);
+  const ProgramRun ended = run_program({"replay", place.path("ended.sqlite"), "--json"});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_EQ(ended.errors, "");
+  EXPECT_THAT(ended.output, HasSubstr("\"complete\": true"));
 }
 
 }  // namespace

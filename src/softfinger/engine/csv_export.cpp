@@ -262,7 +262,7 @@ class Export {
 
 }  // namespace
 
-void export_csv(const fs::path& recording, const fs::path& directory) {
+std::string export_csv(const fs::path& recording, const fs::path& directory) {
   RecordingReader reader(recording);
   std::error_code error;
   fs::create_directories(directory, error);
@@ -271,6 +271,7 @@ void export_csv(const fs::path& recording, const fs::path& directory) {
         fmt::format("{}: cannot be made a directory: {}", directory.string(), error.message()));
   }
   Export(reader, directory).write();
+  return reader.how_it_was_cut();
 }
 
 }  // namespace softfinger

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace softfinger {
 
@@ -9,8 +10,10 @@ namespace softfinger {
 /// the whole state was recorded. First column time_s, with several fingers the second `finger`;
 /// rows sorted by these; units in the headers; a missing value is an empty field. configuration,
 /// joints and command have a row for each device tick, the others for each step.
+/// Returns a line for people where the recording was cut, else nothing.
 /// Throws InputError where the recording is none or one of the files exists already, and
 /// OperationError where they cannot be written.
-void export_csv(const std::filesystem::path& recording, const std::filesystem::path& directory);
+[[nodiscard]] std::string export_csv(const std::filesystem::path& recording,
+                                     const std::filesystem::path& directory);
 
 }  // namespace softfinger

@@ -254,6 +254,14 @@ std::int64_t RecordingReader::last_step() {
   }
 }
 
+std::string RecordingReader::how_it_was_cut() {
+  if (complete_) return {};
+  return fmt::format(
+      "{0}: ends at step {1} because its run was cut there or goes on; if it was copied during the "
+      "run, the rest is in {2}-wal, which belongs beside it",
+      file_.string(), last_step(), file_.filename().string());
+}
+
 bool RecordingReader::next(StepRecord& r) {
   try {
     SqliteStatement& row = *database_->steps;

@@ -24,6 +24,8 @@ class RecordingReader {
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
   /// Whether the run closed it.
   [[nodiscard]] bool complete() const { return complete_; }
+  /// One line for people where it did not, else empty.
+  [[nodiscard]] std::string how_it_was_cut();
 
   /// Number of the last step recorded; 0 if there is none.
   [[nodiscard]] std::int64_t last_step();

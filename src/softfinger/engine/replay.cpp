@@ -137,6 +137,7 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
 
   ReplayResult result;
   result.steps = reader.last_step();
+  result.cut = reader.how_it_was_cut();
   const auto differ = [&](std::int64_t step, std::int64_t finger, const char* what) {
     result.agree = false;
     result.first_difference = step;

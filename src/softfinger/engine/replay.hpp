@@ -23,6 +23,7 @@ struct ReplayResult {
   std::int64_t steps = 0;                        ///< of the recording
   std::optional<std::int64_t> first_difference;  ///< step
   std::string difference;  ///< what differs there, for people; empty where all agrees
+  std::string cut;         ///< a line for people where the recording was cut, else empty
 };
 
 /// Runs a recording again with its recorded tracked poses and device ticks and compares every step
