@@ -32,6 +32,7 @@ constexpr double kDepth = 3.5 * mm;
 constexpr double kSlide = 4.0 * mm;
 constexpr double kFurther = 0.7 * mm;
 constexpr double kTooMuch = 1.25;  // of the limit; asked for, it must be told
+constexpr double kForeseen = 0.9;  // of it; the most for the wearer that the limiter takes
 constexpr double kReached = 0.8;   // of it, at least, by some wearer; 0.86 to 0.92 were seen
 
 /// The virtual contact at each tick of a finger that goes down in 3 ticks and then slides.
@@ -131,7 +132,8 @@ TEST_P(ForceLimiterOf, KeepsWearersBelowTheLimit) {
       TickInput input;
       input.step = (tick + 1) * kStepsPerTick;
       input.time = (tick + 1) * kPeriod;
-      const ContactSet& contact = contacts(radius)[static_cast<std::size_t>(tick)];
+      ContactSet contact = contacts(radius)[static_cast<std::size_t>(tick)];
+      contact.friction_coefficient = GetParam().roughest;
       const TickRecord& record = loop.tick(input, {contact, {}, Pose()});
       told += record.command.force_limited ? 1 : 0;
       for (Wearer& wearer : wearers) {
@@ -139,8 +141,11 @@ TEST_P(ForceLimiterOf, KeepsWearersBelowTheLimit) {
             wearer.twin.press(record.command.configuration, wearer.friction, kPeriod).converged);
         const double force = wearer.twin.contact().normal_force;
         wearer.most = std::max(wearer.most, force);
-        EXPECT_LE(force, kLimit) << "tick " << tick << ", friction " << wearer.friction
-                                 << ", stiffness " << wearer.stiffness << ", radius " << radius;
+        const bool foreseen =
+            wearer.friction == GetParam().roughest && wearer.stiffness == kStiffestWearer;
+        EXPECT_LE(force, (foreseen ? kForeseen : 1.0) * kLimit)
+            << "tick " << tick << ", friction " << wearer.friction << ", stiffness "
+            << wearer.stiffness << ", radius " << radius;
       }
       // What is wanted, but no deeper than tells that it is too much.
       Configuration further = record.command.configuration;

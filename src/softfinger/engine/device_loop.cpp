@@ -85,7 +85,9 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
     record_.travel_offset = offset_->value();
   }
   const Configuration unlimited = corrected;
-  if (limiter_ && corrected.allFinite()) corrected = limiter_->limited(corrected, elapsed);
+  if (limiter_ && corrected.allFinite()) {
+    corrected = limiter_->limited(corrected, contact.friction_coefficient, elapsed);
+  }
   record_.cpu_time = thread_cpu_time() - cpu_began;
   ++record_.tick;
   record_.step = input.step;

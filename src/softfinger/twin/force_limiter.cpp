@@ -35,11 +35,12 @@ double ForceLimiter::force_at(const Configuration& q) {
   return twin_.contact().normal_force;
 }
 
-Configuration ForceLimiter::limited(const Configuration& q, double elapsed) {
+Configuration ForceLimiter::limited(const Configuration& q, double friction_coefficient,
+                                    double elapsed) {
   const Device& device = twin_.device();
   const double most = kKept * device.settings().max_force;
   follow(limited_);
-  twin_.begin_frame(kMostFriction, elapsed);
+  twin_.begin_frame(std::max(kMostFriction, friction_coefficient), elapsed);
   Configuration at = q;
   if (force_at(q) > most) {
     const auto back = [&](double distance) {

@@ -23,7 +23,9 @@ class ForceLimiter {
   [[nodiscard]] static bool needed(const Device& device);
 
   /// q, drawn back where it would press too hard; the device is taken to go there in `elapsed` s.
-  [[nodiscard]] Configuration limited(const Configuration& q, double elapsed);
+  /// `friction_coefficient`: of what is touched; counts where it is more than kMostFriction.
+  [[nodiscard]] Configuration limited(const Configuration& q, double friction_coefficient,
+                                      double elapsed);
   /// Where the device went, if other limits led it elsewhere.
   void follow(const Configuration& went);
 

@@ -13,7 +13,6 @@ namespace {
 
 /// The device moves on the skin in parts no longer than this, so that friction sees the path, m.
 constexpr double kLongestPart = 0.25e-3;
-constexpr double kLongestFrame = 1e-3;  // of one that is an attempt alone
 /// A jump has no path worth following: no more parts than this.
 constexpr int kMostParts = 16;
 constexpr double kTolerance = 1e-7;  // relative residual
@@ -376,7 +375,7 @@ void Twin::keep() { implementation_->keep(); }
 void Twin::end_frame(const Configuration& q) {
   const Implementation& self = *implementation_;
   const double way = std::sqrt(self.device->squared_distance(q, self.kept_q));
-  if (self.q == q && way <= kLongestFrame) {
+  if (self.q == q && way <= kLongestPart) {
     keep();
   } else {
     press(q, self.friction_coefficient, self.elapsed);

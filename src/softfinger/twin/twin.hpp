@@ -40,8 +40,7 @@ class Twin {
   void begin_frame(double friction_coefficient, double elapsed);
   TwinSummary attempt(const Configuration& q);
   void keep();
-  /// keep() with the device at q, wherever it was tried. As press() does, unless q was tried last
-  /// and is so near that the way there tells little.
+  /// keep() with the device at q, wherever it was tried, by the way that press() takes.
   void end_frame(const Configuration& q);
 
   /// Of the last attempt.
