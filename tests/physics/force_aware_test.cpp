@@ -149,17 +149,16 @@ Outcome render_poses(const std::string& finger, int count) {
 
 TEST(ForceAwareMatching, MeetsTheForceOnPlanesAndSpheres) {
   const Outcome outcome = render_poses("index", 200);
-  // The judge comes there in one press, the match in several: friction tells the way.
-  EXPECT_LE(outcome.percentile(0.5), 0.015);
-  EXPECT_LE(outcome.percentile(0.9), 0.05);
+  EXPECT_LE(outcome.percentile(0.5), 0.005);
+  EXPECT_LE(outcome.percentile(0.9), 0.02);
   EXPECT_LE(outcome.unreachable, 40);
   EXPECT_EQ(outcome.unconverged, 0);
 }
 
 TEST(ForceAwareMatching, MeetsTheForceOnAFinerFinger) {
   const Outcome outcome = render_poses("index-medium", 8);
-  EXPECT_LE(outcome.percentile(0.5), 0.01);
-  EXPECT_LE(outcome.percentile(0.9), 0.05);
+  EXPECT_LE(outcome.percentile(0.5), 0.005);
+  EXPECT_LE(outcome.percentile(0.9), 0.02);
   EXPECT_EQ(outcome.unconverged, 0);
 }
 
