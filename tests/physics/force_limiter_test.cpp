@@ -28,7 +28,7 @@ constexpr double kLimit = 2.0;  // N
 constexpr int kStepsPerTick = 33;
 constexpr int kTicks = 12;
 constexpr double kPeriod = kStepsPerTick * 1e-3;
-constexpr double kDepth = 3.5 * mm;
+constexpr double kTipDepth = 3.5 * mm;
 constexpr double kSlide = 4.0 * mm;
 constexpr double kFurther = 0.7 * mm;
 constexpr double kTooMuch = 1.25;  // of the limit; asked for, it must be told
@@ -53,7 +53,7 @@ std::vector<ContactSet> pressed_and_slid(const std::shared_ptr<const FingerModel
     const double down = std::min(1.0, tick / 3.0);
     const double aside = std::clamp((tick - 4.0) / 6.0, 0.0, 1.0);
     return Pose{Matrix3::Identity(),
-                Vector3(kSlide * aside, 0.0, -lowest + 0.5 * mm - (kDepth + 0.5 * mm) * down)};
+                Vector3(kSlide * aside, 0.0, -lowest + 0.5 * mm - (kTipDepth + 0.5 * mm) * down)};
   };
   simulation.reset(pose(0.0));
   std::vector<ContactSet> contacts;
