@@ -357,5 +357,6 @@ test("the program is gone", async () => {
   await lookAtEverySize("five fingers, the program gone");
   await showFinger("thumb");
   await page.waitForFunction(() => document.getElementById("patch-twin").width > 2, null, { polling: 30 });
+  assert.equal(await page.locator("#device-state").textContent(), "unknown");
   await lookAtEverySize("one of five fingers, the program gone");
 });

@@ -75,8 +75,7 @@ export class Panel {
     element("connection").textContent =
       state === "live" ? "live" : state === "lost" ? "no connection" : "connecting";
     if (state === "lost") {
-      element("device-state").textContent = "unknown";
-      element("device-state").dataset.device = "";
+      this.showDevice("", "", false);
       element("rate").textContent = "–";
       this.showLoading("");
     }
@@ -145,7 +144,7 @@ export class Panel {
     element("duration").textContent = duration > 0 ? ` / ${duration.toFixed(1)} s` : " s";
     element("progress").style.transform =
       `scaleX(${duration > 0 ? Math.min(1, snapshot.time_s / duration) : 0})`;
-    element("rate").textContent = this.stepRate(snapshot);
+    element("rate").textContent = this.connection === "lost" ? "–" : this.stepRate(snapshot);
     element("misses").textContent = String(snapshot.deadline_misses);
     document.body.dataset.time = snapshot.time_s.toFixed(3);
 
@@ -196,10 +195,12 @@ export class Panel {
       jointText(finger.joint_values, this.scene?.fingers[number]?.joint_unit ?? "deg");
   }
 
+  /** What is drawn late, or chosen after the program has gone, tells nothing of a device any more. */
   private showDevice(state: string, text: string, limited: boolean): void {
-    element("device-state").textContent = text;
-    element("device-state").dataset.device = state;
-    element("device-limited").hidden = !limited;
+    const known = this.connection !== "lost";
+    element("device-state").textContent = known ? text : "unknown";
+    element("device-state").dataset.device = known ? state : "";
+    element("device-limited").hidden = !known || !limited;
     document.body.dataset.device = state;
     document.body.dataset.limited = String(limited);
   }
