@@ -28,6 +28,9 @@ if(SOFTFINGER_SANITIZE)
     # AddressSanitizer sees bad pointers too; checking each a second time triples the compile time.
     add_compile_options(-fno-sanitize=null,alignment,vptr,object-size)
   endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options(-Wno-maybe-uninitialized)  # what sanitizers add misleads it, as GCC's manual says
+  endif()
   add_link_options(-fsanitize=${SOFTFINGER_SANITIZE})
   if(SOFTFINGER_SANITIZE MATCHES "thread")
     add_compile_options(-Wno-tsan)  # Asio's headers use fences, which this sanitizer does not model

@@ -28,11 +28,11 @@ namespace softfinger {
 namespace {
 
 constexpr double kMayBeLost = 0.2;  // s
-// So slowed down, a loop that records whole states leaves its recorder hardly any processor.
+// So slowed down, a loop leaves its recorder hardly any processor.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double kMayBeLostWithState = 1.0;
+constexpr double kMayBeLostByALoop = 1.0;
 #else
-constexpr double kMayBeLostWithState = kMayBeLost;
+constexpr double kMayBeLostByALoop = kMayBeLost;
 #endif
 constexpr std::size_t kRoom = 3 << 20;  // bytes
 
@@ -138,7 +138,7 @@ TEST(RecordingFaults, ALiveRunGoesOnAndWhatIsThereReplays) {
   const ReplayResult replayed = replay({.recording = directory / "run.db", .scene = {}});
   EXPECT_TRUE(replayed.agree) << replayed.difference;
   EXPECT_GT(replayed.steps, 50);
-  EXPECT_GT(static_cast<double>(replayed.steps) * 1e-3, told_at - kMayBeLostWithState);
+  EXPECT_GT(static_cast<double>(replayed.steps) * 1e-3, told_at - kMayBeLostByALoop);
 }
 
 TEST(RecordingFaults, ARunThatIsKilledReplaysUpToTheLastFifthOfASecond) {
@@ -173,7 +173,7 @@ TEST(RecordingFaults, ARunThatIsKilledReplaysUpToTheLastFifthOfASecond) {
   EXPECT_GE(killed_at, 0.8);
   const ReplayResult replayed = replay({.recording = directory / "run.db", .scene = {}});
   EXPECT_TRUE(replayed.agree) << replayed.difference;
-  EXPECT_GT(static_cast<double>(replayed.steps) * 1e-3, killed_at - kMayBeLost);
+  EXPECT_GT(static_cast<double>(replayed.steps) * 1e-3, killed_at - kMayBeLostByALoop);
   ::munmap(shared, sizeof(std::atomic<double>));
 }
 
