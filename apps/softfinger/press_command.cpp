@@ -131,16 +131,21 @@ class NewFile {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_;
 };
 
-/// nodes.csv and contact.csv, and patches.csv where dilatation is taken over patches: enough for
-/// anyone to recompute the balance of forces.
+/// nodes.csv, contact.csv and features.csv, and patches.csv where dilatation is taken over patches:
+/// enough for anyone to recompute the balance of forces.
 class Export {
  public:
-  explicit Export(const std::string& directory)
+  Export(const std::string& directory, const softfinger::FingerModel& model)
       : directory_(directory),
+        sample_nodes_(model.sample_nodes),
         nodes_(open(directory, "nodes.csv")),
-        contact_(open(directory, "contact.csv")) {
+        contact_(open(directory, "contact.csv")),
+        features_(open(directory, "features.csv")) {
     nodes_.print("row,node,x_mm,y_mm,z_mm\n");
     contact_.print("row,sample,gap_mm,force_x_N,force_y_N,force_z_N,in_contact\n");
+    features_.print(
+        "row,node_a,node_b,node_c,weight_a,weight_b,weight_c,gap_mm,force_x_N,force_y_N,"
+        "force_z_N\n");
   }
 
   void write(int row, const softfinger::IndentationState& state) {
@@ -157,14 +162,27 @@ class Export {
       contact_.print("{},{},{},{},{},{},{}\n", row, i, s.gap / mm, f.x(), f.y(), f.z(),
                      s.in_contact ? 1 : 0);
     }
+    for (const softfinger::ContactFeature& feature : state.contact.features()) {
+      const softfinger::Vector3 f =
+          state.X_WF.rotation *
+          softfinger::Vector3(feature.normal_force_F + feature.tangential_force_F);
+      const auto& w = feature.weights;
+      features_.print("{},{},{},{},{},{},{},{},{},{},{}\n", row, node(feature.samples[0]),
+                      node(feature.samples[1]), node(feature.samples[2]), w[0], w[1], w[2],
+                      feature.gap / mm, f.x(), f.y(), f.z());
+    }
   }
 
   void close() {
     nodes_.close();
     contact_.close();
+    features_.close();
   }
 
  private:
+  [[nodiscard]] int node(int sample) const {
+    return sample_nodes_[static_cast<std::size_t>(sample)];
+  }
   static NewFile open(const std::string& directory, const char* name) {
     std::error_code failure;
     std::filesystem::create_directories(directory, failure);
@@ -181,7 +199,8 @@ class Export {
   }
 
   std::string directory_;
-  NewFile nodes_, contact_;
+  const std::vector<int>& sample_nodes_;
+  NewFile nodes_, contact_, features_;
 };
 
 void press(const PressFlags& flags) {
@@ -199,7 +218,7 @@ void press(const PressFlags& flags) {
   options.hold = flags.hold_ms * ms;
   options.unload = flags.unload;
   std::optional<Export> files;
-  if (!flags.export_directory.empty()) files.emplace(flags.export_directory);
+  if (!flags.export_directory.empty()) files.emplace(flags.export_directory, *model);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   bool all_converged = true;
   bool header = !flags.json;
@@ -255,7 +274,7 @@ void add_press_command(CLI::App& app) {
   command->add_option("--hold-ms", flags->hold_ms, "Then hold for this long: N rows more");
   command->add_flag("--unload", flags->unload, "Then back to first touch: N rows more");
   command->add_option("--export", flags->export_directory,
-                      "Write nodes.csv, contact.csv and patches.csv there");
+                      "Write nodes.csv, contact.csv, features.csv and patches.csv there");
   command->add_flag("--json", flags->json, "One JSON array of rows");
   command->add_flag("--csv", flags->csv, "Comma-separated rows");
   command->callback([flags] { press(*flags); });

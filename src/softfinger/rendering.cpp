@@ -242,7 +242,7 @@ RenderingSnapshot Rendering::snapshot() const {
     snapshot.sample_positions_F.push_back(sample.position_F);
     snapshot.sample_pressures.push_back(sample.area > 0.0 ? sample.normal_force / sample.area
                                                           : 0.0);
-    snapshot.in_contact.push_back(sample.in_contact);
+    snapshot.in_contact.push_back(sample.touched() > 0.0);
   }
   snapshot.contact_area = contact.contact_area;
   snapshot.normal_force = contact.normal_force;

@@ -52,7 +52,7 @@ struct RenderingSnapshot {
   Pose X_WF;                                ///< simulated; stays behind the tracked pose in contact
   std::vector<Vector3> sample_positions_F;  ///< m, deformed skin
   std::vector<double> sample_pressures;     ///< Pa
-  std::vector<bool> in_contact;             ///< whether each sample touches
+  std::vector<bool> in_contact;             ///< whether skin around each sample touches
   double contact_area = 0.0;                ///< m^2
   double normal_force = 0.0;                ///< N, magnitude of the vector sum
   double normal_force_sum = 0.0;            ///< N, sum of the magnitudes

@@ -70,25 +70,30 @@ TEST(Balance, FrictionStaysInsideItsCone) {
   }
 }
 
-// Samples of C bear all of the force but a thousandth (what the report leaves to samples below
-// 1e-6 N), and where there is none nothing is in contact.
-// What remains open: points inside triangles, see docs/robustness.md.
-TEST(Balance, DISABLED_WhatBearsForceIsInContact) {
+// Members of C, samples and features, bear all of the force but a thousandth (what the report
+// leaves to those below 1e-6 N), and where there is none nothing is in contact.
+TEST(Balance, WhatBearsForceIsInContact) {
+  int by_features = 0;  // moments
   for (int number = 0; number < cases(8); ++number) {
     Draw draw("contact", number);
     const Exploration exploration = draw_exploration(draw, number, kAllThings);
     int touched = 0;
-    double left_out = 0.0;   // force of samples out of contact, as a part of all
+    double left_out = 0.0;   // force of what is out of contact, as a part of all
     double untouched = 0.0;  // N, where nothing is in contact
     const Trace trace =
         explore(exploration, [&](const FingerSimulation& simulation, const Moment& moment) {
-          double borne = 0.0, all = 0.0;
-          for (const ContactSample& sample : simulation.contact().samples) {
-            all += sample.normal_force;
+          const ContactSet& contact = simulation.contact();
+          const double all = contact.normal_force_sum;
+          double borne = 0.0;
+          for (const ContactSample& sample : contact.samples) {
             if (!sample.in_contact) continue;
-            borne += sample.normal_force;
-            EXPECT_GT(sample.normal_force, 0.0) << exploration.what;
+            borne += sample.own_normal_force;
+            EXPECT_GT(sample.own_normal_force, 0.0) << exploration.what;
           }
+          for (const ContactFeature& feature : contact.features()) {
+            borne += feature.normal_force_F.norm();
+          }
+          by_features += contact.features().empty() ? 0 : 1;
           EXPECT_EQ(moment.contact_count > 0, moment.contact_area > 0.0) << exploration.what;
           if (moment.contact_count > 0) {
             ++touched;
@@ -103,6 +108,7 @@ TEST(Balance, DISABLED_WhatBearsForceIsInContact) {
     EXPECT_LT(left_out, 1e-3) << exploration.what;
     EXPECT_LT(untouched, 1e-3) << exploration.what;
   }
+  EXPECT_GT(by_features, 20);
 }
 
 // One meaning everywhere: the magnitude of the vector sum. Rounding alone.

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "softfinger/geometry/pose.hpp"
@@ -17,20 +21,51 @@ struct ContactSample {
   Vector3 normal_force_F =
       Vector3::Zero();  ///< N, object on skin, with what features near it carry
   Vector3 tangential_force_F = Vector3::Zero();  ///< N, object on skin, likewise
-  double rest_area = 0.0;                        ///< a third of its skin triangles at rest, m^2
-  double area = 0.0;                             ///< the same, deformed, m^2
-  double friction_limit = 0.0;                   ///< mu times the normal force, N
-  bool slides = false;                           ///< tangential force at its limit
-  bool in_contact = false;                       ///< member of C (else of N)
-  int object = -1;  ///< index of the nearest object, -1 if there is none
+  double own_normal_force = 0.0;  ///< magnitude of what it bears itself, without features, N
+  double rest_area = 0.0;         ///< a third of its skin triangles at rest, m^2
+  double area = 0.0;              ///< the same, deformed, m^2
+  double taken = 0.0;             ///< part of its area that features in contact stand for, 0 to 1
+  double friction_limit = 0.0;    ///< mu times the normal force, N
+  bool slides = false;            ///< tangential force at its limit
+  bool in_contact = false;        ///< member of C (else of N)
+  int object = -1;                ///< index of the nearest object, -1 if there is none
+
+  /// Area at rest that the sample itself stands for, m^2.
+  [[nodiscard]] double weight() const { return (1.0 - taken) * rest_area; }
+  /// Part of its area that is in contact, by itself or by features, 0 to 1.
+  [[nodiscard]] double touched() const { return in_contact ? 1.0 : taken; }
+};
+
+/// A point inside a skin triangle where a feature of an object finer than the triangles (an edge, a
+/// corner) presses: a member of C. What it carries its corners have too. Vectors are expressed in
+/// F.
+struct ContactFeature {
+  std::array<int, 3> samples{};  ///< corners of its triangle
+  std::array<double, 3> weights{};
+  Vector3 position_F = Vector3::Zero();          ///< on the deformed skin, m
+  double gap = 0.0;                              ///< of the skin there, m
+  Vector3 normal_force_F = Vector3::Zero();      ///< N, object on skin
+  Vector3 tangential_force_F = Vector3::Zero();  ///< N, object on skin
+  double rest_area = 0.0;  ///< of the part of its triangle nearer to it than to the corners, m^2
+  double area = 0.0;       ///< the same, deformed, m^2
+  bool slides = false;     ///< tangential force at its limit
+  int object = -1;         ///< index of the object that presses
 };
 
 /// The paper's sets C and N over all skin samples, with their sums.
-/// A sample is in C when its gap is at most the finger's tolerance and its normal force exceeds
-/// 1e-6 N.
+/// A sample is in C when its gap is at most the finger's tolerance and the normal force on itself,
+/// without what features hand to it, exceeds 1e-6 N; a feature is in C while it bears more than
+/// that. So C bears all of the force.
 struct ContactSet {
+  static constexpr std::size_t kMostFeatures = 64;
+
   std::vector<ContactSample> samples;
-  int contact_count = 0;
+  std::array<ContactFeature, kMostFeatures> feature_places;
+  std::size_t feature_count = 0;
+  [[nodiscard]] std::span<const ContactFeature> features() const {
+    return {feature_places.data(), std::min(feature_count, kMostFeatures)};
+  }
+  int contact_count = 0;          ///< members of C, features among them
   double contact_area = 0.0;      ///< deformed area of C, m^2
   double normal_force = 0.0;      ///< magnitude of the sum of normal forces, N
   double normal_force_sum = 0.0;  ///< sum of the magnitudes of normal forces, N
@@ -40,8 +75,8 @@ struct ContactSet {
   double slip_ratio = 0.0;
   /// Part of C, by deformed area, that sticks; 0 without contact, and where nothing rubs.
   double stuck_fraction = 0.0;
-  /// Of the obstacle at the sample with the greatest normal force; of the last one touched where C
-  /// is empty, at first the finger's.
+  /// Of the obstacle at the member of C with the greatest normal force; of the last one touched
+  /// where C is empty, at first the finger's.
   double friction_coefficient = 0.0;
   Vector3 centroid_F = Vector3::Zero();  ///< weighted by normal force, m; zero where C is empty
   Vector3 mean_normal_F =

@@ -69,7 +69,7 @@ struct Snapshot {
   struct Skin {
     std::vector<Eigen::Vector3f> positions_F;  ///< m
     std::vector<float> pressures;              ///< Pa
-    std::vector<std::uint8_t> in_contact;      ///< 1 for members of C
+    std::vector<std::uint8_t> in_contact;      ///< 1 where skin around the sample touches
   };
   /// A rigid part of the device's solid.
   struct Piece {

@@ -138,7 +138,7 @@ void fill(Snapshot::Skin& snapshot, const ContactSet& contact) {
     snapshot.positions_F[i] = sample.position_F.cast<float>();
     snapshot.pressures[i] =
         sample.area > 0.0 ? static_cast<float>(sample.normal_force / sample.area) : 0.0F;
-    snapshot.in_contact[i] = sample.in_contact ? 1 : 0;
+    snapshot.in_contact[i] = sample.touched() > 0.0 ? 1 : 0;
   }
 }
 

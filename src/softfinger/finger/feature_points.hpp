@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/contact/contact_potential.hpp"
+#include "softfinger/contact/contact_set.hpp"
 #include "softfinger/finger/contact_correction.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
@@ -16,12 +17,13 @@ namespace softfinger {
 /// well enough, and so that a thin feature is met tip first: the nearest surface of a needle that
 /// has passed through would be its side. Within a step each sees the obstacle as a plane: a point
 /// of the skin held against a sharp edge would slide off it, where skin as a surface slides along.
-/// They carry forces to the triangle's corners but are no samples of the contact set.
+/// They carry forces to the triangle's corners; those that bear force are members of the contact
+/// set beside the samples.
 ///
 /// A point keeps its place in the list as long as it may touch or the factored matrix knows it.
 class FeaturePoints {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMost = ContactSet::kMostFeatures;
   static constexpr double kDepth = 5e-5;  ///< under the skin, m
   static constexpr double kArea = 2e-6;   ///< counts as this area where stiffness goes by area, m^2
 

@@ -42,9 +42,9 @@ struct SurfaceRendering::Implementation {
       : device(the_device),
         options(the_options),
         rates(the_rates),
-        matching(std::move(the_device), capacity),
+        matching(std::move(the_device), capacity + static_cast<int>(ContactSet::kMostFeatures)),
         skin(*device, capacity) {
-    const auto size = static_cast<std::size_t>(capacity);
+    const std::size_t size = static_cast<std::size_t>(capacity) + ContactSet::kMostFeatures;
     points.resize(size);
     in_contact.resize(size);
     areas.resize(size);
@@ -103,14 +103,23 @@ void SurfaceRendering::Implementation::reset() {
   gap_easing = 0.0;
 }
 
+/// Samples, and behind them features.
 ContactPoints SurfaceRendering::Implementation::take(const ContactSet& contact, bool touching) {
-  const std::size_t count = std::min(contact.samples.size(), points.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const ContactSample& sample = contact.samples[i];
-    points[i] = sample.position_F;
-    in_contact[i] = sample.in_contact ? 1 : 0;
-    areas[i] = sample.rest_area;
-    gaps[i] = sample.gap;
+  const std::size_t room = points.size() - ContactSet::kMostFeatures;
+  std::size_t count = 0;
+  const auto put = [&](const Vector3& position_F, bool touches, double area, double gap) {
+    points[count] = position_F;
+    in_contact[count] = touches ? 1 : 0;
+    areas[count] = area;
+    gaps[count] = gap;
+    ++count;
+  };
+  for (const ContactSample& sample :
+       std::span(contact.samples).first(std::min(contact.samples.size(), room))) {
+    put(sample.position_F, sample.in_contact, sample.weight(), sample.gap);
+  }
+  for (const ContactFeature& feature : contact.features()) {
+    put(feature.position_F, true, feature.rest_area, feature.gap);
   }
   return {{points.data(), count},
           {touching ? in_contact.data() : nothing_touches.data(), count},

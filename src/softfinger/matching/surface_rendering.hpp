@@ -38,7 +38,7 @@ struct RenderingRates {
 /// touches, and leaves the skin only after two ticks without contact. tick() does not allocate.
 class SurfaceRendering {
  public:
-  /// `capacity`: number of skin samples.
+  /// `capacity`: number of skin samples; features have room besides.
   SurfaceRendering(std::shared_ptr<const Device> device, int capacity, MatchingOptions options = {},
                    RenderingRates rates = {});
   ~SurfaceRendering();

@@ -40,7 +40,9 @@ struct ForceAwareMatching::Implementation {
         hessian(dof, dof),
         values(device->constraint_count()),
         jacobian(device->constraint_count(), dof) {
-    for (auto* array : {&x, &y, &z, &weight, &margin}) array->resize(capacity);
+    for (auto* array : {&x, &y, &z, &weight, &margin}) {
+      array->resize(capacity + ContactSet::kMostFeatures);
+    }
     if (options.stress_weight > 0.0) stress.emplace(model, options.stress_weight, dof);
     result.configuration = device->home();
     before = device->home();
@@ -93,19 +95,24 @@ void ForceAwareMatching::Implementation::take(const ContactSet& contact,
   const std::size_t count = std::min(contact.samples.size(), capacity);
   std::size_t packed = 0;
   samples = {};
-  for (const bool touching : {true, false}) {
+  const auto put = [&](const Vector3& position_F, double gap) {
+    x[packed] = position_F.x();
+    y[packed] = position_F.y();
+    z[packed] = position_F.z();
+    weight[packed] = 1.0;
+    margin[packed] = std::clamp(gap, 0.0, eps);
+    ++packed;
+  };
+  const auto put_samples = [&](bool touching) {
     for (std::size_t i = 0; i < count; ++i) {
       const ContactSample& sample = contact.samples[i];
-      if (sample.in_contact != touching) continue;
-      x[packed] = sample.position_F.x();
-      y[packed] = sample.position_F.y();
-      z[packed] = sample.position_F.z();
-      weight[packed] = 1.0;
-      margin[packed] = std::clamp(sample.gap, 0.0, eps);
-      ++packed;
+      if (sample.in_contact == touching) put(sample.position_F, sample.gap);
     }
-    if (touching) samples.contact_count = static_cast<int>(packed);
-  }
+  };
+  put_samples(true);
+  for (const ContactFeature& feature : contact.features()) put(feature.position_F, feature.gap);
+  samples.contact_count = static_cast<int>(packed);
+  put_samples(false);
   samples.x = {x.data(), packed};
   samples.y = {y.data(), packed};
   samples.z = {z.data(), packed};

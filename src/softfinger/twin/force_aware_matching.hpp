@@ -49,7 +49,8 @@ struct ForceAwareResult {
 /// vector beside the surface term and the derivatives. Allocates only in the constructor.
 class ForceAwareMatching {
  public:
-  /// `model`: the simulated finger, whose twin is pressed. `capacity`: most samples.
+  /// `model`: the simulated finger, whose twin is pressed. `capacity`: most samples; features have
+  /// room besides.
   ForceAwareMatching(const std::shared_ptr<const FingerModel>& model,
                      std::shared_ptr<const Device> device, int capacity,
                      ForceAwareOptions options = {});

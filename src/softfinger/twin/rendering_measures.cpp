@@ -46,8 +46,8 @@ RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& tw
   for (std::size_t i = 0; i < v.samples.size(); ++i) {
     const ContactSample& a = v.samples[i];
     const ContactSample& b = t.samples[i];
-    if (a.in_contact && b.in_contact) common += a.rest_area;
-    if (a.in_contact || b.in_contact) either += a.rest_area;
+    common += std::min(a.touched(), b.touched()) * a.rest_area;
+    either += std::max(a.touched(), b.touched()) * a.rest_area;
     pressures.add(a.rest_area, pressure(a), pressure(b));
   }
   result.iou = common / either;
