@@ -44,9 +44,10 @@ function(_softfinger_private_libraries result)
   set(${result} ${libraries} PARENT_SCOPE)
 endfunction()
 
-# softfinger_test(NAME [LIBRARIES l...]): tests/NAME/*.cpp as one GoogleTest program NAME_test.
+# softfinger_test(NAME [LIBRARIES l...] [ALONE suite...]): tests/NAME/*.cpp as one GoogleTest program NAME_test.
+# Suites that are ALONE measure against the clock: no other test runs beside them.
 function(softfinger_test name)
-  cmake_parse_arguments(arg "" "" "LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "" "" "LIBRARIES;ALONE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   if(NOT sources)
     return()
@@ -60,6 +61,14 @@ function(softfinger_test name)
   # Two builds that are tested at once must not write over each other's files.
   set(temporary ${CMAKE_CURRENT_BINARY_DIR}/temporary)
   file(MAKE_DIRECTORY ${temporary})
-  gtest_discover_tests(${name}_test TEST_PREFIX "${name}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
+  list(TRANSFORM arg_ALONE APPEND ".*" OUTPUT_VARIABLE alone)
+  list(JOIN alone ":" alone)
+  set(discovered TEST_PREFIX "${name}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS ${name} TIMEOUT 300 ENVIRONMENT TEST_TMPDIR=${temporary})
+  if(alone)
+    gtest_discover_tests(${name}_test TEST_FILTER "-${alone}" ${discovered})
+    gtest_discover_tests(${name}_test TEST_FILTER "${alone}" ${discovered} RUN_SERIAL TRUE)
+  else()
+    gtest_discover_tests(${name}_test ${discovered})
+  endif()
 endfunction()

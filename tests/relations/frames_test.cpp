@@ -28,15 +28,17 @@ double tolerance(int number, std::initializer_list<Thing> things) {
   return kSharp;
 }
 
+void expect_near(const Trace& a, const Trace& b, const Pose& X_VW, double tolerance,
+                 const std::string& what) {
+  ASSERT_GT(a.most_force, 0.01) << what << ": touches nothing";
+  const Departure most = departure(a, b, X_VW);
+  EXPECT_LT(most.normal_force, std::max(tolerance, kLimitsOfNormals)) << what << most.where;
+  EXPECT_LT(most.force, std::max(tolerance, kLimits)) << what << most.where;
+  EXPECT_LT(most.bone, tolerance * 1 * mm) << what << most.where;
+}
 void expect_near(const Exploration& one, const Exploration& other, const Pose& X_VW,
                  double tolerance) {
-  const Trace a = explore(one);
-  const Trace b = explore(other);
-  ASSERT_GT(a.most_force, 0.01) << one.what << ": touches nothing";
-  const Departure most = departure(a, b, X_VW);
-  EXPECT_LT(most.normal_force, std::max(tolerance, kLimitsOfNormals)) << one.what << most.where;
-  EXPECT_LT(most.force, std::max(tolerance, kLimits)) << one.what << most.where;
-  EXPECT_LT(most.bone, tolerance * 1 * mm) << one.what << most.where;
+  expect_near(explore(one), explore(other), X_VW, tolerance, one.what);
 }
 
 /// With points inside triangles, and of the samples alone.
@@ -119,11 +121,7 @@ TEST(Frames, AMirroredSceneIsTheMirroredSame) {
         moment.force_W.y() = -moment.force_W.y();
         moment.X_WF.translation.y() = -moment.X_WF.translation.y();
       }
-      ASSERT_GT(a.most_force, 0.01) << exploration.what;
-      const Departure most = departure(a, b);
-      const double room = features ? kFeatures : tolerance(number, things);
-      EXPECT_LT(most.normal_force, room) << exploration.what << most.where;
-      EXPECT_LT(most.force, room) << exploration.what << most.where;
+      expect_near(a, b, {}, features ? kFeatures : tolerance(number, things), exploration.what);
     }
   }
 }
