@@ -25,6 +25,7 @@ export class Panel {
   private stopped = false;
   private state = ""; // running, paused, finished
   private connection = "connecting";
+  private device = { state: "", text: "", limited: false }; // as last drawn
   private loading = "";
   private loadingSoon = 0; // a timer
   private received = 0;
@@ -75,7 +76,7 @@ export class Panel {
     element("connection").textContent =
       state === "live" ? "live" : state === "lost" ? "no connection" : "connecting";
     if (state === "lost") {
-      this.showDevice("", "", false);
+      this.tellDevice();
       element("rate").textContent = "–";
       this.showLoading("");
     }
@@ -195,14 +196,19 @@ export class Panel {
       jointText(finger.joint_values, this.scene?.fingers[number]?.joint_unit ?? "deg");
   }
 
-  /** What is drawn late, or chosen after the program has gone, tells nothing of a device any more. */
   private showDevice(state: string, text: string, limited: boolean): void {
-    const known = this.connection !== "lost";
-    element("device-state").textContent = known ? text : "unknown";
-    element("device-state").dataset.device = known ? state : "";
-    element("device-limited").hidden = !known || !limited;
+    this.device = { state, text, limited };
     document.body.dataset.device = state;
     document.body.dataset.limited = String(limited);
+    this.tellDevice();
+  }
+
+  /** What is drawn late, or chosen after the program has gone, tells nothing of a device any more. */
+  private tellDevice(): void {
+    const known = this.connection !== "lost";
+    element("device-state").textContent = known ? this.device.text : "unknown";
+    element("device-state").dataset.device = known ? this.device.state : "";
+    element("device-limited").hidden = !known || !this.device.limited;
   }
 
   private showContacts(contacts: number, samples: number): void {
