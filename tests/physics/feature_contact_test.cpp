@@ -133,7 +133,7 @@ TEST(FeatureContact, BladeDoesNotSinkBetweenVertices) {
   const VirtualObject blade = object(shape, Vector3::Zero());
   std::vector<Vector3> edge;
   for (double y = -2.0; y <= 2.0; y += 0.1) edge.emplace_back(0, y * mm, top(shape));
-  for (const double x : {0.0, 0.4, 0.8, 1.3}) {
+  for (const double x : {0.0, 0.4, 0.8, 1.0, 1.3}) {
     const Pressed pressed = press(blade, {x * mm, 0, 0}, 1.5 * mm, edge);
     EXPECT_LT(pressed.sunk, kMostSunkOnABlade) << x;
     EXPECT_GT(pressed.force, 0.1) << x;

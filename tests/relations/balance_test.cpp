@@ -54,9 +54,12 @@ TEST(Balance, FrictionStaysInsideItsCone) {
     double most_ratio = 0.0, most_slip = 0.0;
     const Trace trace =
         explore(exploration, [&](const FingerSimulation& simulation, const Moment& moment) {
+          // Each by itself: around a bead they push different ways.
           double normal = 0.0;
           for (const ContactSample& sample : simulation.contact().samples)
-            normal += sample.normal_force;
+            normal += sample.own_normal_force;
+          for (const ContactFeature& feature : simulation.contact().features())
+            normal += feature.normal_force_F.norm();
           if (mu > 0.0) {
             most_ratio = std::max(most_ratio, moment.tangential_force / (mu * normal + 1e-4));
           } else {
@@ -132,7 +135,10 @@ TEST(Balance, TheNormalForceIsTheMagnitudeOfTheSum) {
 
 // A finger that is held still comes to rest, with friction and without, on sharp things too: in
 // the last tenth of a second its force changes by less than 1 % of the run's greatest, what is left
-// of relaxation (of shipped fingers at most 0.4 % by then) and of the bone's oscillation.
+// of the bone's oscillation, where skin relaxes by less than 2 %; and nothing of it trembles from
+// step to step.
+constexpr double kStill = 1 * mm;  // a second
+
 TEST(Balance, AHeldFingerComesToRest) {
   int at_rest = 0;
   for (int number = 0; number < cases(6); ++number) {
@@ -144,14 +150,19 @@ TEST(Balance, AHeldFingerComesToRest) {
     waypoints.push_back({waypoints.back().time + 0.5, waypoints.back().pose});
     exploration.motion = Trajectory(waypoints);
     const double from = exploration.motion.end_time() - 0.1;
-    double least = 1e9, most = 0.0;
-    const Trace trace = explore(exploration, [&](const FingerSimulation&, const Moment& moment) {
-      if (moment.time < from) return;
-      least = std::min(least, moment.normal_force);
-      most = std::max(most, moment.normal_force);
-    });
+    double least = 1e9, most = 0.0, fastest = 0.0;
+    const Trace trace =
+        explore(exploration, [&](const FingerSimulation& simulation, const Moment& moment) {
+          if (moment.time < from) return;
+          for (const Vector3& velocity : simulation.velocities())
+            fastest = std::max(fastest, velocity.norm());
+          least = std::min(least, moment.normal_force);
+          most = std::max(most, moment.normal_force);
+        });
     ASSERT_GT(trace.most_force, 0.01) << exploration.what;
-    EXPECT_LT(most - least, 0.01 * trace.most_force) << exploration.what;
+    const double left = exploration.model->relaxation.terms.empty() ? 0.01 : 0.02;
+    EXPECT_LT(most - least, left * trace.most_force) << exploration.what;
+    EXPECT_LT(fastest, kStill) << exploration.what;
     at_rest += most > 0.01 ? 1 : 0;  // else slid off the object
   }
   EXPECT_GT(at_rest, cases(3));

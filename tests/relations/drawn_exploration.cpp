@@ -41,7 +41,7 @@ double least_distance(const FingerModel& model, const Shape& shape, const Pose& 
     least = std::min(least, nearest);
     if (nearest - longest > least) continue;
     TrianglePoint point = least_of_few(shape, {}, corners);
-    for (int descent = 0; descent < 4; ++descent) point = deepest_point(shape, {}, corners, point);
+    for (int descent = 0; descent < 40; ++descent) point = deepest_point(shape, {}, corners, point);
     least = std::min(least, point.gap);
   }
   return least;

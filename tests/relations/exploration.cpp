@@ -6,8 +6,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/base/units.hpp"
+
 namespace softfinger::relations {
 namespace {
+
+/// How near to each other two runs are held: forces as parts of the greatest, the bone in m.
+struct Agreement {
+  double normal_force, force, mean_force, bone;
+};
+/// Limits of friction are sought to 1 %.
+constexpr Agreement kOfFriction{5e-3, 0.01, 1e-3, 5e-3 * mm};
+/// What points inside triangles bear that catch or let go.
+constexpr Agreement kOfCatching{5e-3, 0.3, 0.1, 0.1 * mm};
+
+Agreement wider(const Agreement& a, const Agreement& b) {
+  return {std::max(a.normal_force, b.normal_force), std::max(a.force, b.force),
+          std::max(a.mean_force, b.mean_force), std::max(a.bone, b.bone)};
+}
 
 Moment moment_of(const FingerSimulation& simulation, const Pose& X_WFt, double time) {
   const ContactSet& contact = simulation.contact();
@@ -48,6 +64,7 @@ Trace explore(const Exploration& exploration, const Look& look, ThreadTeam* team
     trace.most_force = std::max(trace.most_force, trace.last().normal_force);
     if (look) look(simulation, trace.last());
   }
+  EXPECT_LE(trace.unconverged, 1 + steps / 100) << exploration.what;
   trace.positions_W.assign(simulation.positions().begin(), simulation.positions().end());
   trace.hash = simulation.state_hash();
   return trace;
@@ -89,12 +106,30 @@ Departure departure(const Trace& a, const Trace& b, const Pose& X_VW) {
       most.where = fmt::format("; most at {:.4f} s, {:.4g} and {:.4g} of {:.4g} N", one.time,
                                one.normal_force, other.normal_force, a.most_force);
     }
+    most.mean_force += force;
     most.bone = std::max(most.bone, (X_VW * one.X_WF.translation - other.X_WF.translation).norm());
     most.area = std::max(most.area, std::abs(one.contact_area - other.contact_area));
   }
   most.normal_force /= a.most_force;
   most.force /= a.most_force;
+  most.mean_force /= a.most_force * static_cast<double>(a.moments.size());
   return most;
+}
+
+void expect_agreement(const Departure& most, const Exploration& exploration, double tolerance,
+                      const std::string& what) {
+  const bool rubs = std::ranges::any_of(exploration.objects, [&](const VirtualObject& object) {
+    return object.friction_coefficient.value_or(exploration.model->friction_coefficient) > 0.0;
+  });
+  Agreement least{tolerance, tolerance, tolerance, tolerance * mm};
+  if (rubs) {
+    least = wider(least, exploration.model->feature_contact ? kOfCatching : kOfFriction);
+  }
+  const std::string where = exploration.what + most.where + what;
+  EXPECT_LT(most.normal_force, least.normal_force) << where;
+  EXPECT_LT(most.force, least.force) << where;
+  EXPECT_LT(most.mean_force, least.mean_force) << where;
+  EXPECT_LT(most.bone, least.bone) << where;
 }
 
 }  // namespace softfinger::relations

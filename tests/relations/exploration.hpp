@@ -58,20 +58,24 @@ using Look = std::function<void(const FingerSimulation&, const Moment&)>;
 /// The same without points inside triangles.
 [[nodiscard]] Exploration of_samples(Exploration exploration);
 
-/// Limits of friction are sought to 1 %: two runs that differ by rounding may stop a pass apart.
-inline constexpr double kLimits = 0.01;
-inline constexpr double kLimitsOfNormals = 0.003;
-
 /// Of two traces with as many moments: the greatest departure over all of them, forces as a part of
 /// the greatest force of `a`; `b` was moved by X_VW.
 struct Departure {
   double normal_force = 0.0;
-  double force = 0.0;  ///< of the net force vector, friction with it
-  double bone = 0.0;   ///< m
-  double area = 0.0;   ///< m^2
+  double force = 0.0;       ///< of the net force vector, friction with it
+  double mean_force = 0.0;  ///< the same, the mean over all moments
+  double bone = 0.0;        ///< m
+  double area = 0.0;        ///< m^2
   /// Where the net force departs most: the moment (s), and the normal forces there (N).
   std::string where;
 };
 [[nodiscard]] Departure departure(const Trace& a, const Trace& b, const Pose& X_VW = {});
+
+/// Expects traces to be alike to `tolerance` in normal force, net force and (1 mm) the bone's
+/// place. Where `exploration` has friction, two runs that differ by rounding may stop a pass apart,
+/// which moves its limits by a hundredth; and a point inside a triangle that catches or lets go a
+/// step earlier takes what it bears along: net forces are held to more then.
+void expect_agreement(const Departure& most, const Exploration& exploration, double tolerance,
+                      const std::string& what = {});
 
 }  // namespace softfinger::relations

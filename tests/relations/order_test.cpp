@@ -80,10 +80,7 @@ void expect_alike(const Exploration& exploration, std::shared_ptr<FingerModel> o
   shuffled.model = std::move(other);
   const Trace b = explore(shuffled);
   ASSERT_GT(a.most_force, 0.01) << exploration.what;
-  const Departure most = departure(a, b);
-  EXPECT_LT(most.normal_force, std::max(tolerance, kLimitsOfNormals))
-      << exploration.what << most.where;
-  EXPECT_LT(most.force, std::max(tolerance, kLimits)) << exploration.what << most.where;
+  expect_agreement(departure(a, b), exploration, tolerance);
 }
 
 /// Of the samples alone, without points inside triangles, and of elements each by itself.
@@ -131,8 +128,7 @@ TEST(Order, OfElementsInPatches) {
   }
 }
 
-// What remains open: a point found a step earlier sticks elsewhere, see docs/robustness.md.
-TEST(Order, DISABLED_OfElementsAndTrianglesWithFeatures) {
+TEST(Order, OfElementsAndTrianglesWithFeatures) {
   for (int number = 0; number < cases(5); ++number) {
     Draw draw("elements", number);
     Exploration exploration = draw_exploration(draw, number, kAllThings);
@@ -160,9 +156,9 @@ TEST(Order, OfObjects) {
     std::reverse(other.objects.begin(), other.objects.end());
     const Trace a = explore(exploration);
     ASSERT_GT(a.most_force, 0.01) << exploration.what;
-    EXPECT_LT(departure(a, explore(other)).force, kFeaturesInOrder) << exploration.what;
+    expect_agreement(departure(a, explore(other)), exploration, kFeaturesInOrder);
     exploration.model = other.model = plain(*exploration.model);
-    EXPECT_LT(departure(explore(exploration), explore(other)).force, 1e-6) << exploration.what;
+    expect_agreement(departure(explore(exploration), explore(other)), exploration, kSamplesInOrder);
   }
 }
 

@@ -34,15 +34,25 @@ VirtualObject obstacle(const Indenter& indenter) {
   return object;
 }
 
-double pressed(const FingerModel& model, const Indenter& indenter, double depth, double pitch) {
-  double force = 0.0;
+struct Pressed {
+  double height = 0.0;  ///< of the bone's origin, m
+  double normal_force = 0.0;
+};
+
+Pressed pressed(const FingerModel& model, const Indenter& indenter, double depth, double pitch) {
+  Pressed end;
   indent(model, indenter, {.depth = depth, .rows = 12, .pitch = pitch, .friction = false},
-         [&](const IndentationState& state) { force = state.row.normal_force; });
-  return force;
+         [&](const IndentationState& state) {
+           end = {state.X_WF.translation.z(), state.row.normal_force};
+         });
+  return end;
 }
 
-// Depth counts from the touch of the skin's surface, which the drawn points know to 1 um; at rest
-// nothing else differs than how far the stiff coupling gives way, some um of a millimetre.
+constexpr double kTouch = 2e-6;  // m
+
+// At rest, with the bone in the same place, nothing differs but the way there. Depth counts from
+// the touch of the skin's surface, which both find by themselves; a stiff coupling gives way by a
+// tenth of a micrometre.
 void expect_alike(const Indenter& indenter, const char* name, Draw& draw, double tolerance,
                   bool features = true) {
   std::string what;
@@ -61,18 +71,26 @@ void expect_alike(const Indenter& indenter, const char* name, Draw& draw, double
   below.translation.z() -= depth;
   exploration.motion = Trajectory({{0.0, above}, {0.3, below}, {0.6, below}});
   const Moment last = explore(exploration).last();
-  const double reached = touch.translation.z() - last.X_WF.translation.z();
-  ASSERT_GT(reached, 0.9 * depth) << what;
-  const double force = pressed(*model, indenter, reached, pitch);
-  ASSERT_GT(force, 0.01) << what;
-  EXPECT_NEAR(last.force_W.z(), force, tolerance * force)
-      << what << " " << reached / mm << " mm deep, " << pitch / deg << " degrees";
+  // To where the run's bone is: the two look for the touch each in its own way.
+  Pressed press = pressed(*model, indenter, depth, pitch);
+  const double lower = press.height - last.X_WF.translation.z();
+  EXPECT_NEAR(lower, 0.0, kTouch) << what << ": they touch at other heights";
+  press = pressed(*model, indenter, depth + lower, pitch);
+  ASSERT_GT(press.normal_force, 0.01) << what;
+  EXPECT_NEAR(press.height, last.X_WF.translation.z(), 1e-9);
+  EXPECT_NEAR(last.normal_force, press.normal_force, tolerance * press.normal_force)
+      << what << " " << depth / mm << " mm deep, " << pitch / deg << " degrees";
 }
+
+// Of samples alone; and where a point inside a triangle, which goes part of the way to the deepest
+// place in a step, rests a little beside it.
+constexpr double kPressedSamples = 1e-3;
+constexpr double kPressedFeatures = 0.03;
 
 TEST(Press, AgainstARunOnAPlane) {
   for (int number = 0; number < cases(3); ++number) {
     Draw draw("press", number);
-    expect_alike(Indenter::plane(), "plane", draw, 0.01);
+    expect_alike(Indenter::plane(), "plane", draw, kPressedSamples);
   }
 }
 
@@ -141,20 +159,13 @@ TEST(Press, AtSpeedAgainstARunOnAPlane) {
     ASSERT_GT(whole, 1e-7) << what;
     for (const double part : {0.25, 0.5, 1.0}) {
       EXPECT_NEAR(work_to(run, part * depth), work_to(press, part * depth),
-                  (speed < 0.1 ? 5e-3 : 8e-2) * whole)
+                  (speed < 0.1 ? 5e-3 : 0.1) * whole)
           << what << ", " << part * depth / mm << " mm deep at " << speed << " m/s";
     }
   }
 }
 
-// A point inside a triangle goes part of the way to the deepest one in a step: in a press, a tenth
-// of a millimetre each, it is not there yet.
-constexpr double kPressedFeatures = 0.06;
-// Samples that slide off something round come to rest by the way they took: 2.3 % seen.
-constexpr double kPressedSamples = 0.04;
-
-// What remains open, see docs/robustness.md.
-TEST(Press, DISABLED_AgainstARunOnABallAndAnEdge) {
+TEST(Press, AgainstARunOnABallAndAnEdge) {
   for (int number = 0; number < cases(3); ++number) {
     Draw draw("press", number);
     const double at_x = draw.between(-1.0, 1.0) * mm;

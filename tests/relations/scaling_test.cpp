@@ -1,5 +1,6 @@
 // Dimensional analysis: lengths times l, moduli times e and densities times r make times
 // l sqrt(r / e), forces e l^2, and leave everything without a unit as it was.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -79,11 +80,8 @@ void expect_scaled(const Exploration& exploration, const Scales& by, double tole
     moment.force_W /= by.force();
     moment.X_WF.translation /= by.length;
   }
-  const Departure most = departure(a, b);
-  EXPECT_LT(most.normal_force, tolerance)
-      << exploration.what << most.where << ", lengths " << by.length << ", moduli " << by.modulus;
-  EXPECT_LT(most.force, tolerance) << exploration.what << most.where;
-  EXPECT_LT(most.bone, tolerance * 1 * mm) << exploration.what << most.where;
+  expect_agreement(departure(a, b), exploration, tolerance,
+                   fmt::format(", lengths {}, moduli {}", by.length, by.modulus));
 }
 
 const std::initializer_list<Thing> kScalable{Thing::kPlane, Thing::kBlock, Thing::kBall,

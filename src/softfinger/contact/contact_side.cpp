@@ -9,7 +9,8 @@ namespace {
 constexpr double kSteepestSide = 1.5;
 /// As near as this a way has met the solid, m.
 constexpr double kMet = 1e-7;
-constexpr int kMostAdvances = 32;
+/// A way that leaves the solid at a flat angle takes many; one that takes more has not met it.
+constexpr int kMostAdvances = 128;
 /// A side's plane reaches beyond the solid by this part of the depth below it.
 constexpr double kOverhang = 0.5;
 
@@ -63,6 +64,7 @@ ContactSide side_on_way(const Shape& shape, const Vector3& from_O, const Vector3
     p = from_O + gone * direction;
     at = distance_and_gradient(shape, p);
   }
+  if (at.distance > kMet) return {};
   return side_at(at, p);
 }
 

@@ -23,8 +23,11 @@ constexpr double kFacing = 0.5;
 /// No point of a triangle is further from a corner than this, of its longest edge.
 constexpr double kFarthest = 0.58;
 /// Part of the way to the deepest point that a known one goes in a step: all of it, and the skin,
-/// which tilts as it is pressed elsewhere, would answer by going back and forth.
+/// which tilts as it is pressed elsewhere, would answer by going back and forth. Where it does so
+/// all the same, less and less; more again where the way goes on.
 constexpr double kFollow = 0.3;
+constexpr double kTurned = 0.7;
+constexpr double kGoesOn = 1.2;
 
 /// How much deeper than the mean of its corners a convex solid can be inside a triangle: with the
 /// weights w, its gap is above the mean by w of the corners' tangent planes, and the sum of w_k w_j
@@ -168,8 +171,15 @@ void FeaturePoints::move(const Step& step, const ContactPotential& contact, std:
                          const Found& found, std::span<FrictionAnchor> anchors) {
   Point& point = points_[k];
   const Vector3 before = position(point, step.old_positions);
-  for (std::size_t c = 0; c < 3; ++c)
-    point.weights[c] += kFollow * (found.weights[c] - point.weights[c]);
+  double along = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double way = found.weights[c] - point.weights[c];
+    along += way * point.way[c];
+    point.way[c] = way;
+  }
+  point.follow *= along < 0.0 ? kTurned : kGoesOn;
+  point.follow = std::min(point.follow, kFollow);
+  for (std::size_t c = 0; c < 3; ++c) point.weights[c] += point.follow * point.way[c];
   point.offset = found.offset;
   point.plane = found.plane;
   point.side = found.side;
@@ -238,6 +248,8 @@ void FeaturePoints::put(std::size_t k, std::size_t t, std::size_t o, const Found
   point.triangle = static_cast<int>(t);
   point.obstacle = static_cast<int>(o);
   point.weights = found.weights;
+  point.way = {};
+  point.follow = kFollow;
   point.offset = found.offset;
   point.plane = found.plane;
   point.side = found.side;

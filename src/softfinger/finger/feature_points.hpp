@@ -33,6 +33,8 @@ class FeaturePoints {
     std::array<int, 3> samples{};
     std::array<int, 3> nodes{};
     std::array<double, 3> weights{};
+    std::array<double, 3> way{};       ///< the last step's, to the deepest place, in weights
+    double follow = 0.0;               ///< part of it that is gone in a step
     Vector3 offset = Vector3::Zero();  ///< from the skin to the point, W, m
     ContactPlane plane;                ///< the obstacle as the point meets it in this step
     ContactSide side;                  ///< where the obstacle is met
