@@ -66,6 +66,19 @@ TEST(DeviceState, EndRepeatsTheRetractedPoseFor300Milliseconds) {
   EXPECT_EQ(machine.advance({.time = 13 * kPeriod, .arrived = true}), DeviceState::kStopped);
 }
 
+// Whatever keeps it from arriving: a program must end.
+TEST(DeviceState, GivesUpARetractionThatDoesNotArrive) {
+  DeviceStateMachine machine;
+  machine.advance({.time = 0.0, .arrived = true});
+  double time = kPeriod;
+  while (machine.advance({.time = time, .ending = true}) == DeviceState::kRetracting) {
+    time += kPeriod;
+    ASSERT_LT(time, kLongestRetraction + 1.0);
+  }
+  EXPECT_EQ(machine.state(), DeviceState::kStopped);
+  EXPECT_GT(time, kLongestRetraction);
+}
+
 TEST(DeviceState, NamesAreShort) {
   for (int i = 0; i <= static_cast<int>(DeviceState::kStopped); ++i) {
     const auto name = state_name(static_cast<DeviceState>(i));

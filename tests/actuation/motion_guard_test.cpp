@@ -142,6 +142,31 @@ TEST(MotionGuard, HoldsWhenWhatIsWantedIsNoNumber) {
   EXPECT_EQ(guard.configuration(), before);
 }
 
+// From wherever any motion has led it, around a forbidden wedge too.
+TEST(MotionGuard, AlwaysFindsTheWayBack) {
+  const auto device = lever_platform({.wedge = true});
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int beyond = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    MotionGuard guard(device, device->settings().transport->servos);
+    Configuration wanted = q_of(0, 0, 0);
+    for (int k = 0; k < 200; ++k) {
+      if (k % 5 == 0) wanted = q_of(40 * unit(random), 40 * unit(random), 15 * unit(random));
+      guard.step(wanted, kGuardTick);
+    }
+    beyond += guard.configuration()[0] > 10.0 * deg ? 1 : 0;
+    const Configuration left = guard.configuration();
+    int ticks = 0;
+    while (!guard.arrived() || ticks == 0) {
+      guard.step(device->retracted(), kGuardTick);
+      ASSERT_LT(++ticks, 200) << trial << ": from " << left.transpose();
+    }
+    EXPECT_EQ(guard.configuration(), device->retracted());
+  }
+  EXPECT_GT(beyond, 20) << "behind the wedge";
+}
+
 const LeverPlatform::Shape kShapes[] = {{}, {.wedge = true}, {.reversed_servo = true}};
 
 class HostileGuard : public testing::TestWithParam<int> {};

@@ -27,8 +27,6 @@ constexpr double kDefaultRate = 30.0;
 constexpr double kServoReserve = 1.25;
 /// Of emulated devices that follow the travel, m/s.
 constexpr double kFastestTravel = 0.1;
-/// A retraction that takes longer (s) is given up.
-constexpr double kLongestRetraction = 30.0;
 
 /// Of what servos follow, a second.
 double largest_rate(const Device& device) {
@@ -242,8 +240,7 @@ void Actuator::finish() noexcept {
   if (self.line) {
     self.line->finish();
   } else if (self.started) {
-    const double end = self.last_time + kLongestRetraction;
-    while (self.last_time < end) {
+    while (self.formed.state != DeviceState::kStopped) {
       self.last_time += self.period;
       self.formed.state = self.machine.advance(
           {.time = self.last_time, .ending = true, .arrived = self.guard.arrived()});

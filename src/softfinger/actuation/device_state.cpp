@@ -40,12 +40,15 @@ DeviceState DeviceStateMachine::advance(const Tick& tick) {
   if (!tick.tracked && !lost_) lost_since_ = tick.time;
   lost_ = !tick.tracked;
 
+  if (tick.ending && !ending_) ending_since_ = tick.time;
+  ending_ = tick.ending;
+
   const bool lost_long = lost_ && tick.time - lost_since_ >= kHoldTime - kTimeRounding;
   if (tick.ending || tick.stalled || tick.emergency || lost_long) {
-    if (tick.ending && retracted_ &&
-        tick.time - retracted_since_ > kRetractedRepeatTime + kTimeRounding) {
-      return state_ = DeviceState::kStopped;
-    }
+    const bool done =
+        retracted_ && tick.time - retracted_since_ > kRetractedRepeatTime + kTimeRounding;
+    const bool given_up = tick.time - ending_since_ > kLongestRetraction;
+    if (tick.ending && (done || given_up)) return state_ = DeviceState::kStopped;
     return state_ = DeviceState::kRetracting;
   }
   if (lost_) return state_ = DeviceState::kHolding;

@@ -25,6 +25,8 @@ inline constexpr double kHoldTime = 0.2;
 inline constexpr double kStallTime = 0.1;
 /// How long (s) the command is repeated after the retracted pose is reached at the end of a run.
 inline constexpr double kRetractedRepeatTime = 0.3;
+/// A retraction at the end of a run that takes longer (s) is given up.
+inline constexpr double kLongestRetraction = 30.0;
 
 /// What happens to a device as time passes, without any I/O: a pure state machine.
 class DeviceStateMachine {
@@ -51,6 +53,8 @@ class DeviceStateMachine {
   double lost_since_ = 0.0;  ///< valid while lost_
   bool retracted_ = false;   ///< the retracted pose was commanded
   double retracted_since_ = 0.0;
+  bool ending_ = false;
+  double ending_since_ = 0.0;  ///< valid while ending_
 };
 
 }  // namespace softfinger

@@ -126,7 +126,9 @@ Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
   const Configuration& home = device_->home();
   const double fraction =
       largest_fraction([&](double t) { return allowed(between(home, goal, t)); });
-  return fraction == 1.0 ? goal : between(home, goal, fraction);
+  if (fraction < 1.0) goal = between(home, goal, fraction);
+  const double seen = way_from_home(goal);
+  return seen == 1.0 ? goal : between(home, goal, seen);
 }
 
 double MotionGuard::allowed_travel(Eigen::Index joint, double sign, double dt) const {
@@ -162,6 +164,15 @@ bool MotionGuard::way_is_clear(const Configuration& goal) const {
     }
   }
   return true;
+}
+
+double MotionGuard::way_from_home(const Configuration& q) const {
+  for (int i = 1; i <= kWayPoints; ++i) {
+    if (!device_->reachable(between(device_->home(), q, static_cast<double>(i) / kWayPoints))) {
+      return static_cast<double>(i - 1) / kWayPoints;
+    }
+  }
+  return 1.0;
 }
 
 bool MotionGuard::form(const Configuration& q, Command& command) const {
@@ -209,7 +220,14 @@ void MotionGuard::step(const Configuration& wanted, double dt) {
     }
   }
 
-  const Configuration next = fraction == 1.0 ? stage : between(now_.q, stage, fraction);
+  Configuration next = fraction == 1.0 ? stage : between(now_.q, stage, fraction);
+  // Never to where the way home is blocked: a device must always get away from the finger.
+  if (!by_home_ && !sees_home(next) && sees_home(now_.q)) {
+    by_home_ = true;
+    stage = device_->home();
+    fraction = allowed_fraction(stage, dt);
+    next = fraction == 1.0 ? stage : between(now_.q, stage, fraction);
+  }
   Command command;
   for (int i = 0; i <= kPullBacks; ++i) {
     const Configuration q = i == 0 ? next : between(next, device_->home(), kPullBack * i);

@@ -68,6 +68,10 @@ class MotionGuard {
   /// Largest fraction of the way from the present q to `goal` that may be gone in one step.
   [[nodiscard]] double allowed_fraction(const Configuration& goal, double dt) const;
   [[nodiscard]] bool way_is_clear(const Configuration& goal) const;
+  /// Part of the straight way from home to q before the first of some points on it that the device
+  /// cannot reach; 1: all of it.
+  [[nodiscard]] double way_from_home(const Configuration& q) const;
+  [[nodiscard]] bool sees_home(const Configuration& q) const { return way_from_home(q) == 1.0; }
   /// Forms the command for q; false where it would break a limit once rounded.
   bool form(const Configuration& q, Command& command) const;
   /// Joint travel allowed in dt towards larger (sign 1) or smaller (-1) values, less what rounding
