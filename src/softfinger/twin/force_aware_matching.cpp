@@ -46,6 +46,7 @@ struct ForceAwareMatching::Implementation {
     if (options.stress_weight > 0.0) stress.emplace(model, options.stress_weight, dof);
     result.configuration = device->home();
     before = device->home();
+    anchor = device->home();
   }
 
   std::shared_ptr<const Device> device;
@@ -63,6 +64,7 @@ struct ForceAwareMatching::Implementation {
   SurfaceSamples samples;
   Vector3 target = Vector3::Zero();
   Configuration before;    ///< the last match
+  Configuration anchor;    ///< the surface's match
   bool under_way = false;  ///< the last frame has not ended
   ForceAwareResult result;
 
@@ -73,7 +75,8 @@ struct ForceAwareMatching::Implementation {
   /// The cost without what the twin feels, m^2.
   [[nodiscard]] double surface_cost(const Configuration& q) const {
     return options.surface_weight * options.surface_weight * device->deviation(q, samples) +
-           options.inertia_weight * options.inertia_weight * device->squared_distance(q, before);
+           options.inertia_weight * options.inertia_weight * device->squared_distance(q, before) +
+           options.anchor_weight * options.anchor_weight * device->squared_distance(q, anchor);
   }
   [[nodiscard]] Vector3 force_error() const { return normal_force_vector(twin.contact()) - target; }
   /// The rest of it, at the twin's last attempt, m^2.
@@ -134,9 +137,11 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
   }
   const double per_newton = 2.0 * options.force_weight * options.force_weight;
   const double inertia = 2.0 * options.inertia_weight * options.inertia_weight;
+  const double held = 2.0 * options.anchor_weight * options.anchor_weight;
   for (int k = 0; k < dof; ++k) {
     gradient[k] += per_newton * force_by_q.col(k).dot(force - target) +
-                   inertia * metric(k) * metric(k) * (q[k] - before[k]);
+                   metric(k) * metric(k) *
+                       (inertia * (q[k] - before[k]) + held * (q[k] - anchor[k]));
   }
   double largest = 0.0;
   for (int j = 0; j < dof; ++j) {
@@ -144,7 +149,7 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
       matrix(i, j) = (gauss_newton(i, j) + per_newton * force_by_q.col(i).dot(force_by_q.col(j))) /
                      (metric(i) * metric(j));
     }
-    matrix(j, j) += inertia;
+    matrix(j, j) += inertia + held;
     largest = std::max(largest, matrix(j, j));
     gradient[j] /= metric(j);
   }
@@ -250,6 +255,7 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   result = {};
   self.take(virtual_side, matching);
   self.target = normal_force_vector(virtual_side);
+  self.anchor = surface;
   self.twin.begin_frame(friction_coefficient, elapsed);
   self.under_way = true;
   if (virtual_side.contact_count > 0 && self.target.norm() > kWorthwhileForce) {

@@ -11,7 +11,7 @@ namespace softfinger {
 
 /// What weighs how much in
 ///   w_e^2 E(q) + w_f^2 |f_twin(q) - f_virtual|^2 + w_s^2 sum V |s_twin(q) - s_virtual|^2 / sum V
-///     + w_r^2 |q - q_before|^2 ,
+///     + w_r^2 |q - q_before|^2 + w_a^2 |q - q_surface|^2 ,
 /// f normal force, s Cauchy stress of the soft elements, V their rest volumes, all in F.
 struct ForceAwareOptions {
   double surface_weight = 1.0;  ///< w_e, dimensionless
@@ -21,6 +21,9 @@ struct ForceAwareOptions {
   double stress_weight = 0.0;
   /// w_r, dimensionless, in the metric of the device's axes: decides where nothing else does.
   double inertia_weight = 0.05;
+  /// w_a, likewise: what moves neither surface nor force, a disk's turn about its own axis, does not
+  /// wander off with the skin that it drags along.
+  double anchor_weight = 0.3;
   int iterations = 4;          ///< Gauss-Newton steps a frame
   double max_angle = 0.15;     ///< rad a step
   double max_length = 0.6e-3;  ///< m a step

@@ -30,9 +30,16 @@ class ForceLimiter {
   void follow(const Configuration& went);
 
  private:
-  [[nodiscard]] double force_at(const Configuration& q);
+  struct Tried {
+    double way;    ///< m
+    double force;  ///< N
+  };
+  [[nodiscard]] Configuration drawn_back(const Configuration& q, double way) const;
+  [[nodiscard]] Tried try_back(const Configuration& q, double way);
+  [[nodiscard]] double way_back(const Configuration& q, double most);
 
   Twin twin_;
+  double back_ = 0.0;       ///< that the last answer was drawn back, m
   Configuration limited_;   ///< the last answer
   bool under_way_ = false;  ///< its frame has not ended
 };
