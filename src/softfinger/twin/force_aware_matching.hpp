@@ -21,8 +21,8 @@ struct ForceAwareOptions {
   double stress_weight = 0.0;
   /// w_r, dimensionless, in the metric of the device's axes: decides where nothing else does.
   double inertia_weight = 0.05;
-  /// w_a, likewise: what moves neither surface nor force, a disk's turn about its own axis, does not
-  /// wander off with the skin that it drags along.
+  /// w_a, likewise: what moves neither surface nor force, a disk's turn about its own axis, does
+  /// not wander off with the skin that it drags along.
   double anchor_weight = 0.3;
   int iterations = 4;          ///< Gauss-Newton steps a frame
   double max_angle = 0.15;     ///< rad a step
