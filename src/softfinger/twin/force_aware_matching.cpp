@@ -139,9 +139,9 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
   const double inertia = 2.0 * options.inertia_weight * options.inertia_weight;
   const double held = 2.0 * options.anchor_weight * options.anchor_weight;
   for (int k = 0; k < dof; ++k) {
-    gradient[k] += per_newton * force_by_q.col(k).dot(force - target) +
-                   metric(k) * metric(k) *
-                       (inertia * (q[k] - before[k]) + held * (q[k] - anchor[k]));
+    gradient[k] +=
+        per_newton * force_by_q.col(k).dot(force - target) +
+        metric(k) * metric(k) * (inertia * (q[k] - before[k]) + held * (q[k] - anchor[k]));
   }
   double largest = 0.0;
   for (int j = 0; j < dof; ++j) {
