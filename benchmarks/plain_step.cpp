@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "softfinger/finger/finger_potential.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -13,6 +15,7 @@ constexpr int kMaxIterations = 200;
 // As softfinger/finger/finger_potential.cpp measures residuals.
 constexpr double kLeverArm = 8e-3;    // m
 constexpr double kForceFloor = 1e-3;  // N
+constexpr int kConePasses = 40;
 
 }  // namespace
 
@@ -23,14 +26,16 @@ PlainStep::PlainStep(std::shared_ptr<const FingerModel> model,
       time_step_(time_step),
       elasticity_(*model_),
       bone_potential_(bone_inertia(*model_, elasticity_.masses()), model_->coupling),
-      contact_(model_->sample_rest_areas, model_->sample_rest_areas.size(), objects.size(), {}),
+      contact_(model_->sample_rest_areas, model_->sample_rest_areas.size(), objects.size(),
+               contact_options(*model_)),
       positions_(model_->mesh.nodes),
       velocities_(positions_.size(), Vector3::Zero()),
       obstacles_(objects.size()),
       predicted_(positions_),
       node_gradient_(positions_),
       sample_positions_(model_->sample_nodes.size()),
-      sample_gradient_(sample_positions_) {
+      sample_gradient_(sample_positions_),
+      starts_(sample_positions_) {
   for (std::size_t n = 0; n < positions_.size(); ++n) {
     first_unknown_.push_back(model_->node_is_rigid[n] ? -1 : unknowns_);
     if (!model_->node_is_rigid[n]) unknowns_ += 3;
@@ -58,8 +63,15 @@ void PlainStep::reset(const Pose& X_WFt) {
   anchors_ = contact_.no_anchors();
 }
 
+void PlainStep::note_starts() {
+  for (std::size_t i = 0; i < starts_.size(); ++i) {
+    starts_[i] = positions_[static_cast<std::size_t>(model_->sample_nodes[i])];
+  }
+}
+
 void PlainStep::place_obstacles(double time) {
   for (std::size_t o = 0; o < objects_.size(); ++o) {
+    obstacles_[o].X_WO_old = objects_[o].motion.sample(time - time_step_);
     obstacles_[o].X_WO = objects_[o].motion.sample(time);
   }
 }
@@ -199,7 +211,9 @@ bool PlainStep::line_search(const Eigen::VectorXd& direction) {
 
 StepSummary PlainStep::solve(const Pose& X_WFt, double time) {
   place_obstacles(time);
-  contact_.begin(obstacles_, anchors_);
+  note_starts();
+  limited_ = anchors_;
+  contact_.begin(obstacles_, limited_, starts_);
   bone_potential_.begin(bone_, tracked_, X_WFt, time_step_);
   for (std::size_t n = 0; n < positions_.size(); ++n) {
     predicted_[n] = positions_[n] + time_step_ * velocities_[n];
@@ -210,7 +224,21 @@ StepSummary PlainStep::solve(const Pose& X_WFt, double time) {
   put_tied_nodes(current_);
   evaluate(current_);
 
-  return minimise(kTolerance);
+  return minimise_in_cone();
+}
+
+/// Again with the limits of the normal forces that were found, until friction is within them.
+StepSummary PlainStep::minimise_in_cone() {
+  StepSummary summary = minimise(kTolerance);
+  for (int pass = 0; pass < kConePasses && !contact_.is_in_cone(); ++pass) {
+    contact_.update_limits(limited_, pass > 0);
+    evaluate(current_);
+    const StepSummary again = minimise(kTolerance);
+    summary = {summary.iterations + again.iterations, again.converged, again.relative_residual};
+  }
+  evaluate(current_);
+  summary.converged = summary.converged && contact_.is_in_cone();
+  return summary;
 }
 
 bool PlainStep::refine() { return minimise(kFineTolerance).converged; }
@@ -241,6 +269,7 @@ double PlainStep::residual_at(std::span<const Vector3> positions, const Pose& X_
 void PlainStep::advance(std::span<const Vector3> positions, const Pose& X_WF, const Pose& X_WFt,
                         double time) {
   const double rate = 1.0 / time_step_;
+  note_starts();
   for (std::size_t n = 0; n < positions_.size(); ++n) {
     velocities_[n] = rate * (positions[n] - positions_[n]);
     positions_[n] = positions[n];
@@ -250,7 +279,7 @@ void PlainStep::advance(std::span<const Vector3> positions, const Pose& X_WF, co
   bone_.X_WF = X_WF;
   tracked_ = X_WFt;
   place_obstacles(time);
-  contact_.begin(obstacles_, anchors_);
+  contact_.begin(obstacles_, anchors_, starts_);
   for (std::size_t i = 0; i < sample_positions_.size(); ++i) {
     sample_positions_[i] = positions_[static_cast<std::size_t>(model_->sample_nodes[i])];
   }

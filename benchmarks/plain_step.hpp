@@ -15,11 +15,11 @@ namespace softfinger {
 
 /// One implicit Euler step as one would write it first; what FingerSimulation is measured against.
 ///
-/// The same potential and the same tolerance: elasticity, strain limits, contact, friction, bone
-/// and coupling. Minimised by projected Newton: every element's Hessian made positive
-/// semidefinite, a sparse matrix of triplets factored anew in each iteration, and a line search on
-/// the energy. It meets obstacles at the samples only. The contact potential and the bone's terms
-/// are the library's; elasticity and solver are not.
+/// The same potential and the same tolerance: elasticity, strain limits, contact, friction within
+/// its cone, bone and coupling. Minimised by projected Newton: every element's Hessian made
+/// positive semidefinite, a sparse matrix of triplets factored anew in each iteration, and a line
+/// search on the energy. It meets obstacles at the samples only. The contact potential and the
+/// bone's terms are the library's; elasticity and solver are not.
 class PlainStep {
  public:
   /// `objects` must outlive it.
@@ -30,7 +30,8 @@ class PlainStep {
   /// Minimises the step that ends at `time` (s) with the tracked finger at X_WFt; the step is not
   /// taken before advance().
   StepSummary solve(const Pose& X_WFt, double time);
-  /// Goes on to a hundredth of the tolerance, for comparisons. Returns whether it got there.
+  /// Goes on to a hundredth of the tolerance, for comparisons, with the limits of friction that
+  /// solve() found. Returns whether it got there.
   bool refine();
   /// Positions of all nodes that solve() or refine() found, W, m.
   [[nodiscard]] std::span<const Vector3> positions() const { return current_.positions; }
@@ -57,6 +58,7 @@ class PlainStep {
     std::size_t count = 0;
     [[nodiscard]] std::span<const Motion> all() const { return {parts.data(), count}; }
   };
+  void note_starts();
   void place_obstacles(double time);
   void put_tied_nodes(Point& point) const;
   [[nodiscard]] NodeMotion motion(std::size_t node, const Point& point) const;
@@ -66,6 +68,7 @@ class PlainStep {
   void add_block(int row, int column, const Matrix3& block);
   void assemble();
   StepSummary minimise(double tolerance);
+  StepSummary minimise_in_cone();
   [[nodiscard]] bool line_search(const Eigen::VectorXd& direction);
 
   std::shared_ptr<const FingerModel> model_;
@@ -83,10 +86,13 @@ class PlainStep {
   Pose tracked_;
   std::vector<FrictionAnchor> anchors_;
 
+  std::vector<FrictionAnchor> limited_;  ///< with the limits of the step that is solved
+
   std::vector<Obstacle> obstacles_;
   std::vector<Vector3> predicted_;
   Point current_, trial_;
   std::vector<Vector3> node_gradient_, sample_positions_, sample_gradient_;
+  std::vector<Vector3> starts_;  ///< of the samples
   std::vector<Eigen::Triplet<double>> triplets_;
 };
 

@@ -34,13 +34,6 @@ double mean_modulus(const FingerModel& model) {
   return volume > 0.0 ? sum / volume : 0.0;
 }
 
-ContactPotential::Options contact_options(const FingerModel& model) {
-  ContactPotential::Options options;
-  const double modulus = mean_modulus(model);
-  if (modulus > 0.0) options.stiffness_per_area = kContactStiffness * modulus;
-  return options;
-}
-
 std::vector<ElasticMaterial> elastic_materials(const FingerModel& model) {
   std::vector<ElasticMaterial> materials;
   for (const auto& m : model.materials) {
@@ -71,6 +64,13 @@ StrainLimit strain_limit(const FingerModel& model, bool wanted) {
 }
 
 }  // namespace
+
+ContactPotential::Options contact_options(const FingerModel& model) {
+  ContactPotential::Options options;
+  const double modulus = mean_modulus(model);
+  if (modulus > 0.0) options.stiffness_per_area = kContactStiffness * modulus;
+  return options;
+}
 
 FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_t obstacle_count,
                                  const Options& options)

@@ -14,6 +14,9 @@
 
 namespace softfinger {
 
+/// Contact as stiff as the tissue's modulus asks.
+[[nodiscard]] ContactPotential::Options contact_options(const FingerModel& model);
+
 /// The smooth potential whose minimum is one implicit Euler step, or with time step 0 an
 /// equilibrium: inertia + elasticity + strain limits + contact + friction + bone + virtual coupling
 /// over the free nodes and the bone's pose (Martin et al., "Example-based elastic materials", TOG
