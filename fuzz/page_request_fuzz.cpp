@@ -21,9 +21,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Matrix3& R = request->X_WFt.rotation;
   const bool rigid = (R.transpose() * R - Matrix3::Identity()).norm() < 1e-9;
   if (!rigid || !(request->X_WFt.translation.cwiseAbs().maxCoeff() <= 1.0)) __builtin_trap();
-  for (const auto& size :
+  for (const auto& side :
        {request->measured.length, request->measured.breadth, request->measured.depth}) {
-    if (size && !(*size > 0.0 && *size < 1.0)) __builtin_trap();
+    if (side && !(*side > 0.0 && *side < 1.0)) __builtin_trap();
   }
   if (request->table_height && !(std::abs(*request->table_height) < 10.0)) __builtin_trap();
   return 0;
