@@ -31,8 +31,9 @@ if(SOFTFINGER_SANITIZE)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options(-Wno-maybe-uninitialized)  # what sanitizers add misleads it, as GCC's manual says
   endif()
+  add_compile_definitions(SOFTFINGER_SANITIZED)
   add_link_options(-fsanitize=${SOFTFINGER_SANITIZE})
-  if(SOFTFINGER_SANITIZE MATCHES "thread")
+  if(SOFTFINGER_SANITIZE MATCHES "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options(-Wno-tsan)  # Asio's headers use fences, which this sanitizer does not model
   endif()
 endif()

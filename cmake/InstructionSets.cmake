@@ -2,7 +2,8 @@
 # the same kernels; each is compiled for its own instruction set. Elsewhere than on x86-64 only the
 # baseline remains.
 function(softfinger_instruction_sets target stem)
-  set(common "-Wno-psabi;-ffp-contract=fast;-fno-math-errno")
+  # GCC fuses alike in every copy of a template, Clang does not, and copies must have the same bits.
+  set(common "-Wno-psabi;-ffp-contract=$<IF:$<CXX_COMPILER_ID:GNU>,fast,off>;-fno-math-errno")
   set_source_files_properties(${stem}_baseline.cpp ${stem}_avx2.cpp ${stem}_avx512.cpp
     PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   set_source_files_properties(${stem}_baseline.cpp PROPERTIES COMPILE_OPTIONS "${common}")

@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const ScratchFile file("damaged.grid");
   std::vector<std::uint8_t> damaged = sound;
   for (; size >= 5; data += 5, size -= 5) {
-    const std::size_t where = data[0] | data[1] << 8 | data[2] << 16;
+    const std::size_t where = data[0] | std::size_t{data[1]} << 8 | std::size_t{data[2]} << 16;
     if (data[3] == 0xFF) {
       damaged.resize(where % (sound.size() + 1));
     } else if (!damaged.empty()) {

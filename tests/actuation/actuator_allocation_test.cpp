@@ -1,6 +1,6 @@
 // malloc and its kin, which operator new calls too, are replaced for this program; a thread counts
 // its own calls while it asks to. Sanitizers replace them themselves, so there is nothing to see.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef SOFTFINGER_SANITIZED
 
 #include <gtest/gtest.h>
 

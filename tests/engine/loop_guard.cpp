@@ -31,7 +31,7 @@ void tell_where(std::uint64_t earlier) {
 
 }  // namespace
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef SOFTFINGER_SANITIZED
 
 extern "C" {
 void* __libc_malloc(std::size_t size);                           // NOLINT

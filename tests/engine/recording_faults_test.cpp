@@ -31,7 +31,7 @@ namespace {
 
 constexpr double kMayBeLost = 0.2;  // s
 // So slowed down, a loop leaves its recorder hardly any processor.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SOFTFINGER_SANITIZED
 constexpr double kMayBeLostByALoop = 1.0;
 #else
 constexpr double kMayBeLostByALoop = kMayBeLost;

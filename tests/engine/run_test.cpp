@@ -412,7 +412,7 @@ TEST_F(SceneOfItsOwn, SeveralFingersHaveEachTheirDevice) {
   RunOptions options;
   options.scene = scene;
   options.devices = {"some.toml"};
-  EXPECT_THROW(load_setup(options), InputError) << "NAME= is needed";
+  EXPECT_THROW((void)load_setup(options), InputError) << "NAME= is needed";
 }
 
 TEST_F(SceneOfItsOwn, FingersSideBySideHaveTheSameBits) {

@@ -59,7 +59,7 @@ std::vector<std::array<double, 9>> corners(const TriangleMesh& mesh) {
       const Vector3& p = mesh.positions[static_cast<std::size_t>(t[k])];
       c[k] = {p.x(), p.y(), p.z()};
     }
-    std::ranges::rotate(c, std::ranges::min_element(c));
+    std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
     std::array<double, 9> flat;
     for (std::size_t k = 0; k < 9; ++k) flat[k] = c[k / 3][k % 3];
     all.push_back(flat);

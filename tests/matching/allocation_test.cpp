@@ -10,7 +10,7 @@
 #include "softfinger/matching/surface_rendering.hpp"
 
 // Sanitizers bring their own malloc.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef SOFTFINGER_SANITIZED
 
 namespace {
 std::atomic<long> allocations{0};

@@ -76,7 +76,10 @@ inline TetrahedralMesh box_mesh(int nx, int ny, int nz, const Vector3& origin,
 inline void displace(std::vector<Vector3>& points, double amplitude, unsigned seed) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> offset(-amplitude, amplitude);
-  for (Vector3& p : points) p += Vector3(offset(generator), offset(generator), offset(generator));
+  // One by one: in which order arguments are evaluated is the compiler's choice.
+  for (Vector3& p : points) {
+    for (const int axis : {2, 1, 0}) p[axis] += offset(generator);
+  }
 }
 
 }  // namespace softfinger::testing_support

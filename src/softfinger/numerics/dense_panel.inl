@@ -8,14 +8,18 @@
 namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE {
 namespace {
 
-// Unaligned-load vector: panels are aligned, rows within them need not be.
-typedef float Vec __attribute__((vector_size(32), aligned(4), may_alias));
+typedef float Vec __attribute__((vector_size(32)));
 constexpr int kWide = 8;
 static_assert(kPanelAlignment % kWide == 0);
 constexpr int down(int row) { return row & ~(kWide - 1); }
 
-inline Vec& at(float* p) { return *reinterpret_cast<Vec*>(p); }
-inline const Vec& at(const float* p) { return *reinterpret_cast<const Vec*>(p); }
+// Panels are aligned, rows within them need not be. Not by a reference to a less aligned vector
+// type: a template forgets that attribute.
+struct InMemory {
+  Vec value;
+} __attribute__((packed, may_alias));
+inline Vec at(const float* p) { return reinterpret_cast<const InMemory*>(p)->value; }
+inline void put(float* p, const Vec& value) { reinterpret_cast<InMemory*>(p)->value = value; }
 
 constexpr int place(unsigned vector, int stride) { return static_cast<int>(vector) * stride; }
 
@@ -53,13 +57,13 @@ inline void tile(const float* a, int a_stride, int i, int j, int depth, float* o
   for (unsigned n = 0; n < kVectors; ++n) {
     float* o = out + j * out_stride + i + place(n, kWide);
     if constexpr (kResult == Result::kProduct) {
-      at(o) = s0[n];
-      at(o + out_stride) = s1[n];
-      at(o + 2 * out_stride) = s2[n];
+      put(o, s0[n]);
+      put(o + out_stride, s1[n]);
+      put(o + 2 * out_stride, s2[n]);
     } else {
-      at(o) -= s0[n];
-      at(o + out_stride) -= s1[n];
-      at(o + 2 * out_stride) -= s2[n];
+      put(o, at(o) - s0[n]);
+      put(o + out_stride, at(o + out_stride) - s1[n]);
+      put(o + 2 * out_stride, at(o + 2 * out_stride) - s2[n]);
     }
   }
 }
@@ -99,9 +103,9 @@ bool factor(float* panel, int rows, int columns, int stride) {
     for (int i = down(j); i < rows; i += kWide) {
       const Vec v0 = at(c0 + i) * i0;
       const Vec v1 = (at(c1 + i) - v0 * l10) * i1;
-      at(c2 + i) = (at(c2 + i) - v0 * l20 - v1 * l21) * i2;
-      at(c1 + i) = v1;
-      at(c0 + i) = v0;
+      put(c2 + i, (at(c2 + i) - v0 * l20 - v1 * l21) * i2);
+      put(c1 + i, v1);
+      put(c0 + i, v0);
     }
     c0[j] = i0;
     c1[j + 1] = i1;
@@ -145,8 +149,8 @@ void forward(const float* panel, int rows, int columns, int stride, float* t, in
       const Vec v1 = at(c1 + i);
       const Vec v2 = at(c2 + i);
       for (unsigned n = 0; n < kCount; ++n) {
-        Vec& tn = at(t + place(n, t_stride) + i);
-        tn = tn - v0 * x0[n] - v1 * x1[n] - v2 * x2[n];
+        float* tn = t + place(n, t_stride) + i;
+        put(tn, at(tn) - v0 * x0[n] - v1 * x1[n] - v2 * x2[n]);
       }
     }
   }
