@@ -1,12 +1,16 @@
-# softfinger_module(NAME [MODULES m...] [LIBRARIES l...])
+# softfinger_module(NAME [FOLDERS f...] [MODULES m...] [LIBRARIES l...])
 #
-# One static library softfinger_NAME, alias softfinger::NAME, of every source beside this list.
+# One static library softfinger_NAME, alias softfinger::NAME, of every source beside this list and in its FOLDERS.
 # MODULES repeats the module's line of the table in docs/architecture.md (checked by
 # tools/check_layers); LIBRARIES are third-party and stay out of the module's headers.
 function(softfinger_module name)
-  cmake_parse_arguments(arg "" "" "MODULES;LIBRARIES" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.hpp)
+  cmake_parse_arguments(arg "" "" "FOLDERS;MODULES;LIBRARIES" ${ARGN})
+  list(TRANSFORM arg_FOLDERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(PREPEND arg_FOLDERS ${CMAKE_CURRENT_SOURCE_DIR})
+  list(TRANSFORM arg_FOLDERS APPEND /*.cpp OUTPUT_VARIABLE sources)
+  list(TRANSFORM arg_FOLDERS APPEND /*.hpp OUTPUT_VARIABLE headers)
+  file(GLOB sources CONFIGURE_DEPENDS ${sources})
+  file(GLOB headers CONFIGURE_DEPENDS ${headers})
   set(target softfinger_${name})
   if(sources)
     add_library(${target} STATIC ${sources} ${headers})

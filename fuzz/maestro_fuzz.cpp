@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "softfinger/actuation/maestro_emulator.hpp"
+#include "softfinger/motors/maestro/maestro_emulator.hpp"
 
 // A line full of noise must neither stop the emulator nor move a servo further than its pulses say.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

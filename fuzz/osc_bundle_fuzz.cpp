@@ -1,7 +1,7 @@
 #include <cstring>
 #include <vector>
 
-#include "softfinger/actuation/osc_bundle.hpp"
+#include "softfinger/motors/osc/osc_bundle.hpp"
 
 // A packet that is a bundle is written again as it was, but for its time tag.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <memory>
 
-#include "softfinger/actuation/dynamixel_protocol.hpp"
-#include "softfinger/actuation/feetech_protocol.hpp"
-#include "softfinger/actuation/servo_table_emulator.hpp"
+#include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
+#include "softfinger/motors/feetech/feetech_protocol.hpp"
+#include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
 // A bus full of noise: frames that are found must be written as they were read, and no servo may
 // leave its turn. The first byte says whose frames, and how the rest comes in pieces.

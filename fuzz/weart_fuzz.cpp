@@ -1,6 +1,6 @@
 #include <array>
 
-#include "softfinger/actuation/weart_emulator.hpp"
+#include "softfinger/motors/weart/weart_emulator.hpp"
 
 // Whatever a client says, the force stays from 0 to 1, and what is understood can be said again.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

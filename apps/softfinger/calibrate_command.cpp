@@ -17,8 +17,8 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/device/transport_file.hpp"
-#include "softfinger/device/transport_text.hpp"
+#include "softfinger/motors/transport_file.hpp"
+#include "softfinger/motors/transport_text.hpp"
 
 using namespace softfinger;
 

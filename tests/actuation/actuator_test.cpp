@@ -12,10 +12,10 @@
 #include <thread>
 #include <vector>
 
+#include "../support/maestro_terminal.hpp"
 #include "lever_platform.hpp"
-#include "maestro_terminal.hpp"
-#include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
 namespace {

@@ -10,12 +10,12 @@
 #include <functional>
 #include <thread>
 
-#include "maestro_terminal.hpp"
+#include "../support/maestro_terminal.hpp"
 #include "softfinger/actuation/actuator.hpp"
-#include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/motors/motor_kinds.hpp"
 
 namespace softfinger {
 
@@ -102,12 +103,11 @@ class LeverPlatform : public Device {
     transport.kind = shape.kind;
     transport.port = shape.port;
     transport.rate = shape.rate;
-    if (shape.kind != "maestro") transport.unit_scale = 1.0;
-    if (shape.kind == "dynamixel" || shape.kind == "feetech") {
-      transport.baud = 1000000;
-      transport.unit = "ticks";
-    }
-    transport.follows_travel = shape.kind == "weart";
+    const MotorKind& kind = motor_kind(shape.kind);
+    transport.unit = kind.unit;
+    transport.unit_scale = kind.unit_scale;
+    transport.follows_travel = kind.follows_travel;
+    if (kind.whole_set_points) transport.baud = 1000000;
     for (int i = 0; i < (transport.follows_travel ? 1 : 3); ++i) {
       transport.servos.push_back(servo(shape, i));
     }

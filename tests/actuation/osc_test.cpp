@@ -11,11 +11,11 @@
 
 #include "lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
-#include "softfinger/actuation/emulator_socket.hpp"
-#include "softfinger/actuation/osc_bundle.hpp"
-#include "softfinger/actuation/osc_emulator.hpp"
-#include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/motors/osc/osc_bundle.hpp"
+#include "softfinger/motors/osc/osc_emulator.hpp"
+#include "softfinger/motors/port/emulator_socket.hpp"
+#include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
 namespace {

@@ -1,5 +1,5 @@
 // Servos with control tables, from the loop over a pseudo-terminal to emulated servos.
-#include "softfinger/actuation/servo_table_bus.hpp"
+#include "softfinger/motors/servo_table/servo_table_bus.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,12 +13,12 @@
 
 #include "lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
-#include "softfinger/actuation/dynamixel_protocol.hpp"
-#include "softfinger/actuation/emulator_terminal.hpp"
-#include "softfinger/actuation/feetech_protocol.hpp"
-#include "softfinger/actuation/servo_map.hpp"
-#include "softfinger/actuation/servo_table_emulator.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
+#include "softfinger/motors/feetech/feetech_protocol.hpp"
+#include "softfinger/motors/port/emulator_terminal.hpp"
+#include "softfinger/motors/servo_map.hpp"
+#include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
 namespace softfinger {
 namespace {

@@ -14,12 +14,12 @@
 #include <filesystem>
 #include <thread>
 
-#include "softfinger/actuation/dynamixel_protocol.hpp"
-#include "softfinger/actuation/feetech_protocol.hpp"
-#include "softfinger/actuation/maestro_emulator.hpp"
 #include "softfinger/actuation/servo_line.hpp"
-#include "softfinger/actuation/servo_map.hpp"
-#include "softfinger/actuation/servo_table_emulator.hpp"
+#include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
+#include "softfinger/motors/feetech/feetech_protocol.hpp"
+#include "softfinger/motors/maestro/maestro_emulator.hpp"
+#include "softfinger/motors/servo_map.hpp"
+#include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
 namespace softfinger {
 namespace {

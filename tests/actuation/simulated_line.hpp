@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/actuation/bus_emulator.hpp"
 #include "softfinger/actuation/line_channel.hpp"
-#include "softfinger/actuation/line_clock.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/motors/bus_emulator.hpp"
+#include "softfinger/motors/port/line_clock.hpp"
 
 namespace softfinger {
 

@@ -9,11 +9,11 @@
 
 #include "lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
-#include "softfinger/actuation/emulator_socket.hpp"
-#include "softfinger/actuation/servo_map.hpp"
-#include "softfinger/actuation/weart_emulator.hpp"
-#include "softfinger/actuation/weart_protocol.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/motors/port/emulator_socket.hpp"
+#include "softfinger/motors/servo_map.hpp"
+#include "softfinger/motors/weart/weart_emulator.hpp"
+#include "softfinger/motors/weart/weart_protocol.hpp"
 
 namespace softfinger {
 namespace {

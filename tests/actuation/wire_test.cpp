@@ -16,8 +16,8 @@
 
 #include "lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
-#include "softfinger/actuation/maestro_protocol.hpp"
-#include "softfinger/actuation/servo_map.hpp"
+#include "softfinger/motors/maestro/maestro_protocol.hpp"
+#include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
 namespace {

@@ -12,10 +12,10 @@
 #include <thread>
 
 #include "program.hpp"
-#include "softfinger/actuation/emulator_terminal.hpp"
-#include "softfinger/actuation/maestro_emulator.hpp"
-#include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/motors/maestro/maestro_emulator.hpp"
+#include "softfinger/motors/port/emulator_terminal.hpp"
+#include "softfinger/motors/servo_map.hpp"
 #include "workplace.hpp"
 
 namespace softfinger {

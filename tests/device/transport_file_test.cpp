@@ -8,8 +8,9 @@
 
 #include "kinds.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/device/transport_file.hpp"
-#include "softfinger/device/transport_text.hpp"
+#include "softfinger/motors/motor_kinds.hpp"
+#include "softfinger/motors/transport_file.hpp"
+#include "softfinger/motors/transport_text.hpp"
 
 namespace softfinger {
 namespace {
@@ -17,8 +18,13 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+/// The thimble that is shipped with these motors.
+std::string thimble_with(const std::string& motors) {
+  return motors == "maestro" ? "thimble-3rrs" : "thimble-3rrs-" + motors;
+}
+
 std::string thimble_text(const std::string& motors) {
-  std::ifstream input(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs-" + motors + ".toml");
+  std::ifstream input(SOFTFINGER_SOURCE_DIR "/devices/" + thimble_with(motors) + ".toml");
   return {std::istreambuf_iterator<char>(input), {}};
 }
 
@@ -105,9 +111,9 @@ TEST(TransportFile, RefusesWhatDoesNotFit) {
 }
 
 TEST(TransportFile, TextIsReadBackAsItWas) {
-  for (const std::string motors : {"dynamixel", "feetech", "osc"}) {
+  for (const std::string& motors : transport_kinds()) {
     const std::string text = thimble_text(motors);
-    const auto device = shipped("thimble-3rrs-" + motors);
+    const auto device = shipped(thimble_with(motors));
     const auto file = std::filesystem::path(testing::TempDir()) /
                       ("transport_text_" + std::to_string(getpid()) + ".toml");
     std::ofstream(file) << text.substr(0, text.find("[transport]"))
@@ -121,10 +127,10 @@ TEST(TransportFile, TextIsReadBackAsItWas) {
     for (std::size_t i = 0; i < a.servos.size(); ++i) {
       EXPECT_EQ(a.servos[i].channel, b.servos[i].channel);
       EXPECT_EQ(a.servos[i].address, b.servos[i].address);
-      EXPECT_NEAR(a.servos[i].zero, b.servos[i].zero, 1e-5);
+      EXPECT_NEAR(a.servos[i].zero / a.unit_scale, b.servos[i].zero / a.unit_scale, 1e-5);
       EXPECT_NEAR(a.servos[i].per_radian / b.servos[i].per_radian, 1.0, 1e-8);
-      EXPECT_NEAR(a.servos[i].min, b.servos[i].min, 1e-6);
-      EXPECT_NEAR(a.servos[i].max, b.servos[i].max, 1e-6);
+      EXPECT_NEAR(a.servos[i].min / a.unit_scale, b.servos[i].min / a.unit_scale, 1e-6);
+      EXPECT_NEAR(a.servos[i].max / a.unit_scale, b.servos[i].max / a.unit_scale, 1e-6);
     }
   }
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "softfinger/actuation/servo_map.hpp"
+#include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
 

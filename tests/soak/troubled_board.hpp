@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/actuation/emulator_terminal.hpp"
-#include "softfinger/actuation/maestro_emulator.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/motors/maestro/maestro_emulator.hpp"
+#include "softfinger/motors/port/emulator_terminal.hpp"
 
 namespace softfinger {
 

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "softfinger/actuation/emulated_bus.hpp"
 #include "softfinger/actuation/guard_process.hpp"
 #include "softfinger/actuation/line_thread.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
@@ -17,6 +16,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device.hpp"
 #include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/motors/emulated_bus.hpp"
 
 namespace softfinger {
 namespace {

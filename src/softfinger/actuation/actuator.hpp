@@ -12,7 +12,7 @@
 #include "softfinger/actuation/command_delivery.hpp"
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/device/configuration.hpp"
-#include "softfinger/device/transport_settings.hpp"
+#include "softfinger/motors/transport_settings.hpp"
 
 namespace softfinger {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/device/device.hpp"
 #include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
 

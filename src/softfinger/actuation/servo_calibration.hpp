@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/actuation/emulated_bus.hpp"
-#include "softfinger/actuation/servo_bus.hpp"
-#include "softfinger/actuation/servo_map.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/motors/emulated_bus.hpp"
+#include "softfinger/motors/servo_bus.hpp"
+#include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
 

@@ -5,11 +5,11 @@
 
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/actuation/line_channel.hpp"
-#include "softfinger/actuation/line_clock.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
-#include "softfinger/actuation/servo_bus.hpp"
 #include "softfinger/actuation/servo_lag.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/motors/port/line_clock.hpp"
+#include "softfinger/motors/servo_bus.hpp"
 
 namespace softfinger {
 

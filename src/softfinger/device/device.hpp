@@ -9,9 +9,10 @@
 
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/device/surface_samples.hpp"
-#include "softfinger/device/transport_settings.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
+#include "softfinger/motors/joint_limits.hpp"
+#include "softfinger/motors/transport_settings.hpp"
 
 namespace softfinger {
 
@@ -23,15 +24,6 @@ struct ConfigurationAxis {
   /// Limits of its own; SI. Infinite where only joints or other axes limit it.
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-};
-
-/// Hard limits of the joints; commands never leave them.
-struct JointLimits {
-  JointAngles min, max;   ///< rad, or m for linear joints
-  double max_rate = 0.0;  ///< rad/s or m/s, all joints
-  /// How fast a joint may get faster, rad/s^2 or m/s^2; it may always stop at once.
-  double max_acceleration = std::numeric_limits<double>::infinity();
-  bool linear = false;  ///< joints are lengths
 };
 
 /// `[matching]` of a device file.

@@ -13,7 +13,8 @@
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_kinds.hpp"
-#include "softfinger/device/transport_file.hpp"
+#include "softfinger/motors/motor_kinds.hpp"
+#include "softfinger/motors/transport_file.hpp"
 
 namespace softfinger {
 namespace {

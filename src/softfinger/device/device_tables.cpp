@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/device/transport_file.hpp"
+#include "softfinger/motors/transport_file.hpp"
 
 namespace softfinger {
 namespace {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "softfinger/motors/servo_table/servo_protocol.hpp"
+
+namespace softfinger {
+
+/// Protocol and control table of Feetech's STS and SMS servos (Feetech, "FT-SCS communication
+/// protocol" and "STS series memory table"). SCS servos, high byte first, are not spoken to.
+///
+/// FF FF id length instruction parameters checksum; a status has its error where requests have the
+/// instruction. The checksum is the complement of the sum of all after the header. Positions have
+/// 15 bits and a sign, 4096 ticks a turn.
+class FeetechProtocol : public ServoProtocol {
+ public:
+  [[nodiscard]] const ControlTable& table() const override;
+  std::size_t encode(const ServoFrame& frame, std::span<std::uint8_t> out) const override;
+  [[nodiscard]] int frame_length(std::span<const std::uint8_t> bytes) const override;
+  [[nodiscard]] ServoFrame decode(std::span<const std::uint8_t> bytes) const override;
+  [[nodiscard]] std::optional<ServoStatus> status(const ServoFrame& frame) const override;
+  [[nodiscard]] ServoFrame status_frame(std::uint8_t id, std::uint8_t error,
+                                        std::span<const std::uint8_t> data) const override;
+  [[nodiscard]] std::uint32_t to_register(std::int32_t position) const override;
+  [[nodiscard]] std::int32_t to_position(std::uint32_t value) const override;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "softfinger/motors/port/serial_port.hpp"
+#include "softfinger/motors/servo_bus.hpp"
+
+namespace softfinger {
+
+/// A Pololu Maestro on a serial port, spoken to in its compact protocol. Targets are quarter
+/// microseconds of pulse width. Positions are what the controller puts out; hobby servos themselves
+/// say nothing.
+class MaestroBus : public ServoBus {
+ public:
+  /// Throws InputError for a servo on a channel that no Maestro has.
+  explicit MaestroBus(const TransportSettings& transport);
+
+  [[nodiscard]] std::string open(const std::string& port) override;
+  void close() noexcept override { port_.close(); }
+  [[nodiscard]] bool is_open() const noexcept override { return port_.is_open(); }
+  bool write(std::span<const std::int32_t> targets) noexcept override;
+  bool ask() noexcept override;
+  bool take_positions(std::span<std::int32_t> positions) noexcept override;
+  void drain() noexcept override { port_.drain(); }
+
+ private:
+  unsigned baud_;
+  std::vector<int> channels_;
+  SerialPort port_;
+};
+
+}  // namespace softfinger

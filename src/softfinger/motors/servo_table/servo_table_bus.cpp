@@ -1,0 +1,251 @@
+#include "softfinger/motors/servo_table/servo_table_bus.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "softfinger/base/error.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr std::chrono::milliseconds kStatusTime{100};
+constexpr int kPingTries = 5;
+/// Every so many questions are about the torque.
+constexpr unsigned kTorqueEvery = 8;
+/// So many questions in a row without all answers, and for half a second, are a lost bus.
+constexpr unsigned kMostUnanswered = 20;
+/// Start and stop bit and eight between them.
+constexpr double kBitsPerByte = 10.0;
+/// What a servo may wait before it answers (factory setting), s.
+constexpr double kReturnDelay = 500e-6;
+
+}  // namespace
+
+ServoTableBus::ServoTableBus(std::unique_ptr<const ServoProtocol> protocol,
+                             const TransportSettings& transport,
+                             std::vector<std::vector<Preset>> presets, LineClock& clock)
+    : protocol_(std::move(protocol)),
+      clock_(clock),
+      baud_(static_cast<unsigned>(transport.baud)),
+      most_unanswered_(std::max(kMostUnanswered, static_cast<unsigned>(transport.rate / 2.0))),
+      presets_(std::move(presets)),
+      reader_(*protocol_) {
+  for (const ServoSettings& servo : transport.servos) {
+    ids_.push_back(static_cast<std::uint8_t>(servo.channel));
+  }
+  answers_.resize(ids_.size());
+  answered_.resize(ids_.size());
+  check_speed(transport);
+}
+
+void ServoTableBus::check_speed(const TransportSettings& transport) const {
+  const ControlTable& table = protocol_->table();
+  std::array<std::uint8_t, ServoProtocol::kMostBytes> bytes;
+  const std::vector<std::uint32_t> goals(ids_.size());
+  const std::array<std::uint8_t, 4> data{};
+  const std::size_t count =
+      protocol_->encode(sync_write_request(*protocol_, table.goal, ids_, goals), bytes) +
+      protocol_->encode(sync_read_request(*protocol_, table.present, ids_), bytes) +
+      ids_.size() *
+          protocol_->encode(
+              protocol_->status_frame(0, 0, std::span(data).first(table.present.size)), bytes);
+  const double time = kBitsPerByte * static_cast<double>(count) / transport.baud +
+                      kReturnDelay * static_cast<double>(ids_.size());
+  if (time * transport.rate <= 1.0) return;
+  throw InputError(
+      fmt::format("transport.rate_Hz: {:g} ticks a second leave {:.3g} ms each, but {} servos at "
+                  "{} baud need {:.3g} ms; lower rate_Hz, or set servos and file to more baud",
+                  transport.rate, 1e3 / transport.rate, ids_.size(), transport.baud, 1e3 * time));
+}
+
+bool ServoTableBus::send(const ServoFrame& frame) noexcept {
+  std::array<std::uint8_t, ServoProtocol::kMostBytes> bytes;
+  const std::size_t size = protocol_->encode(frame, bytes);
+  return port_.write(std::span(bytes).first(size)) == SerialPort::Result::kSent;
+}
+
+ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, std::optional<int> size,
+                                             int tries) {
+  Reply reply;
+  for (int i = 0; i < tries && !reply.came && port_.is_open(); ++i) {
+    // An answer that came too late must not be taken for that to the next question.
+    if (i > 0) clock_.sleep_for(kStatusTime);
+    port_.discard_input();
+    reader_.reset();
+    if (!send(request)) continue;
+    const LineClock::TimePoint until = clock_.now() + kStatusTime;
+    while (!reply.came && port_.is_open() && clock_.now() < until) {
+      std::array<std::uint8_t, 64> bytes;
+      const std::size_t got = port_.read(bytes);
+      reader_.push(std::span(bytes).first(got), [&](const ServoFrame& frame) {
+        const auto status = protocol_->status(frame);
+        if (!status || status->id != request.id) return;
+        const bool fits = !size || static_cast<int>(status->data.size()) == *size;
+        if (fits || status->error != 0) {
+          reply = {true, status->error, register_value(status->data)};
+        }
+      });
+      if (got == 0) clock_.sleep_for(std::chrono::microseconds(300));
+    }
+  }
+  return reply;
+}
+
+ServoTableBus::Reply ServoTableBus::read(std::uint8_t id, ServoRegister from) {
+  return exchange(read_request(*protocol_, id, from), from.size);
+}
+
+ServoTableBus::Reply ServoTableBus::write(std::uint8_t id, ServoRegister to, std::uint32_t value) {
+  return exchange(write_request(*protocol_, id, to, value), 0);
+}
+
+std::string ServoTableBus::find_servos() {
+  const std::uint64_t bytes = reader_.bytes();
+  const std::uint64_t frames = reader_.frames();
+  std::vector<int> silent;
+  for (const std::uint8_t id : ids_) {
+    // Where nobody has answered so far nobody will: no more patience for the rest.
+    const bool hope = silent.size() < 2 || reader_.frames() != frames;
+    if (!exchange(ping_request(id), std::nullopt, hope ? kPingTries : 1).came) silent.push_back(id);
+    if (!port_.is_open()) return "it vanished";
+  }
+  if (silent.empty()) return {};
+  if (reader_.frames() == frames && reader_.bytes() != bytes) {
+    return fmt::format("bytes came but no valid frame; are the servos set to {} baud?", baud_);
+  }
+  const std::string ids = fmt::format("{}", fmt::join(silent, ", "));
+  if (silent.size() == ids_.size()) {
+    return fmt::format(
+        "no servo answers (id {}); check power, wiring, ids and whether the servos "
+        "are set to {} baud",
+        ids, baud_);
+  }
+  return fmt::format("id {} did not answer, the others did; check ids and wiring", ids);
+}
+
+std::string ServoTableBus::write_presets(std::size_t servo) {
+  const std::uint8_t id = ids_[servo];
+  bool torque_off = false;
+  for (const Preset& preset : presets_[servo]) {
+    const Reply now = read(id, preset.at);
+    if (now.came && now.error == 0 && now.value == preset.value) continue;
+    if (preset.torque_off && !torque_off) {
+      write(id, protocol_->table().torque, 0);
+      torque_off = true;
+    }
+    const Reply reply = write(id, preset.at, preset.value);
+    if (!reply.came) return fmt::format("servo {} answers no more", id);
+    if (reply.error != 0) {
+      return fmt::format("servo {} does not take {} at address {} of its control table (error {})",
+                         id, preset.value, preset.at.address, reply.error);
+    }
+  }
+  return {};
+}
+
+std::string ServoTableBus::prepare(std::size_t servo) {
+  const std::uint8_t id = ids_[servo];
+  const ControlTable& table = protocol_->table();
+  std::string reason = write_presets(servo);
+  if (!reason.empty()) return reason;
+  const Reply present = read(id, table.present);
+  if (!present.came || present.error != 0)
+    return fmt::format("servo {} does not say where it is", id);
+  // The servo must stay where it is when its torque comes. A goal out of its limits is refused,
+  // and where the servo itself takes the present position as its goal this is not needed.
+  write(id, table.goal, present.value);
+  const Reply torque = write(id, table.torque, 1);
+  if (!torque.came) return fmt::format("servo {} answers no more", id);
+  if (torque.error != 0) {
+    return fmt::format("servo {} does not turn its torque on (error {}); does it protect itself?",
+                       id, torque.error);
+  }
+  answers_[servo] = present.value;
+  return {};
+}
+
+std::string ServoTableBus::open(const std::string& port) {
+  std::string reason = port_.open(port, baud_);
+  if (!reason.empty()) return reason;
+  port_.discard_input();
+  reader_.reset();
+  reason = find_servos();
+  for (std::size_t i = 0; i < ids_.size() && reason.empty(); ++i) reason = prepare(i);
+  if (!reason.empty()) {
+    port_.close();
+    return reason;
+  }
+  opened_ = true;
+  known_ = true;
+  asked_ = 0;
+  unanswered_ = 0;
+  question_ = Question::kPosition;
+  return {};
+}
+
+bool ServoTableBus::write(std::span<const std::int32_t> targets) noexcept {
+  std::array<std::uint32_t, kMostServos> values;
+  for (std::size_t i = 0; i < ids_.size(); ++i) values[i] = protocol_->to_register(targets[i]);
+  return send(sync_write_request(*protocol_, protocol_->table().goal, ids_,
+                                 std::span(values).first(ids_.size())));
+}
+
+ServoRegister ServoTableBus::asked() const {
+  const ControlTable& table = protocol_->table();
+  return question_ == Question::kTorque ? table.torque : table.present;
+}
+
+bool ServoTableBus::ask() noexcept {
+  if (opened_) {  // open() has just asked
+    opened_ = false;
+    return true;
+  }
+  ++asked_;
+  if (++unanswered_ > most_unanswered_) {
+    port_.close();
+    return true;
+  }
+  question_ = asked_ % kTorqueEvery == 0 ? Question::kTorque : Question::kPosition;
+  std::fill(answered_.begin(), answered_.end(), false);
+  known_ = false;
+  reader_.reset();  // half an answer belongs to the last question
+  send(sync_read_request(*protocol_, asked(), ids_));
+  return true;
+}
+
+void ServoTableBus::take(const ServoFrame& frame) noexcept {
+  const auto status = protocol_->status(frame);
+  // The size tells a late answer to the other question.
+  if (!status || status->error != 0 || status->data.size() != asked().size) return;
+  const auto found = std::find(ids_.begin(), ids_.end(), status->id);
+  if (found == ids_.end()) return;
+  const auto servo = static_cast<std::size_t>(found - ids_.begin());
+  const std::uint32_t value = register_value(status->data);
+  if (question_ == Question::kTorque) {
+    if (value == 0) port_.close();
+  } else {
+    answers_[servo] = value;
+  }
+  answered_[servo] = true;
+  if (!std::all_of(answered_.begin(), answered_.end(), [](bool one) { return one; })) return;
+  unanswered_ = 0;
+  known_ = question_ == Question::kPosition;
+}
+
+bool ServoTableBus::take_positions(std::span<std::int32_t> positions) noexcept {
+  std::array<std::uint8_t, 256> bytes;
+  std::size_t got = 0;
+  do {
+    got = port_.read(bytes);
+    reader_.push(std::span(bytes).first(got), [this](const ServoFrame& frame) { take(frame); });
+  } while (got == bytes.size());
+  if (!known_ || !port_.is_open()) return false;
+  known_ = false;
+  for (std::size_t i = 0; i < ids_.size(); ++i) positions[i] = protocol_->to_position(answers_[i]);
+  return true;
+}
+
+}  // namespace softfinger

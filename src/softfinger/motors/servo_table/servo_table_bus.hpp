@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/motors/port/line_clock.hpp"
+#include "softfinger/motors/port/serial_port.hpp"
+#include "softfinger/motors/servo_bus.hpp"
+#include "softfinger/motors/servo_table/frame_reader.hpp"
+#include "softfinger/motors/servo_table/servo_protocol.hpp"
+
+namespace softfinger {
+
+/// Servos with control tables on a serial bus: Dynamixel X series, Feetech STS and SMS.
+///
+/// open() finds every servo by its id, makes it stay where it is, writes what the device file asks
+/// for into its table and turns its torque on. From then on each tick is one sync write of the
+/// goals and one sync read of the positions; now and then the torque is read instead. A servo that
+/// lost its torque (it was reset, or protects itself), or servos that do not answer for a while,
+/// count as a lost port: opening it again finds out where they stand.
+class ServoTableBus : public ServoBus {
+ public:
+  /// A register that must have a value before torque is turned on.
+  struct Preset {
+    ServoRegister at;
+    std::uint32_t value = 0;
+    bool torque_off = false;  ///< can be written only while torque is off; lasts without power
+  };
+
+  /// `presets`: one list a servo; `clock` outlives the bus. Throws InputError where the line is too
+  /// slow for the rate.
+  ServoTableBus(std::unique_ptr<const ServoProtocol> protocol, const TransportSettings& transport,
+                std::vector<std::vector<Preset>> presets, LineClock& clock);
+
+  /// Waits for the servos' answers, a moment each.
+  [[nodiscard]] std::string open(const std::string& port) override;
+  void close() noexcept override { port_.close(); }
+  [[nodiscard]] bool is_open() const noexcept override { return port_.is_open(); }
+  bool write(std::span<const std::int32_t> targets) noexcept override;
+  bool ask() noexcept override;
+  bool take_positions(std::span<std::int32_t> positions) noexcept override;
+  void drain() noexcept override { port_.drain(); }
+
+ private:
+  /// What the servos were asked for last.
+  enum class Question : std::uint8_t { kPosition, kTorque };
+  struct Reply {
+    bool came = false;
+    std::uint8_t error = 0;
+    std::uint32_t value = 0;
+  };
+
+  static constexpr int kTries = 10;  ///< of a servo that has answered before
+
+  void check_speed(const TransportSettings& transport) const;
+  bool send(const ServoFrame& frame) noexcept;
+  /// The answer of the servo asked; `size`: of its data in bytes, where known.
+  Reply exchange(const ServoFrame& request, std::optional<int> size, int tries = kTries);
+  Reply read(std::uint8_t id, ServoRegister from);
+  Reply write(std::uint8_t id, ServoRegister to, std::uint32_t value);
+  /// Empty, or why not.
+  [[nodiscard]] std::string find_servos();
+  [[nodiscard]] std::string prepare(std::size_t servo);
+  [[nodiscard]] std::string write_presets(std::size_t servo);
+  void take(const ServoFrame& frame) noexcept;
+  [[nodiscard]] ServoRegister asked() const;
+
+  std::unique_ptr<const ServoProtocol> protocol_;
+  LineClock& clock_;
+  unsigned baud_;
+  unsigned most_unanswered_;
+  std::vector<std::uint8_t> ids_;
+  std::vector<std::vector<Preset>> presets_;
+  SerialPort port_;
+  FrameReader reader_;
+  Question question_ = Question::kPosition;
+  std::vector<std::uint32_t> answers_;
+  std::vector<bool> answered_;
+  bool known_ = false;       ///< positions of open() or of the last answer, not yet taken
+  bool opened_ = false;      ///< nothing asked since open()
+  unsigned asked_ = 0;       ///< questions since open()
+  unsigned unanswered_ = 0;  ///< of these the last ones
+};
+
+}  // namespace softfinger
