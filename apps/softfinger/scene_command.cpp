@@ -17,7 +17,7 @@
 #include "softfinger/engine/run_setup.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/scene/scene_schema.hpp"
-#include "softfinger/tracking/tracker_spec.hpp"
+#include "softfinger/tracking/make_tracker.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/tracking/tracker_spec.hpp"
+#include "softfinger/tracking/make_tracker.hpp"
 
 namespace softfinger {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/tracking/tracker_spec.hpp"
+#include "softfinger/tracking/make_tracker.hpp"
 
 namespace softfinger {
 namespace {

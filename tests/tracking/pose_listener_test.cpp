@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/tracking/make_tracker.hpp"
 #include "softfinger/tracking/osc_pose.hpp"
 #include "softfinger/tracking/pose_datagram.hpp"
-#include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
 namespace {

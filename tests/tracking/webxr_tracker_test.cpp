@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/tracking/make_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {

@@ -9,8 +9,8 @@
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
-#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "softfinger/base/tracker_kind.hpp"
+#include "softfinger/tracking/make_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {

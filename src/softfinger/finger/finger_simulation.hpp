@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "softfinger/contact/contact_set.hpp"
+#include "softfinger/contact/virtual_object.hpp"
 #include "softfinger/geometry/tetrahedral_mesh.hpp"
-#include "softfinger/scene/scene.hpp"
 
 namespace softfinger {
 

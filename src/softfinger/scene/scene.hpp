@@ -6,19 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "softfinger/contact/virtual_object.hpp"
 #include "softfinger/geometry/mesh_shape.hpp"
-#include "softfinger/geometry/signed_distance.hpp"
 #include "softfinger/geometry/trajectory.hpp"
 
 namespace softfinger {
-
-/// A rigid thing that can be touched. Its frame is O; the motion gives X_WO over time.
-struct VirtualObject {
-  std::string name;
-  Shape shape;
-  Trajectory motion;
-  std::optional<double> friction_coefficient;  ///< the finger's where empty
-};
 
 /// A finger of the scene: which model, which device renders it, where its pose comes from.
 struct SceneFinger {

@@ -8,11 +8,11 @@
 
 #include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/mesh_import.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
 

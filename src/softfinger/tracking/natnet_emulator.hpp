@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/tracking/natnet_encoding.hpp"
 #include "softfinger/tracking/tracker.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/tracking/udp_socket.hpp"
 
 namespace softfinger {

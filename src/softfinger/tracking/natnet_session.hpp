@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/tracking/natnet_clock.hpp"
 #include "softfinger/tracking/natnet_protocol.hpp"
 #include "softfinger/tracking/pose_feed.hpp"
 #include "softfinger/tracking/sequence_gate.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
 

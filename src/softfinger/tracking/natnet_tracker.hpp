@@ -7,9 +7,9 @@
 #include <thread>
 #include <vector>
 
-#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/tracking/natnet_session.hpp"
 #include "softfinger/tracking/pose_feed.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/tracking/udp_socket.hpp"
 
 namespace softfinger {

@@ -2,55 +2,167 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cmath>
+
+#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/tracker_kind.hpp"
-#include "softfinger/base/units.hpp"
-#include "softfinger/tracking/csv_tracker.hpp"
-#include "softfinger/tracking/natnet_tracker.hpp"
-#include "softfinger/tracking/osc_pose.hpp"
-#include "softfinger/tracking/page_tracker.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
-#include "softfinger/tracking/pose_listener.hpp"
-#include "softfinger/tracking/scripted_tracker.hpp"
-#include "softfinger/tracking/webxr_tracker.hpp"
 
 namespace softfinger {
+namespace {
 
-Pose start_pose(const std::vector<Waypoint>& waypoints) {
-  if (!waypoints.empty()) return waypoints.front().pose;
-  return {Matrix3::Identity(), Vector3(0.0, 0.0, 30.0 * mm)};
+constexpr std::size_t kLongestName = 255;  // of hosts and bodies
+
+bool parse_port(std::string_view text, std::uint16_t& port) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, port);
+  return error == std::errc() && stop == end && port > 0;
 }
 
-std::unique_ptr<Tracker> make_tracker(std::string_view spec,
-                                      const std::filesystem::path& base_directory,
-                                      const std::vector<Waypoint>& waypoints) {
-  const TrackerSpec parsed = parse_tracker_spec(spec);
-  if (parsed.kind == TrackerKind::kCsv) {
-    return std::make_unique<CsvTracker>(read_pose_csv(base_directory / parsed.file));
+bool is_ipv4_address(std::string_view text) {
+  for (int part = 0; part < 4; ++part) {
+    std::uint8_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    if (error != std::errc()) return false;
+    if (part == 3) return stop == end;
+    if (stop == end || *stop != '.') return false;
+    text.remove_prefix(static_cast<std::size_t>(stop - text.data()) + 1);
   }
-  if (parsed.kind == TrackerKind::kUdp || parsed.kind == TrackerKind::kOsc) {
-    const UdpEndpoint own{find_address(parsed.address), parsed.port};
-    try {
-      return std::make_unique<PoseListener>(
-          own, parsed.kind == TrackerKind::kUdp ? decode_pose_datagram : decode_osc_pose,
-          start_pose(waypoints));
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("tracker {}: {}", spec, error.what()));
+  return false;
+}
+
+/// "[ADDRESS:]PORT" of a tracker that listens.
+void read_listener(std::string_view text, std::string_view argument, TrackerSpec& spec) {
+  const std::size_t colon = argument.rfind(':');
+  if (colon != std::string_view::npos) spec.address = argument.substr(0, colon);
+  const std::string_view port =
+      colon == std::string_view::npos ? argument : argument.substr(colon + 1);
+  if (!is_ipv4_address(spec.address) || !parse_port(port, spec.port)) {
+    const std::string_view kind = text.substr(0, 3);
+    throw InputError(
+        fmt::format("tracker '{}': expected {}:PORT or {}:ADDRESS:PORT with a port of 1 to 65535 "
+                    "and an IPv4 address of this machine",
+                    text, kind, kind));
+  }
+}
+
+HandPart read_hand(std::string_view text, std::string_view argument) {
+  const auto hand = parse_hand_part(argument);
+  if (hand) return *hand;
+  throw InputError(
+      fmt::format("tracker '{}': expected webxr, or webxr: with right or left, a finger out of "
+                  "thumb, index, middle, ring and pinky, or both as in webxr:left-thumb",
+                  text));
+}
+
+void read_natnet_option(std::string_view text, std::string_view option, TrackerSpec& spec) {
+  const std::size_t equals = option.find('=');
+  const std::string_view key = option.substr(0, equals);
+  const std::string_view value =
+      equals == std::string_view::npos ? std::string_view() : option.substr(equals + 1);
+  const auto refuse = [&](std::string_view what) {
+    throw InputError(fmt::format("tracker '{}': {}", text, what));
+  };
+  if (key == "body") {
+    if (value.empty() || value.size() > kLongestName) refuse("body= needs a rigid body's name");
+    spec.body = value;
+  } else if (key == "up") {
+    if (value != "y" && value != "z") refuse("up= must be y or z, as in the streaming settings");
+    spec.up = value == "z" ? UpAxis::kZ : UpAxis::kY;
+  } else if (key == "scale") {
+    const char* const end = value.data() + value.size();
+    const auto [stop, error] = std::from_chars(value.data(), end, spec.scale);
+    if (error != std::errc() || stop != end || !(spec.scale >= 1e-6 && spec.scale <= 1e6)) {
+      refuse("scale= must be a number of 1e-6 to 1e6, metres per unit streamed");
     }
+  } else if (option == "multicast" || option == "unicast") {
+    spec.multicast = option == "multicast";
+  } else {
+    const std::string nearest = nearest_word(key, {"body", "up", "scale", "multicast", "unicast"});
+    refuse(
+        fmt::format("unknown option '{}'; {}known are body=NAME, up=y|z, scale=S, multicast and "
+                    "unicast",
+                    option, nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
   }
-  if (parsed.kind == TrackerKind::kNatnet)
-    return std::make_unique<NatNetTracker>(parsed, kNatNetPatience, start_pose(waypoints));
-  if (parsed.kind == TrackerKind::kPage) {
-    return std::make_unique<PageTracker>(start_pose(waypoints));
+}
+
+/// "HOST[:PORT],body=NAME[,up=y|z][,scale=S][,multicast|unicast]".
+void read_natnet(std::string_view text, std::string_view argument, TrackerSpec& spec) {
+  std::size_t comma = argument.find(',');
+  std::string_view host = argument.substr(0, comma);
+  spec.port = kNatNetCommandPort;
+  const std::size_t colon = host.find(':');
+  const bool port_is_good =
+      colon == std::string_view::npos || parse_port(host.substr(colon + 1), spec.port);
+  host = host.substr(0, colon);
+  if (!port_is_good || host.empty() || host.size() > kLongestName) {
+    throw InputError(fmt::format(
+        "tracker '{}': expected natnet:HOST[:PORT],body=NAME with a port of 1 to 65535", text));
   }
-  if (parsed.kind == TrackerKind::kWebXr) {
-    return std::make_unique<WebXrTracker>(start_pose(waypoints), parsed.hand.side,
-                                          parsed.hand.finger.value_or(HandFinger::kIndex));
+  spec.address = host;
+  while (comma != std::string_view::npos) {
+    argument.remove_prefix(comma + 1);
+    comma = argument.find(',');
+    read_natnet_option(text, argument.substr(0, comma), spec);
   }
-  if (waypoints.empty()) {
-    throw InputError("tracker script needs at least one [[finger.waypoint]] in the scene");
+  if (spec.body.empty()) {
+    throw InputError(fmt::format(
+        "tracker '{}': which rigid body? add ,body=NAME with its name in the tracker's program",
+        text));
   }
-  return std::make_unique<ScriptedTracker>(waypoints);
+}
+
+}  // namespace
+
+TrackerSpec parse_tracker_spec(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const std::string_view kind = text.substr(0, colon);
+  const std::string_view argument =
+      colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
+  TrackerSpec spec;
+  if (kind == "script" || kind == "page") {
+    if (colon != std::string_view::npos) {
+      throw InputError(fmt::format("tracker {} takes nothing after it, found '{}'", kind, text));
+    }
+    spec.kind = kind == "page" ? TrackerKind::kPage : TrackerKind::kScript;
+  } else if (kind == "csv") {
+    if (argument.empty()) throw InputError("tracker csv needs a file, as in csv:poses.csv");
+    spec.kind = TrackerKind::kCsv;
+    spec.file = argument;
+  } else if (kind == "webxr") {
+    spec.kind = TrackerKind::kWebXr;
+    if (colon != std::string_view::npos) spec.hand = read_hand(text, argument);
+  } else if (kind == "udp" || kind == "osc") {
+    spec.kind = kind == "udp" ? TrackerKind::kUdp : TrackerKind::kOsc;
+    read_listener(text, argument, spec);
+  } else if (kind == "natnet") {
+    spec.kind = TrackerKind::kNatnet;
+    read_natnet(text, argument, spec);
+  } else {
+    const std::string nearest =
+        nearest_word(kind, {"script", "csv", "page", "webxr", "udp", "osc", "natnet"});
+    throw InputError(
+        fmt::format("unknown tracker '{}'; {}known are script, csv:FILE, page, webxr, udp:PORT, "
+                    "osc:PORT and natnet:HOST,body=NAME",
+                    text, nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
+  }
+  return spec;
+}
+
+bool tracks_whole_hand(std::string_view text) {
+  const TrackerSpec spec = parse_tracker_spec(text);
+  return spec.kind == TrackerKind::kWebXr && !spec.hand.finger;
+}
+
+std::string tracker_of_finger(std::string_view text, std::string_view finger_name) {
+  if (!tracks_whole_hand(text)) return std::string(text);
+  const HandFinger finger = hand_finger_of(finger_name).value_or(HandFinger::kIndex);
+  return fmt::format("webxr:{}-{}", name_of(parse_tracker_spec(text).hand.side), name_of(finger));
+}
+
+bool is_network_tracker(TrackerKind kind) {
+  return kind == TrackerKind::kUdp || kind == TrackerKind::kOsc || kind == TrackerKind::kNatnet;
 }
 
 }  // namespace softfinger

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "softfinger/base/tracker_kind.hpp"
 #include "softfinger/geometry/pose.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 
 namespace softfinger {
 

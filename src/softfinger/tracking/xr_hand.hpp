@@ -3,8 +3,8 @@
 #include <array>
 #include <cstddef>
 
-#include "softfinger/base/hand_part.hpp"
 #include "softfinger/geometry/pose.hpp"
+#include "softfinger/tracking/hand_part.hpp"
 
 namespace softfinger {
 

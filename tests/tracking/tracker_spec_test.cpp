@@ -1,4 +1,4 @@
-#include "softfinger/base/tracker_kind.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

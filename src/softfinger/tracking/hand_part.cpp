@@ -1,4 +1,4 @@
-#include "softfinger/base/hand_part.hpp"
+#include "softfinger/tracking/hand_part.hpp"
 
 #include <algorithm>
 #include <array>
