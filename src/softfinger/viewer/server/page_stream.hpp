@@ -36,11 +36,13 @@ class PageStream {
 
   template <typename Buffers, typename Handler>
   void async_read_some(const Buffers& buffers, Handler&& handler) {
-    read_some(some_of<boost::asio::mutable_buffer>(buffers), Done(std::forward<Handler>(handler)));
+    read_some(some_of<boost::asio::mutable_buffer>(buffers),
+              Done::of(std::forward<Handler>(handler)));
   }
   template <typename Buffers, typename Handler>
   void async_write_some(const Buffers& buffers, Handler&& handler) {
-    write_some(some_of<boost::asio::const_buffer>(buffers), Done(std::forward<Handler>(handler)));
+    write_some(some_of<boost::asio::const_buffer>(buffers),
+               Done::of(std::forward<Handler>(handler)));
   }
 
  private:
@@ -48,8 +50,12 @@ class PageStream {
   class Done {
    public:
     template <typename Handler>
-    requires(!std::is_same_v<std::decay_t<Handler>, Done>) explicit Done(Handler&& handler)
-        : call_(std::make_unique<CallOf<std::decay_t<Handler>>>(std::forward<Handler>(handler))) {}
+    static Done of(Handler&& handler) {
+      Done done;
+      done.call_ = std::make_unique<CallOf<std::decay_t<Handler>>>(
+          std::decay_t<Handler>(std::forward<Handler>(handler)));
+      return done;
+    }
     void operator()(boost::system::error_code error, std::size_t bytes) {
       const std::unique_ptr<Call> call = std::move(call_);
       call->call(error, bytes);
@@ -62,8 +68,7 @@ class PageStream {
     };
     template <typename Handler>
     struct CallOf : Call {
-      template <typename From>
-      explicit CallOf(From&& from) : handler(std::forward<From>(from)) {}
+      explicit CallOf(Handler&& of) : handler(std::move(of)) {}
       void call(boost::system::error_code error, std::size_t bytes) override {
         // What the handler holds may end with it: it leaves this first.
         Handler moved = std::move(handler);
