@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "softfinger/base/hash.hpp"
-#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/grid_cache.hpp"
 #include "softfinger/geometry/grid_sampling.hpp"
 #include "softfinger/geometry/vertex_weld.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 // Signed distance of 120 skin samples to a mesh of a million triangles; thread CPU time. The
 // baseline is the exact distance by the bounding volume hierarchy, in the same run; both answers

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "scenario.hpp"
-#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 #include "softfinger/twin/force_rendering.hpp"
 
 namespace softfinger {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "scenario.hpp"
-#include "softfinger/base/thread_clock.hpp"
-#include "softfinger/base/thread_team.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
+#include "softfinger/threads/thread_clock.hpp"
+#include "softfinger/threads/thread_team.hpp"
 
 namespace softfinger {
 namespace {

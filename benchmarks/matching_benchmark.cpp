@@ -11,11 +11,11 @@
 #include <unsupported/Eigen/NumericalDiff>
 #include <vector>
 
-#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/device/pin_array.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 // Contact surface matching of 120 skin samples on the thimble; thread CPU time. The baseline is
 // what Perez et al. 2015 did: MINPACK's Levenberg-Marquardt with finite differences, here as Eigen

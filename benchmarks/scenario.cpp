@@ -5,7 +5,7 @@
 
 #include "soak/violent_motion.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/engine/finger_loop.hpp"
+#include "softfinger/loop/finger_loop.hpp"
 
 namespace softfinger {
 namespace {

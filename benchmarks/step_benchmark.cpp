@@ -12,10 +12,10 @@
 
 #include "plain_step.hpp"
 #include "scenario.hpp"
-#include "softfinger/base/thread_clock.hpp"
-#include "softfinger/base/thread_team.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
+#include "softfinger/threads/thread_clock.hpp"
+#include "softfinger/threads/thread_team.hpp"
 
 namespace softfinger {
 namespace {

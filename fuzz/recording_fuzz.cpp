@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "scratch_file.hpp"
-#include "softfinger/engine/recording_reader.hpp"
-#include "softfinger/engine/recording_writer.hpp"
+#include "softfinger/recording/recording_reader.hpp"
+#include "softfinger/recording/recording_writer.hpp"
 
 namespace {
 

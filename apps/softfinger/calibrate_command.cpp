@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "softfinger/actuation/servo_calibration.hpp"
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/transport_file.hpp"
 #include "softfinger/motors/transport_text.hpp"
 

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/files/config_file.hpp"
 
 namespace {
 

@@ -12,10 +12,10 @@
 #include "calibrate_command.hpp"
 #include "commands.hpp"
 #include "device_json.hpp"
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/files/config_file.hpp"
 
 using nlohmann::ordered_json;
 using namespace softfinger;

@@ -13,7 +13,7 @@
 #include "port_option.hpp"
 #include "pose_source.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 #include "softfinger/tracking/natnet_emulator.hpp"
 #include "softfinger/tracking/osc_pose.hpp"
 #include "softfinger/tracking/pose_datagram.hpp"

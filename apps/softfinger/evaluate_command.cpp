@@ -10,7 +10,7 @@
 #include "evaluation_report.hpp"
 #include "progress_bar.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/engine/evaluation.hpp"
+#include "softfinger/session/evaluation.hpp"
 #include "stop_signal.hpp"
 
 namespace {

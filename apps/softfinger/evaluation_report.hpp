@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "softfinger/engine/evaluation.hpp"
+#include "softfinger/session/evaluation.hpp"
 
 /// The fields of `evaluate --json`.
 nlohmann::ordered_json evaluation_report(const softfinger::Evaluation& evaluation);

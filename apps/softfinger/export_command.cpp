@@ -4,7 +4,7 @@
 #include <string>
 
 #include "commands.hpp"
-#include "softfinger/engine/csv_export.hpp"
+#include "softfinger/recording/csv_export.hpp"
 
 void add_export_command(CLI::App& app) {
   struct Flags {

@@ -11,9 +11,9 @@
 #include "finger_fit_command.hpp"
 #include "finger_register_command.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/engine/person.hpp"
 #include "softfinger/finger/finger_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
+#include "softfinger/person/person.hpp"
 
 namespace {
 

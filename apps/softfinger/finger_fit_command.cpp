@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "progress_bar.hpp"
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/finger/finger_file_text.hpp"
 #include "softfinger/finger/finger_fit.hpp"
 

@@ -12,10 +12,10 @@
 #include <thread>
 
 #include "progress_bar.hpp"
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/engine/person_registration.hpp"
+#include "softfinger/files/config_file.hpp"
+#include "softfinger/person/person_registration.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/tracking/hand_part.hpp"
 #include "softfinger/tracking/make_tracker.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/engine/recording_reader.hpp"
+#include "softfinger/recording/recording_reader.hpp"
 
 namespace {
 

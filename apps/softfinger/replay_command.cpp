@@ -8,7 +8,7 @@
 #include "commands.hpp"
 #include "progress_bar.hpp"
 #include "softfinger/base/instruction_set.hpp"
-#include "softfinger/engine/replay.hpp"
+#include "softfinger/session/replay.hpp"
 
 namespace {
 

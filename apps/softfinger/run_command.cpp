@@ -15,7 +15,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/engine/live_session.hpp"
+#include "softfinger/session/live_session.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "stop_signal.hpp"
 

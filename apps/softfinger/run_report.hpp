@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/engine/run_summary.hpp"
+#include "softfinger/session/run_summary.hpp"
 
 /// The fields of `run --json`.
 nlohmann::ordered_json run_report(const softfinger::RunSummary& summary);

@@ -14,9 +14,9 @@
 #include "run_report.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/engine/run_setup.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/scene/scene_schema.hpp"
+#include "softfinger/session/run_setup.hpp"
 #include "softfinger/tracking/make_tracker.hpp"
 
 namespace {

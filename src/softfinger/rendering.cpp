@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/engine/device_clock.hpp"
-#include "softfinger/engine/device_loop.hpp"
-#include "softfinger/engine/finger_loop.hpp"
-#include "softfinger/engine/recording_writer.hpp"
-#include "softfinger/engine/run_setup.hpp"
+#include "softfinger/loop/device_clock.hpp"
+#include "softfinger/loop/device_loop.hpp"
+#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/recording/recording_writer.hpp"
+#include "softfinger/session/run_setup.hpp"
 #include "softfinger/tracking/conditioned_tracker.hpp"
 
 namespace softfinger {

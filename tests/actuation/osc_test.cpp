@@ -12,9 +12,9 @@
 #include "lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/motors/emulation/emulator_socket.hpp"
 #include "softfinger/motors/osc/osc_bundle.hpp"
 #include "softfinger/motors/osc/osc_emulator.hpp"
-#include "softfinger/motors/port/emulator_socket.hpp"
 #include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {

@@ -15,8 +15,8 @@
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
+#include "softfinger/motors/emulation/emulator_terminal.hpp"
 #include "softfinger/motors/feetech/feetech_protocol.hpp"
-#include "softfinger/motors/port/emulator_terminal.hpp"
 #include "softfinger/motors/servo_map.hpp"
 #include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 

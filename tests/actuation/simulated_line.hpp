@@ -11,8 +11,8 @@
 
 #include "softfinger/actuation/line_channel.hpp"
 #include "softfinger/device/device.hpp"
-#include "softfinger/motors/bus_emulator.hpp"
-#include "softfinger/motors/port/line_clock.hpp"
+#include "softfinger/motors/emulation/bus_emulator.hpp"
+#include "softfinger/wire/line_clock.hpp"
 
 namespace softfinger {
 

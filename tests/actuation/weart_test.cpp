@@ -10,7 +10,7 @@
 #include "lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/motors/port/emulator_socket.hpp"
+#include "softfinger/motors/emulation/emulator_socket.hpp"
 #include "softfinger/motors/servo_map.hpp"
 #include "softfinger/motors/weart/weart_emulator.hpp"
 #include "softfinger/motors/weart/weart_protocol.hpp"

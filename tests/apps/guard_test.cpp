@@ -13,8 +13,8 @@
 
 #include "program.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/motors/emulation/emulator_terminal.hpp"
 #include "softfinger/motors/maestro/maestro_emulator.hpp"
-#include "softfinger/motors/port/emulator_terminal.hpp"
 #include "softfinger/motors/servo_map.hpp"
 #include "workplace.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "program.hpp"
-#include "softfinger/tracking/udp_socket.hpp"
+#include "softfinger/wire/udp_socket.hpp"
 #include "workplace.hpp"
 
 namespace softfinger {

@@ -9,17 +9,17 @@
 #include <memory>
 #include <string>
 
+#include "../support/temporary_directory.hpp"
 #include "matrix_case.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/engine/device_loop.hpp"
-#include "softfinger/engine/finger_loop.hpp"
-#include "softfinger/engine/live_session.hpp"
-#include "softfinger/engine/run_setup.hpp"
 #include "softfinger/finger/finger_size.hpp"
+#include "softfinger/loop/device_loop.hpp"
+#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/session/live_session.hpp"
+#include "softfinger/session/run_setup.hpp"
 #include "softfinger/twin/force_ceiling.hpp"
 #include "softfinger/twin/force_limiter.hpp"
 #include "softfinger/twin/twin.hpp"
-#include "temporary_directory.hpp"
 
 namespace softfinger {
 namespace {

@@ -8,10 +8,10 @@
 #include <chrono>
 #include <thread>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/motors/emulated_bus.hpp"
+#include "softfinger/files/config_file.hpp"
+#include "softfinger/motors/emulation/emulated_bus.hpp"
 #include "softfinger/motors/servo_map.hpp"
 #include "softfinger/motors/transport_file.hpp"
 #include "softfinger/motors/transport_text.hpp"

@@ -1,4 +1,4 @@
-#include "softfinger/motors/port/serial_port.hpp"
+#include "softfinger/wire/serial_port.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

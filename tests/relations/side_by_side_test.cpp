@@ -7,10 +7,10 @@
 #include <fstream>
 #include <map>
 
-#include "../engine/temporary_directory.hpp"
+#include "../support/temporary_directory.hpp"
 #include "draw.hpp"
-#include "softfinger/engine/live_session.hpp"
-#include "softfinger/engine/recording_reader.hpp"
+#include "softfinger/recording/recording_reader.hpp"
+#include "softfinger/session/live_session.hpp"
 
 namespace softfinger::relations {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "drawn_exploration.hpp"
 #include "softfinger/base/instruction_set.hpp"
-#include "softfinger/base/thread_team.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/threads/thread_team.hpp"
 
 namespace softfinger::relations {
 namespace {

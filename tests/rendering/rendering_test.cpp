@@ -9,9 +9,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "../engine/temporary_directory.hpp"
-#include "softfinger/engine/recording_reader.hpp"
-#include "softfinger/engine/replay.hpp"
+#include "../support/temporary_directory.hpp"
+#include "softfinger/recording/recording_reader.hpp"
+#include "softfinger/session/replay.hpp"
 
 namespace softfinger {
 namespace {

@@ -12,14 +12,14 @@
 #include "recovery.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/histogram.hpp"
-#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/engine/finger_loop.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
+#include "softfinger/loop/finger_loop.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
 #include "softfinger/scene/scene.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 #include "violent_motion.hpp"
 
 namespace softfinger {

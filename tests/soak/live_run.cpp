@@ -7,16 +7,16 @@
 #include <optional>
 #include <thread>
 
+#include "../support/temporary_directory.hpp"
 #include "largest_file.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/thread_clock.hpp"
-#include "softfinger/engine/live_session.hpp"
-#include "softfinger/engine/recording_reader.hpp"
+#include "softfinger/recording/recording_reader.hpp"
+#include "softfinger/session/live_session.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 #include "softfinger/tracking/natnet_emulator.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "step_times.hpp"
 #include "stolen_time.hpp"
-#include "temporary_directory.hpp"
 #include "visitors.hpp"
 
 namespace softfinger {

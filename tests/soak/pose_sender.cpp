@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 #include "softfinger/tracking/pose_datagram.hpp"
 
 namespace softfinger {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "softfinger/geometry/pose.hpp"
-#include "softfinger/tracking/udp_socket.hpp"
+#include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 

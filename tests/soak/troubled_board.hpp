@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "softfinger/device/device.hpp"
+#include "softfinger/motors/emulation/emulator_terminal.hpp"
 #include "softfinger/motors/maestro/maestro_emulator.hpp"
-#include "softfinger/motors/port/emulator_terminal.hpp"
 
 namespace softfinger {
 

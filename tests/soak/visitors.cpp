@@ -7,7 +7,7 @@
 #include <string>
 
 #include "raw_client.hpp"
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {

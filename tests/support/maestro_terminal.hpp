@@ -2,8 +2,8 @@
 
 #include <span>
 
+#include "softfinger/motors/emulation/emulator_terminal.hpp"
 #include "softfinger/motors/maestro/maestro_emulator.hpp"
-#include "softfinger/motors/port/emulator_terminal.hpp"
 
 namespace softfinger {
 

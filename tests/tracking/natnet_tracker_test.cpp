@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 #include "softfinger/tracking/natnet_emulator.hpp"
 
 namespace softfinger {

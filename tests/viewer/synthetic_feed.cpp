@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "softfinger/base/thread_clock.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/session/live_feed.hpp"
 
 namespace softfinger {
 

@@ -5,8 +5,8 @@
 
 #include "softfinger/actuation/command_delivery.hpp"
 #include "softfinger/actuation/device_state.hpp"
-#include "softfinger/base/mailbox.hpp"
 #include "softfinger/device/configuration.hpp"
+#include "softfinger/threads/mailbox.hpp"
 
 namespace softfinger {
 

@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 

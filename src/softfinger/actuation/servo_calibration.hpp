@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "softfinger/device/device.hpp"
-#include "softfinger/motors/emulated_bus.hpp"
+#include "softfinger/motors/emulation/emulated_bus.hpp"
 #include "softfinger/motors/servo_bus.hpp"
 #include "softfinger/motors/servo_map.hpp"
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <utility>
 
-#include "softfinger/base/thread_clock.hpp"
-#include "softfinger/base/thread_priority.hpp"
+#include "softfinger/threads/thread_clock.hpp"
+#include "softfinger/threads/thread_priority.hpp"
 
 namespace softfinger {
 namespace {

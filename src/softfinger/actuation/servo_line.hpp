@@ -8,8 +8,8 @@
 #include "softfinger/actuation/motion_guard.hpp"
 #include "softfinger/actuation/servo_lag.hpp"
 #include "softfinger/device/device.hpp"
-#include "softfinger/motors/port/line_clock.hpp"
 #include "softfinger/motors/servo_bus.hpp"
+#include "softfinger/wire/line_clock.hpp"
 
 namespace softfinger {
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_kinds.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/motor_kinds.hpp"
 #include "softfinger/motors/transport_file.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/files/config_file.hpp"
 
 namespace softfinger {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/files/config_file.hpp"
 
 namespace softfinger {
 

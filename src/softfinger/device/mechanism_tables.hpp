@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/device/linkage.hpp"
 #include "softfinger/device/surface_piece.hpp"
+#include "softfinger/files/config_file.hpp"
 
 namespace softfinger {
 

@@ -4,12 +4,12 @@
 #include <span>
 #include <vector>
 
-#include "softfinger/base/thread_team.hpp"
 #include "softfinger/fem/element_kernels.hpp"
 #include "softfinger/fem/relaxation.hpp"
 #include "softfinger/fem/strain_limit.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/tetrahedral_mesh.hpp"
+#include "softfinger/threads/thread_team.hpp"
 
 namespace softfinger {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "softfinger/base/config_file.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace softfinger {

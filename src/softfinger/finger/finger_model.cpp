@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/finger/finger_file.hpp"
 #include "softfinger/finger/finger_groups.hpp"
 #include "softfinger/geometry/msh_file.hpp"

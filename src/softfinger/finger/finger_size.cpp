@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace softfinger {

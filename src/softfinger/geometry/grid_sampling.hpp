@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "softfinger/base/parallel_for.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/geometry/triangle_tree.hpp"
+#include "softfinger/threads/parallel_for.hpp"
 
 namespace softfinger {
 

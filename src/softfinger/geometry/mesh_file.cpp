@@ -8,7 +8,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/hash.hpp"
-#include "softfinger/base/text_file.hpp"
+#include "softfinger/files/text_file.hpp"
 #include "softfinger/geometry/vertex_weld.hpp"
 
 namespace softfinger {

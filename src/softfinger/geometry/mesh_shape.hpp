@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "softfinger/base/parallel_for.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
+#include "softfinger/threads/parallel_for.hpp"
 
 namespace softfinger {
 

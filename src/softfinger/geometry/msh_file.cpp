@@ -12,7 +12,7 @@
 #include <unordered_map>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/text_file.hpp"
+#include "softfinger/files/text_file.hpp"
 #include "softfinger/geometry/tetrahedron_faces.hpp"
 
 namespace softfinger {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "softfinger/base/parallel_for.hpp"
 #include "softfinger/geometry/triangle_tree.hpp"
+#include "softfinger/threads/parallel_for.hpp"
 
 namespace softfinger {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "softfinger/base/config_file.hpp"
-#include "softfinger/motors/bus_emulator.hpp"
-#include "softfinger/motors/emulated_servo.hpp"
+#include "softfinger/files/config_file.hpp"
+#include "softfinger/motors/emulation/bus_emulator.hpp"
+#include "softfinger/motors/emulation/emulated_servo.hpp"
 #include "softfinger/motors/joint_limits.hpp"
 #include "softfinger/motors/servo_bus.hpp"
 #include "softfinger/motors/transport_settings.hpp"

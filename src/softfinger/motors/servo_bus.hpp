@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "softfinger/motors/port/line_clock.hpp"
 #include "softfinger/motors/transport_settings.hpp"
+#include "softfinger/wire/line_clock.hpp"
 
 namespace softfinger {
 

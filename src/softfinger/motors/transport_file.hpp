@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "softfinger/base/config_file.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/joint_limits.hpp"
 #include "softfinger/motors/transport_settings.hpp"
 

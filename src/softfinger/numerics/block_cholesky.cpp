@@ -5,8 +5,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "softfinger/base/spin_until.hpp"
 #include "softfinger/numerics/dense_panel.hpp"
+#include "softfinger/threads/spin_until.hpp"
 
 namespace softfinger {
 namespace {

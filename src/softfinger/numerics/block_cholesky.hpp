@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "softfinger/base/instruction_set.hpp"
-#include "softfinger/base/thread_team.hpp"
 #include "softfinger/numerics/elimination_order.hpp"
+#include "softfinger/threads/thread_team.hpp"
 
 namespace softfinger {
 

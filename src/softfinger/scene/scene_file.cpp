@@ -6,9 +6,9 @@
 #include <string_view>
 #include <utility>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/files/config_file.hpp"
 #include "softfinger/geometry/mesh_import.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"

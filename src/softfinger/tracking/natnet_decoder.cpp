@@ -1,7 +1,7 @@
 #include <utility>
 
-#include "softfinger/tracking/byte_order.hpp"
 #include "softfinger/tracking/natnet_protocol.hpp"
+#include "softfinger/wire/byte_order.hpp"
 
 namespace softfinger {
 namespace {

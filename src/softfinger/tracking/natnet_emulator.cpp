@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 #include "softfinger/tracking/up_axis.hpp"
 
 namespace softfinger {

@@ -12,7 +12,7 @@
 #include "softfinger/tracking/natnet_encoding.hpp"
 #include "softfinger/tracking/tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
-#include "softfinger/tracking/udp_socket.hpp"
+#include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "softfinger/tracking/byte_order.hpp"
+#include "softfinger/wire/byte_order.hpp"
 
 namespace softfinger {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/tracking/byte_order.hpp"
+#include "softfinger/wire/byte_order.hpp"
 
 namespace softfinger {
 namespace {

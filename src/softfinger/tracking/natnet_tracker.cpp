@@ -5,7 +5,7 @@
 #include <array>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {

@@ -10,7 +10,7 @@
 #include "softfinger/tracking/natnet_session.hpp"
 #include "softfinger/tracking/pose_feed.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
-#include "softfinger/tracking/udp_socket.hpp"
+#include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {
 

@@ -1,6 +1,6 @@
 #include "softfinger/tracking/page_tracker.hpp"
 
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 

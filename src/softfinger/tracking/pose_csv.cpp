@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/text_file.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/files/text_file.hpp"
 #include "softfinger/tracking/csv_tracker.hpp"
 
 namespace softfinger {

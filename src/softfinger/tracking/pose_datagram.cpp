@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/tracking/byte_order.hpp"
+#include "softfinger/wire/byte_order.hpp"
 
 namespace softfinger {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "softfinger/base/thread_clock.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {

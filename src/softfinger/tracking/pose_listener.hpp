@@ -10,7 +10,7 @@
 #include "softfinger/tracking/pose_message.hpp"
 #include "softfinger/tracking/sender_clock.hpp"
 #include "softfinger/tracking/sequence_gate.hpp"
-#include "softfinger/tracking/udp_socket.hpp"
+#include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {
 

@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "softfinger/base/config_file.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/files/config_file.hpp"
 
 namespace softfinger {
 namespace {

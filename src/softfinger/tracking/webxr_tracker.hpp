@@ -1,6 +1,6 @@
 #pragma once
 
-#include "softfinger/base/mailbox.hpp"
+#include "softfinger/threads/mailbox.hpp"
 #include "softfinger/tracking/jump_gate.hpp"
 #include "softfinger/tracking/run_clock.hpp"
 #include "softfinger/tracking/tracker.hpp"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/parallel_for.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/rest_skin.hpp"
+#include "softfinger/threads/parallel_for.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {

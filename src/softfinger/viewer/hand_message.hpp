@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/session/live_feed.hpp"
 
 namespace softfinger {
 

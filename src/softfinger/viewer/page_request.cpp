@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/engine/person_registration.hpp"
+#include "softfinger/person/person_registration.hpp"
 
 namespace softfinger {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/session/live_feed.hpp"
 
 namespace softfinger {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/session/live_feed.hpp"
 
 namespace softfinger {
 

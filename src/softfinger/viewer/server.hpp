@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/session/live_feed.hpp"
 #include "softfinger/viewer/access_token.hpp"
 #include "softfinger/viewer/certificate.hpp"
 #include "softfinger/viewer/page_file.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/session/live_feed.hpp"
 
 namespace softfinger {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "softfinger/motors/port/serial_port.hpp"
 #include "softfinger/motors/servo_bus.hpp"
+#include "softfinger/wire/serial_port.hpp"
 
 namespace softfinger {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "softfinger/motors/bus_emulator.hpp"
-#include "softfinger/motors/emulated_servo.hpp"
+#include "softfinger/motors/emulation/bus_emulator.hpp"
+#include "softfinger/motors/emulation/emulated_servo.hpp"
 #include "softfinger/motors/maestro/maestro_protocol.hpp"
 
 namespace softfinger {

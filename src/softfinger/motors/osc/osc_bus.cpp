@@ -3,7 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "softfinger/motors/port/socket_address.hpp"
+#include "softfinger/wire/socket_address.hpp"
 
 namespace softfinger {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/motors/bus_emulator.hpp"
-#include "softfinger/motors/emulated_servo.hpp"
+#include "softfinger/motors/emulation/bus_emulator.hpp"
+#include "softfinger/motors/emulation/emulated_servo.hpp"
 #include "softfinger/motors/transport_settings.hpp"
 
 namespace softfinger {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/motors/port/line_clock.hpp"
-#include "softfinger/motors/port/serial_port.hpp"
 #include "softfinger/motors/servo_bus.hpp"
 #include "softfinger/motors/servo_table/frame_reader.hpp"
 #include "softfinger/motors/servo_table/servo_protocol.hpp"
+#include "softfinger/wire/line_clock.hpp"
+#include "softfinger/wire/serial_port.hpp"
 
 namespace softfinger {
 

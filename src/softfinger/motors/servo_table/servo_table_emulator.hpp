@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "softfinger/motors/bus_emulator.hpp"
-#include "softfinger/motors/emulated_servo.hpp"
+#include "softfinger/motors/emulation/bus_emulator.hpp"
+#include "softfinger/motors/emulation/emulated_servo.hpp"
 #include "softfinger/motors/servo_table/frame_reader.hpp"
 #include "softfinger/motors/servo_table/servo_protocol.hpp"
 

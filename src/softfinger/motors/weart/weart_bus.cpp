@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "softfinger/motors/port/socket_address.hpp"
 #include "softfinger/motors/weart/weart_protocol.hpp"
+#include "softfinger/wire/socket_address.hpp"
 
 namespace softfinger {
 namespace {

@@ -3,8 +3,8 @@
 #include <atomic>
 #include <string>
 
-#include "softfinger/motors/bus_emulator.hpp"
-#include "softfinger/motors/emulated_servo.hpp"
+#include "softfinger/motors/emulation/bus_emulator.hpp"
+#include "softfinger/motors/emulation/emulated_servo.hpp"
 #include "softfinger/motors/transport_settings.hpp"
 #include "softfinger/motors/weart/weart_protocol.hpp"
 

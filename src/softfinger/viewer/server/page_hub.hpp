@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "softfinger/engine/live_feed.hpp"
+#include "softfinger/session/live_feed.hpp"
 #include "softfinger/viewer/access_token.hpp"
 #include "softfinger/viewer/page_file.hpp"
 

@@ -1,0 +1,152 @@
+#include "softfinger/loop/device_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/matching/contact_plane.hpp"
+#include "softfinger/threads/thread_clock.hpp"
+
+namespace softfinger {
+namespace {
+
+MatchingOptions matching_options(Objective objective) {
+  MatchingOptions options;
+  if (objective == Objective::kPublished) {
+    options.limits = MatchingLimits::kClamp;
+    options.separation = Separation::kConstant;
+  }
+  return options;
+}
+
+ForceAwareOptions force_aware_options(Objective objective) {
+  return objective == Objective::kStress ? ForceAwareOptions::stress() : ForceAwareOptions{};
+}
+
+/// Of the emulated sensor's noise, beside the finger's number.
+constexpr std::uint64_t kNoiseSeed = 2015;
+
+}  // namespace
+
+void note_way_here(const TrackedPose& tracked, double time, TickInput& input) {
+  if (!tracked.valid || std::isnan(tracked.arrival)) return;
+  input.waited = time - tracked.arrival;
+  // A sender without a clock says that its poses took no time.
+  if (tracked.time < tracked.arrival) input.exposure = tracked.arrival - tracked.time;
+}
+
+DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
+                       const std::shared_ptr<const FingerModel>& model,
+                       const DeviceLoopOptions& options)
+    : objective_(options.objective ? *options.objective
+                                   : objective_of(device->settings().matching.objective).value()),
+      rendering_(device, static_cast<int>(model->sample_nodes.size()),
+                 matching_options(objective_)),
+      stands_(device->home()),
+      actuator_(device, options.actuator) {
+  if (objective_ == Objective::kSurfaceAndForce || objective_ == Objective::kStress) {
+    force_ = std::make_unique<ForceRendering>(model, device, MatchingOptions{},
+                                              force_aware_options(objective_));
+  }
+  if (ForceLimiter::needed(*device)) limiter_ = std::make_unique<ForceLimiter>(*model, device);
+  if (objective_ == Objective::kStress) nodes_F_.resize(model->mesh.nodes.size());
+  if (const auto& sensor = device->settings().force_sensor) {
+    offset_ = std::make_unique<TravelOffset>(model, device);
+    if (!options.replay) {
+      sensor_ = std::make_unique<EmulatedForceSensor>(
+          options.wearer ? options.wearer : model, device, sensor->noise,
+          kNoiseSeed + static_cast<std::uint64_t>(finger));
+    }
+  }
+  record_.finger = finger;
+  record_.tick = -1;
+  record_.wanted = device->home();
+  record_.command.configuration = device->home();
+  record_.command.joints.setZero(device->joint_count());
+  device->clamped_joints(device->home(), record_.command.joints);
+}
+
+const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& finger) {
+  const double cpu_began = thread_cpu_time();
+  const ContactSet& contact = finger.contact;
+  const double elapsed = std::max(0.0, input.time - record_.time);
+  const RenderedSurface* rendered = &rendering_.tick(contact, elapsed);
+  if (wants_nodes()) transform(finger.X_WF.inverse(), finger.nodes_W, nodes_F_);
+  if (force_) rendered = &force_->tick(contact, nodes_F_, *rendered, elapsed);
+  RenderedSurface surface = *rendered;
+  if (objective_ == Objective::kContactPlane && contact.contact_count > 0) {
+    surface.configuration = contact_plane(rendering_.device(), contact, surface.configuration);
+  }
+  Configuration corrected = surface.configuration;
+  if (offset_) {
+    if (reading_.configuration.size() > 0) {
+      offset_->update(reading_, contact.friction_coefficient, elapsed);
+    }
+    corrected = offset_->corrected(corrected);
+    record_.travel_offset = offset_->value();
+  }
+  const Configuration unlimited = corrected;
+  if (limiter_ && corrected.allFinite()) {
+    corrected = limiter_->limited(corrected, contact.friction_coefficient, elapsed);
+  }
+  record_.cpu_time = thread_cpu_time() - cpu_began;
+  ++record_.tick;
+  record_.step = input.step;
+  record_.time = input.time;
+  record_.tracked = input.tracked;
+  record_.emergency = input.emergency;
+  record_.reading = reading_;
+  record_.wanted = surface.configuration;
+  record_.deviation = surface.deviation;
+  record_.iterations = surface.iterations;
+  record_.command = actuator_.command({.configuration = corrected,
+                                       .tracked = input.tracked,
+                                       .touching = contact.contact_count > 0,
+                                       .emergency = input.emergency},
+                                      input.time);
+  record_.command.force_limited = record_.command.force_limited || corrected != unlimited;
+  note_latency(input);
+  record_.hash = hash_of(record_);
+  follow();
+  if (sensor_) measure(contact.friction_coefficient, elapsed);
+  return record_;
+}
+
+/// Leads what foresees forces along the way that the device really goes.
+void DeviceLoop::follow() {
+  const double cpu_began = thread_cpu_time();
+  const Configuration& went = record_.command.configuration;
+  if (limiter_) limiter_->follow(went);
+  if (force_) force_->follow(offset_ ? offset_->felt(went) : went);
+  record_.cpu_time += thread_cpu_time() - cpu_began;
+}
+
+void DeviceLoop::note_latency(const TickInput& input) {
+  const auto formed = std::chrono::steady_clock::now();
+  const auto seconds = [](auto duration) {
+    return std::chrono::duration<double>(duration).count();
+  };
+  record_.latency = seconds(formed - input.taken);
+  if (!std::isnan(input.waited)) record_.latency += input.waited;
+  StageTimes& stages = record_.stages;
+  stages[LatencyStage::kExposure] = input.exposure;
+  stages[LatencyStage::kArrival] = input.waited;
+  stages[LatencyStage::kStep] = seconds(input.handed - input.taken);
+  stages[LatencyStage::kMatch] = seconds(formed - input.handed);
+  const CommandDelivery delivery = actuator_.take_delivery().value_or(CommandDelivery());
+  stages[LatencyStage::kSend] = delivery.send;
+  stages[LatencyStage::kServo] = delivery.servo;
+}
+
+/// After the command, for the next tick.
+void DeviceLoop::measure(double friction_coefficient, double elapsed) {
+  JointAngles joints;
+  if (!actuator_.read_servo_joints(joints)) {
+    stands_ = record_.command.configuration;
+  } else if (Configuration q; device().forward_kinematics(joints, q)) {
+    // Between two commands the joints may stand for no pose of the workspace.
+    stands_ = q;
+  }
+  reading_ = sensor_->measure(stands_, friction_coefficient, elapsed);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "softfinger/actuation/actuator.hpp"
+#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/loop/emulated_force_sensor.hpp"
+#include "softfinger/matching/objective.hpp"
+#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/recording/record.hpp"
+#include "softfinger/tracking/tracker.hpp"
+#include "softfinger/twin/force_limiter.hpp"
+#include "softfinger/twin/force_rendering.hpp"
+
+namespace softfinger {
+
+/// What a device tick is about.
+struct TickInput {
+  std::int64_t step = 0;
+  double time = 0.0;       ///< s, end of that step
+  bool tracked = true;     ///< the tracker knows where the finger is
+  bool emergency = false;  ///< somebody asked for an emergency stop
+  /// Stages before the step: NaN where they are not known.
+  double exposure = std::numeric_limits<double>::quiet_NaN();  ///< s
+  double waited = std::numeric_limits<double>::quiet_NaN();    ///< s, the pose for the step
+  std::chrono::steady_clock::time_point taken;                 ///< when the step took the pose
+  std::chrono::steady_clock::time_point handed;                ///< when its contact was handed on
+};
+
+/// As far as `tracked` tells, of the step that takes it at run time `time` (s).
+void note_way_here(const TrackedPose& tracked, double time, TickInput& input);
+
+/// The virtual finger at that step.
+struct VirtualFinger {
+  const ContactSet& contact;
+  std::span<const Vector3> nodes_W;  ///< all, m; only looked at where the loop wants_nodes()
+  const Pose& X_WF;
+};
+
+struct DeviceLoopOptions {
+  ActuatorOptions actuator;
+  std::optional<Objective> objective;  ///< instead of the device file's
+  /// Whom an emulated force sensor presses; null: the simulated finger.
+  std::shared_ptr<const FingerModel> wearer = nullptr;
+  /// There is no sensor: replay_reading() says what one said.
+  bool replay = false;
+};
+
+/// The device side of one finger: contact set to motor command, tick by tick. The same code serves
+/// headless and live runs, replays and the library. Where the device measures force, the reading of
+/// one tick corrects the next.
+class DeviceLoop {
+ public:
+  /// `model`: the simulated finger. Throws InputError where the port cannot be opened.
+  DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
+             const std::shared_ptr<const FingerModel>& model, const DeviceLoopOptions& options);
+
+  /// One device tick. Allocates nothing, takes no lock, throws nothing.
+  const TickRecord& tick(const TickInput& input, const VirtualFinger& finger);
+  /// Before a tick that is replayed.
+  void replay_reading(const ForceReading& reading) { reading_ = reading; }
+  [[nodiscard]] bool wants_nodes() const { return !nodes_F_.empty(); }
+  /// The last tick; tick -1 before the first.
+  [[nodiscard]] const TickRecord& record() const { return record_; }
+  [[nodiscard]] const Device& device() const { return rendering_.device(); }
+  [[nodiscard]] Actuator& actuator() { return actuator_; }
+  [[nodiscard]] const Actuator& actuator() const { return actuator_; }
+
+ private:
+  void measure(double friction_coefficient, double elapsed);
+  void follow();
+  void note_latency(const TickInput& input);
+
+  Objective objective_;
+  SurfaceRendering rendering_;
+  std::unique_ptr<ForceRendering> force_;        ///< null: another objective
+  std::unique_ptr<TravelOffset> offset_;         ///< null: force is not measured
+  std::unique_ptr<ForceLimiter> limiter_;        ///< null: no limit that hangs on the way
+  std::unique_ptr<EmulatedForceSensor> sensor_;  ///< null: none
+  ForceReading reading_;                         ///< newest; no configuration: none yet
+  Configuration stands_;                         ///< where the device is, as far as known
+  std::vector<Vector3> nodes_F_;                 ///< empty: not wanted
+  Actuator actuator_;
+  TickRecord record_;
+};
+
+}  // namespace softfinger

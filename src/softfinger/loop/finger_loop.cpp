@@ -1,0 +1,117 @@
+#include "softfinger/loop/finger_loop.hpp"
+
+#include <chrono>
+
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/threads/thread_clock.hpp"
+
+namespace softfinger {
+
+Pose moved_towards(const Pose& from, const Pose& to, double distance, double angle) {
+  Pose result = to;
+  const Vector3 shift = to.translation - from.translation;
+  const double length = shift.norm();
+  if (length > distance) result.translation = from.translation + shift * (distance / length);
+  const Vector3 turn = log_rotation(from.rotation.transpose() * to.rotation);
+  const double turned = turn.norm();
+  if (turned > angle) result.rotation = from.rotation * exp_rotation(turn * (angle / turned));
+  return result;
+}
+
+FingerLoop::FingerLoop(std::int64_t finger, std::shared_ptr<const FingerModel> model,
+                       std::span<const VirtualObject> objects, double simulation_rate,
+                       bool with_state, ThreadTeam* team)
+    : simulation_(std::move(model), objects, 1.0 / simulation_rate, team),
+      simulation_rate_(simulation_rate) {
+  record_.finger = finger;
+  if (with_state) {
+    record_.nodes_W.resize(simulation_.model().mesh.nodes.size());
+    record_.samples.resize(simulation_.model().sample_nodes.size());
+  }
+}
+
+void FingerLoop::start(const TrackedInput& tracked) {
+  record_.step = 0;
+  record_.time = 0.0;
+  record_.tracked = tracked;
+  X_WFt_limited_ = tracked.X_WFt.pose();
+  placed_ = tracked.valid;
+  if (placed_) {
+    simulation_.reset(X_WFt_limited_, 0.0);
+    // Of a finger that starts inside something, what it touches is known once the skin gave way.
+    if (simulation_.contact().normal_force > 0.0) place(0);
+  } else {
+    simulation_.put_aside(X_WFt_limited_);
+  }
+  record_.iterations = 0;
+  record_.converged = true;
+  record_.residual = 0.0;
+  record_.cpu_time = 0.0;
+  record_.wall_time = 0.0;
+  read_simulation();
+}
+
+void FingerLoop::step(std::int64_t step, const TrackedInput& tracked) {
+  const auto began = std::chrono::steady_clock::now();
+  const double cpu_began = thread_cpu_time();
+  record_.step = step;
+  record_.time = static_cast<double>(step) / simulation_rate_;
+  record_.tracked = tracked;
+  StepSummary summary;
+  if (!placed_ && !tracked.valid) {
+    // Nowhere yet: the finger waits where it was put aside.
+  } else if (!placed_) {
+    placed_ = true;
+    X_WFt_limited_ = tracked.X_WFt.pose();
+    summary = place(step);
+  } else {
+    X_WFt_limited_ =
+        moved_towards(X_WFt_limited_, tracked.X_WFt.pose(), kMaxTrackedSpeed / simulation_rate_,
+                      kMaxTrackedAngularSpeed / simulation_rate_);
+    summary = simulation_.step(X_WFt_limited_, record_.time);
+  }
+  record_.iterations = summary.iterations;
+  record_.converged = summary.converged;
+  record_.residual = summary.relative_residual;
+  read_simulation();
+  record_.cpu_time = thread_cpu_time() - cpu_began;
+  record_.wall_time =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+StepSummary FingerLoop::place(std::int64_t step) {
+  simulation_.reset(X_WFt_limited_, static_cast<double>(step - 1) / simulation_rate_);
+  return simulation_.step(X_WFt_limited_, static_cast<double>(step) / simulation_rate_);
+}
+
+void FingerLoop::read_simulation() {
+  const ContactSet& contact = simulation_.contact();
+  record_.X_WF = StoredPose(simulation_.bone_pose());
+  record_.contact_count = contact.contact_count;
+  record_.contact_area = contact.contact_area;
+  record_.normal_force = contact.normal_force;
+  record_.normal_force_sum = contact.normal_force_sum;
+  record_.tangential_force = contact.tangential_force;
+  record_.slip_ratio = contact.slip_ratio;
+  record_.stuck_fraction = contact.stuck_fraction;
+  record_.centroid_F = contact.centroid_F;
+  record_.mean_normal_F = contact.mean_normal_F;
+  record_.least_gap = contact.least_gap;
+  if (record_.nodes_W.empty()) return;
+  const std::span<const Vector3> positions = simulation_.positions();
+  for (std::size_t i = 0; i < record_.nodes_W.size(); ++i) record_.nodes_W[i] = positions[i];
+  for (std::size_t i = 0; i < record_.samples.size() && i < contact.samples.size(); ++i) {
+    const ContactSample& sample = contact.samples[i];
+    record_.samples[i] = {sample.position_F, sample.gap,
+                          sample.normal_force_F + sample.tangential_force_F,
+                          sample.in_contact ? 1.0 : 0.0};
+  }
+}
+
+const StepRecord& FingerLoop::seal(std::int64_t tick, std::uint64_t tick_hash) {
+  record_.tick = tick;
+  record_.hash = hash_of(record_, simulation_.state_hash(), tick_hash);
+  return record_;
+}
+
+}  // namespace softfinger

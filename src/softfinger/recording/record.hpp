@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "softfinger/actuation/actuator.hpp"
+#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/device/configuration.hpp"
+#include "softfinger/geometry/pose.hpp"
+#include "softfinger/recording/latency_stages.hpp"
+#include "softfinger/tracking/tracker.hpp"
+#include "softfinger/twin/travel_offset.hpp"
+
+namespace softfinger {
+
+/// A pose as it is stored: translation (m) and unit quaternion. Turning it into a Pose gives the
+/// same bits every time, which the way from a rotation matrix to a quaternion and back does not.
+/// Has no negative zeros: SQLite does not keep them.
+struct StoredPose {
+  Vector3 translation = Vector3::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+
+  StoredPose() = default;
+  explicit StoredPose(const Pose& pose)
+      : translation(pose.translation.array() + 0.0),
+        rotation(Eigen::Quaterniond(pose.rotation).normalized()) {
+    rotation.coeffs().array() += 0.0;
+  }
+  [[nodiscard]] Pose pose() const { return {rotation.toRotationMatrix(), translation}; }
+};
+
+/// What one step takes from its tracker, as it is recorded.
+struct TrackedInput {
+  StoredPose X_WFt;
+  double time = 0.0;   ///< s, when the pose was true
+  bool valid = false;  ///< false while tracking is lost
+
+  TrackedInput() = default;
+  explicit TrackedInput(const TrackedPose& tracked)
+      : X_WFt(tracked.X_WFt), time(tracked.time), valid(tracked.valid) {}
+};
+
+/// Skin sample as recorded with the whole state.
+struct SampleRecord {
+  Vector3 position_F = Vector3::Zero();  ///< m
+  double gap = 0.0;                      ///< m
+  Vector3 force_F = Vector3::Zero();     ///< normal and tangential together, N
+  double in_contact = 0.0;               ///< 1 for members of C, else 0
+};
+
+/// One finger in one step. Step 0 is the pose the run starts from.
+struct StepRecord {
+  std::int64_t finger = 0;
+  std::int64_t step = 0;
+  double time = 0.0;  ///< s, end of the step
+  TrackedInput tracked;
+  // What the step computed; compared bit by bit by a replay.
+  StoredPose X_WF;  ///< bone
+  std::int64_t contact_count = 0;
+  double contact_area = 0.0;      ///< m^2
+  double normal_force = 0.0;      ///< N, magnitude of the vector sum
+  double normal_force_sum = 0.0;  ///< N, sum of the magnitudes; NaN where a recording does not say
+  double tangential_force = 0.0;  ///< N
+  double slip_ratio = 0.0;        ///< see ContactSet
+  double stuck_fraction = 0.0;
+  Vector3 centroid_F = Vector3::Zero();     ///< m; meaningless without contact
+  Vector3 mean_normal_F = Vector3::Zero();  ///< meaningless without contact
+  double least_gap = 0.0;                   ///< m; infinite without objects
+  std::int64_t iterations = 0;
+  bool converged = true;
+  double residual = 0.0;   ///< relative
+  std::int64_t tick = -1;  ///< newest device tick known to this step; -1: none
+  std::uint64_t hash = 0;  ///< of all above, the finger's whole state, and that tick's hash
+  // Not compared.
+  double cpu_time = 0.0;   ///< s, simulation thread
+  double wall_time = 0.0;  ///< s
+  // Only with the whole state recorded, else empty.
+  std::vector<Vector3> nodes_W;  ///< m
+  std::vector<SampleRecord> samples;
+};
+
+/// One finger's device tick.
+struct TickRecord {
+  std::int64_t finger = 0;
+  std::int64_t tick = 0;  ///< counts the ticks taken, from 0
+  std::int64_t step = 0;  ///< whose contact set was rendered
+  double time = 0.0;      ///< s, of that step
+  bool tracked = true;
+  bool emergency = false;  ///< the device was to retract
+  /// What the device's force sensor said last, an input of the tick; no configuration: nothing.
+  ForceReading reading;
+  // What the tick computed; compared bit by bit by a replay.
+  Configuration wanted;    ///< q of the match; rad and m
+  double deviation = 0.0;  ///< E at the match's q, m^2
+  std::int64_t iterations = 0;
+  double travel_offset = 0.0;  ///< taken off `wanted`, see TravelOffset, m
+  FormedCommand command;
+  std::uint64_t hash = 0;  ///< of all above
+  // Not compared.
+  double cpu_time = 0.0;  ///< s, of the match, device thread
+  double latency = 0.0;   ///< s, arrival of the pose to the formed command
+  StageTimes stages;      ///< send and servo: of the newest command that was sent; not recorded
+};
+
+/// Sum over everything of a tick that a replay must reproduce.
+[[nodiscard]] std::uint64_t hash_of(const TickRecord& tick);
+/// The same for a step; `state` is the hash of the finger's whole state, `tick` that of the tick
+/// named by the record (0 if none).
+[[nodiscard]] std::uint64_t hash_of(const StepRecord& step, std::uint64_t state,
+                                    std::uint64_t tick);
+
+/// What of `step` and `replayed` differs first, by its name ("tracked pose", "bone pose", ...);
+/// null where all bits agree.
+[[nodiscard]] const char* first_difference(const StepRecord& recorded, const StepRecord& replayed);
+[[nodiscard]] const char* first_difference(const TickRecord& recorded, const TickRecord& replayed);
+
+}  // namespace softfinger

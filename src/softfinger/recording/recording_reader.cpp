@@ -1,0 +1,356 @@
+#include "softfinger/recording/recording_reader.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/recording/recording_layout.hpp"
+#include "softfinger/recording/sqlite_database.hpp"
+
+namespace softfinger {
+namespace {
+
+/// Targets are 32 bits.
+constexpr double kMostSteps = 2147483647.0;
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+int read_pose(const SqliteStatement& row, int column, StoredPose& pose) {
+  for (int i = 0; i < 3; ++i) pose.translation[i] = row.number(column++);
+  pose.rotation.w() = row.number(column++);
+  pose.rotation.x() = row.number(column++);
+  pose.rotation.y() = row.number(column++);
+  pose.rotation.z() = row.number(column++);
+  return column;
+}
+
+int read_vector(const SqliteStatement& row, int column, Vector3& vector) {
+  for (int i = 0; i < 3; ++i) vector[i] = row.number(column++);
+  return column;
+}
+
+Configuration read_numbers(const SqliteStatement& row, int column) {
+  const std::string_view bytes = row.bytes(column);
+  const std::size_t count = bytes.size() / sizeof(double);
+  if (count > static_cast<std::size_t>(kMaxDegreesOfFreedom)) throw SqliteFailure{true};
+  Configuration numbers(static_cast<Eigen::Index>(count));
+  if (count > 0) std::memcpy(numbers.data(), bytes.data(), count * sizeof(double));
+  return numbers;
+}
+
+template <typename Row>
+void read_rows(std::string_view bytes, std::vector<Row>& rows) {
+  rows.resize(bytes.size() / sizeof(Row));
+  if (!rows.empty()) {
+    std::memcpy(static_cast<void*>(rows.data()), bytes.data(), rows.size() * sizeof(Row));
+  }
+}
+
+DeviceState state_of(std::string_view name) {
+  for (int i = 0; i <= static_cast<int>(DeviceState::kStopped); ++i) {
+    const auto state = static_cast<DeviceState>(i);
+    if (state_name(state) == name) return state;
+  }
+  throw SqliteFailure{true};
+}
+
+std::uint64_t hash_of(const std::string& hexadecimal) {
+  std::uint64_t hash = 0;
+  const char* end = hexadecimal.data() + hexadecimal.size();
+  const auto [stopped, error] = std::from_chars(hexadecimal.data(), end, hash, 16);
+  if (error != std::errc() || stopped != end) throw SqliteFailure{true};
+  return hash;
+}
+
+/// Whether a file is a database with a write-ahead log, by its header.
+bool has_log(const std::filesystem::path& file) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  constexpr std::size_t kReadVersion = 19;
+  std::array<char, kReadVersion + 1> header{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(header.data(), header.size());
+  return stream && std::string_view(header.data(), kMagic.size()) == kMagic &&
+         header[kReadVersion] == 2;
+}
+
+}  // namespace
+
+struct RecordingReader::Database {
+  Database(const std::filesystem::path& file, SqliteDatabase::Mode mode) : connection(file, mode) {
+    SqliteStatement id(connection, "pragma application_id");
+    if (!id.next() || id.integer(0) != recording_layout::kApplicationId) throw SqliteFailure{true};
+    SqliteStatement check(connection, "pragma quick_check(1)");
+    if (!check.next() || check.text(0) != "ok") throw SqliteFailure{true};
+  }
+
+  void rewind() {
+    steps.emplace(connection, "select * from steps order by step, finger");
+    states.emplace(connection, "select nodes, samples from states where step = ? and finger = ?");
+    ticks.emplace(connection, "select * from ticks order by step, finger, tick");
+  }
+
+  [[nodiscard]] std::optional<std::int64_t> integer(std::string_view key) {
+    SqliteStatement query(connection, "select value from meta where key = ?");
+    query.bind(0, key);
+    if (!query.next()) return std::nullopt;
+    return query.integer(0);
+  }
+
+  [[nodiscard]] RecordingInfo read_info() {
+    RecordingInfo info;
+    SqliteStatement meta(connection, "select key, value from meta");
+    std::vector<std::string> linear;  // numbers of fingers, see kLinearJointsKey
+    std::map<std::string, std::string> servo_units;
+    std::map<std::string, double> servo_steps;
+    while (meta.next()) {
+      const std::string key = meta.text(0);
+      if (key == "format_version") info.format_version = meta.integer(1);
+      if (key == "program_version") info.program_version = meta.text(1);
+      if (key == "instruction_set") info.instruction_set = meta.text(1);
+      if (key == "scene") info.scene = meta.text(1);
+      if (key == "person") info.person = meta.text(1);
+      if (key == "simulation_rate_Hz") info.simulation_rate = meta.number(1);
+      if (key == "live") info.live = meta.integer(1) != 0;
+      if (key == "with_state") info.with_state = meta.integer(1) != 0;
+      if (key.starts_with(recording_layout::kLinearJointsKey)) {
+        linear.push_back(key.substr(recording_layout::kLinearJointsKey.size()));
+      }
+      if (key.starts_with(recording_layout::kServoUnitKey)) {
+        servo_units[key.substr(recording_layout::kServoUnitKey.size())] = meta.text(1);
+      }
+      if (key.starts_with(recording_layout::kServoStepKey)) {
+        servo_steps[key.substr(recording_layout::kServoStepKey.size())] = meta.number(1);
+      }
+      if (key.starts_with(recording_layout::kMeshKey)) {
+        info.meshes.push_back(
+            {key.substr(recording_layout::kMeshKey.size()), hash_of(meta.text(1))});
+      }
+    }
+    if (!(info.simulation_rate > 0.0)) throw SqliteFailure{true};
+    SqliteStatement fingers(connection, "select * from fingers order by finger");
+    while (fingers.next()) {
+      RecordingInfo::Finger finger;
+      finger.name = fingers.text(1);
+      finger.model = fingers.text(2);
+      finger.device = fingers.text(3);
+      finger.tracker = fingers.text(4);
+      finger.configuration_names = split(fingers.text(5));
+      finger.joints = fingers.integer(6);
+      finger.linear_joints = std::find(linear.begin(), linear.end(),
+                                       std::to_string(info.fingers.size())) != linear.end();
+      finger.device_rate = fingers.number(7);
+      const std::string number = std::to_string(info.fingers.size());
+      if (const auto unit = servo_units.find(number); unit != servo_units.end()) {
+        finger.servo_unit = unit->second;
+      }
+      if (const auto step = servo_steps.find(number); step != servo_steps.end()) {
+        finger.servo_step = step->second;
+      }
+      if (!(finger.servo_step > 0.0)) throw SqliteFailure{true};
+      info.fingers.push_back(std::move(finger));
+    }
+    SqliteStatement files(connection, "select path, content from files order by path");
+    while (files.next()) info.files.push_back({files.text(0), files.text(1)});
+    return info;
+  }
+
+  SqliteDatabase connection;
+  std::optional<SqliteStatement> steps, states, ticks;
+  bool with_state = false;
+};
+
+RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw InputError(
+        fmt::format("{}: no such file; a recording is what run --record writes", file.string()));
+  }
+  try {
+    database_ = open();
+    const std::int64_t version = database_->integer("format_version").value_or(0);
+    if (version != kRecordingFormatVersion) {
+      throw InputError(fmt::format("{}: recording of format {}, this program reads format {}",
+                                   file.string(), version, kRecordingFormatVersion));
+    }
+    info_ = database_->read_info();
+    dropped_ = database_->integer("dropped").value_or(0);
+    complete_ = database_->integer("complete").value_or(0) != 0;
+    database_->with_state = info_.with_state;
+    database_->rewind();
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+std::unique_ptr<RecordingReader::Database> RecordingReader::open() const {
+  try {
+    return std::make_unique<Database>(file_, SqliteDatabase::Mode::kRead);
+  } catch (const SqliteFailure& failure) {
+    if (!has_log(file_)) throw;
+    const std::filesystem::path log = file_.string() + "-wal";
+    std::error_code error;
+    if (std::filesystem::file_size(log, error) > 0 && !error) {
+      if (failure.damaged) throw;
+      throw InputError(fmt::format(
+          "{}: {} belongs to it, and to read both takes a folder that can be written; copy both "
+          "there, under these names",
+          file_.string(), log.filename().string()));
+    }
+  }
+  // Its log has ended or is not here, so that nothing has to be made beside it.
+  try {
+    return std::make_unique<Database>(file_, SqliteDatabase::Mode::kReadImmutable);
+  } catch (const SqliteFailure&) {
+    throw InputError(fmt::format(
+        "{0}: was being written when it was copied, and its newest part is in {1}-wal, which "
+        "belongs to it; copy both, or copy when the run has ended",
+        file_.string(), file_.filename().string()));
+  }
+}
+
+RecordingReader::~RecordingReader() = default;
+RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
+RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = default;
+
+void RecordingReader::fail() const {
+  throw InputError(
+      fmt::format("{}: is no recording or is damaged; a recording is what run --record "
+                  "writes",
+                  file_.string()));
+}
+
+void RecordingReader::rewind() {
+  try {
+    database_->rewind();
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+std::int64_t RecordingReader::last_step() {
+  try {
+    SqliteStatement query(database_->connection, "select max(step) from steps");
+    return query.next() ? query.integer(0) : 0;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+std::string RecordingReader::how_it_was_cut() {
+  if (complete_) return {};
+  return fmt::format(
+      "{0}: ends at step {1} because its run was cut there or goes on; if it was copied during the "
+      "run, the rest is in {2}-wal, which belongs beside it",
+      file_.string(), last_step(), file_.filename().string());
+}
+
+bool RecordingReader::next(StepRecord& r) {
+  try {
+    SqliteStatement& row = *database_->steps;
+    if (!row.next()) return false;
+    int column = 0;
+    r.step = row.integer(column++);
+    r.finger = row.integer(column++);
+    r.time = row.number(column++);
+    column = read_pose(row, column, r.tracked.X_WFt);
+    r.tracked.time = row.number(column++);
+    r.tracked.valid = row.integer(column++) != 0;
+    column = read_pose(row, column, r.X_WF);
+    r.contact_count = row.integer(column++);
+    r.contact_area = row.number(column++);
+    r.normal_force = row.number(column++);
+    r.tangential_force = row.number(column++);
+    r.slip_ratio = row.number(column++);
+    r.stuck_fraction = row.number(column++);
+    column = read_vector(row, column, r.centroid_F);
+    column = read_vector(row, column, r.mean_normal_F);
+    r.least_gap = row.number(column++);
+    r.iterations = row.integer(column++);
+    r.converged = row.integer(column++) != 0;
+    r.residual = row.number(column++);
+    r.tick = row.integer(column++);
+    r.hash = static_cast<std::uint64_t>(row.integer(column++));
+    r.cpu_time = row.number(column++);
+    r.wall_time = row.number(column++);
+    r.normal_force_sum =
+        column < row.columns() ? row.number(column) : std::numeric_limits<double>::quiet_NaN();
+    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
+    r.nodes_W.clear();
+    r.samples.clear();
+    if (database_->with_state) {
+      SqliteStatement& state = *database_->states;
+      state.bind(0, r.step);
+      state.bind(1, r.finger);
+      if (state.next()) {
+        read_rows(state.bytes(0), r.nodes_W);
+        read_rows(state.bytes(1), r.samples);
+        while (state.next()) {
+        }
+      }
+    }
+    return true;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+bool RecordingReader::next(TickRecord& r) {
+  try {
+    SqliteStatement& row = *database_->ticks;
+    if (!row.next()) return false;
+    int column = 0;
+    r.step = row.integer(column++);
+    r.finger = row.integer(column++);
+    r.tick = row.integer(column++);
+    r.time = row.number(column++);
+    r.tracked = row.integer(column++) != 0;
+    r.emergency = row.integer(column++) != 0;
+    r.reading.normal_force = row.number(column++);
+    r.reading.configuration = read_numbers(row, column++);
+    r.wanted = read_numbers(row, column++);
+    r.deviation = row.number(column++);
+    r.iterations = row.integer(column++);
+    r.travel_offset = row.number(column++);
+    r.command.ceiling = row.number(column++);
+    r.command.configuration = read_numbers(row, column++);
+    r.command.joints = read_numbers(row, column++);
+    const Configuration servo_us = read_numbers(row, column++);
+    if (servo_us.size() > FormedCommand::kMaxServos) throw SqliteFailure{true};
+    r.command.servos = static_cast<int>(servo_us.size());
+    r.command.targets.fill(0);
+    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
+    const double step = info_.fingers[static_cast<std::size_t>(r.finger)].servo_step;
+    for (Eigen::Index i = 0; i < servo_us.size(); ++i) {
+      if (!(std::abs(servo_us[i] / step) < kMostSteps)) throw SqliteFailure{true};
+      r.command.targets[static_cast<std::size_t>(i)] =
+          static_cast<std::int32_t>(std::lround(servo_us[i] / step));
+    }
+    r.command.state = state_of(row.bytes(column++));
+    r.hash = static_cast<std::uint64_t>(row.integer(column++));
+    r.cpu_time = row.number(column++);
+    r.latency = row.number(column++);
+    return true;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+}  // namespace softfinger

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "softfinger/recording/record.hpp"
+#include "softfinger/recording/recording_info.hpp"
+
+namespace softfinger {
+
+/// Reads a recording, complete, cut by a kill, or still being written. Every call throws InputError
+/// where the file is no recording or is damaged.
+class RecordingReader {
+ public:
+  explicit RecordingReader(const std::filesystem::path& file);
+  ~RecordingReader();
+  RecordingReader(RecordingReader&&) noexcept;
+  RecordingReader& operator=(RecordingReader&&) noexcept;
+
+  [[nodiscard]] const RecordingInfo& info() const { return info_; }
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  /// Rows that a live run could not record in time.
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+  /// Whether the run closed it.
+  [[nodiscard]] bool complete() const { return complete_; }
+  /// One line for people where it did not, else empty.
+  [[nodiscard]] std::string how_it_was_cut();
+
+  /// Number of the last step recorded; 0 if there is none.
+  [[nodiscard]] std::int64_t last_step();
+  /// Next step in order of (step, finger); false at the end.
+  bool next(StepRecord& record);
+  /// Next tick in order of (step, finger, tick); false at the end.
+  bool next(TickRecord& record);
+  /// Starts both over.
+  void rewind();
+
+ private:
+  struct Database;
+  [[nodiscard]] std::unique_ptr<Database> open() const;
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path file_;
+  RecordingInfo info_;
+  std::int64_t dropped_ = 0;
+  bool complete_ = false;
+  std::unique_ptr<Database> database_;
+};
+
+}  // namespace softfinger

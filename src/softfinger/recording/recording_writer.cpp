@@ -1,0 +1,351 @@
+#include "softfinger/recording/recording_writer.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/recording/recording_layout.hpp"
+#include "softfinger/recording/sqlite_database.hpp"
+
+namespace softfinger {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A second of steps at 1 kHz and five fingers; less where a step carries its whole state.
+constexpr std::size_t kStepCapacity = 8192;
+constexpr std::size_t kStateStepCapacity = 512;
+constexpr std::size_t kTickCapacity = 256;
+constexpr std::size_t kStepsARound = 64;  // of a round
+constexpr auto kDrainInterval = std::chrono::milliseconds(5);
+
+void create_empty(const std::filesystem::path& file) {
+  const int descriptor = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    if (errno == EEXIST) refuse_existing_recording(file);
+    throw InputError(fmt::format("{}: cannot be created: {}", file.string(),
+                                 std::system_category().message(errno)));
+  }
+  ::close(descriptor);
+}
+
+int bind_pose(SqliteStatement& statement, int column, const StoredPose& pose) {
+  for (int i = 0; i < 3; ++i) statement.bind(column++, pose.translation[i]);
+  statement.bind(column++, pose.rotation.w());
+  statement.bind(column++, pose.rotation.x());
+  statement.bind(column++, pose.rotation.y());
+  statement.bind(column++, pose.rotation.z());
+  return column;
+}
+
+int bind_vector(SqliteStatement& statement, int column, const Vector3& vector) {
+  for (int i = 0; i < 3; ++i) statement.bind(column++, vector[i]);
+  return column;
+}
+
+void bind_numbers(SqliteStatement& statement, int column, const Configuration& numbers) {
+  statement.bind_blob(column, numbers.data(),
+                      static_cast<std::size_t>(numbers.size()) * sizeof(double));
+}
+
+}  // namespace
+
+void refuse_existing_recording(const std::filesystem::path& file) {
+  throw InputError(fmt::format(
+      "{}: exists already; a recording never overwrites a file, name a new one", file.string()));
+}
+
+struct RecordingWriter::Database {
+  explicit Database(const std::filesystem::path& file)
+      : connection(file, SqliteDatabase::Mode::kCreate) {
+    connection.execute("pragma journal_mode = wal; pragma synchronous = normal;");
+    connection.execute(
+        fmt::format("pragma application_id = {};", recording_layout::kApplicationId).c_str());
+    connection.execute("begin");
+    connection.execute(recording_layout::kTables);
+    using recording_layout::insert_into;
+    insert_meta.emplace(connection, "insert or replace into meta values (?,?)");
+    insert_step.emplace(connection, insert_into("steps", recording_layout::kStepColumns));
+    insert_tick.emplace(connection, insert_into("ticks", recording_layout::kTickColumns));
+    insert_state.emplace(connection, insert_into("states", 4));
+  }
+
+  /// One file and nothing beside it, so that it can be read where nothing can be written. Where
+  /// that does not work, because somebody reads it just now, it stays valid as it is.
+  void leave_log() {
+    insert_meta.reset();
+    insert_step.reset();
+    insert_tick.reset();
+    insert_state.reset();
+    try {
+      connection.execute("pragma journal_mode = delete");
+    } catch (const SqliteFailure&) {
+      return;
+    }
+  }
+
+  void meta(std::string_view key, std::string_view value) {
+    insert_meta->bind(0, key);
+    insert_meta->bind(1, value);
+    insert_meta->run();
+  }
+  void meta(std::string_view key, std::int64_t value) {
+    insert_meta->bind(0, key);
+    insert_meta->bind(1, value);
+    insert_meta->run();
+  }
+  void meta(std::string_view key, double value) {
+    insert_meta->bind(0, key);
+    insert_meta->bind(1, value);
+    insert_meta->run();
+  }
+
+  void write(const RecordingInfo& info) {
+    meta("format_version", info.format_version);
+    meta("program_version", info.program_version);
+    meta("instruction_set", info.instruction_set);
+    meta("scene", info.scene.string());
+    if (!info.person.empty()) meta("person", info.person.string());
+    meta("simulation_rate_Hz", info.simulation_rate);
+    meta("live", std::int64_t{info.live});
+    meta("with_state", std::int64_t{info.with_state});
+    meta("dropped", std::int64_t{0});
+    meta("complete", std::int64_t{0});
+    SqliteStatement insert_file(connection, "insert or ignore into files values (?,?)");
+    for (const RecordingInfo::File& file : info.files) {
+      insert_file.bind(0, file.path.string());
+      insert_file.bind_blob(1, file.content.data(), file.content.size());
+      insert_file.run();
+    }
+    for (const RecordingInfo::Mesh& mesh : info.meshes) {
+      meta(recording_layout::kMeshKey + mesh.path.string(), fmt::format("{:016x}", mesh.hash));
+    }
+    SqliteStatement insert_finger(connection, recording_layout::insert_into("fingers", 8));
+    for (std::size_t i = 0; i < info.fingers.size(); ++i) {
+      const RecordingInfo::Finger& finger = info.fingers[i];
+      insert_finger.bind(0, static_cast<std::int64_t>(i));
+      insert_finger.bind(1, finger.name);
+      insert_finger.bind(2, finger.model.string());
+      insert_finger.bind(3, finger.device.string());
+      insert_finger.bind(4, finger.tracker);
+      insert_finger.bind(5, fmt::format("{}", fmt::join(finger.configuration_names, ",")));
+      insert_finger.bind(6, finger.joints);
+      insert_finger.bind(7, finger.device_rate);
+      insert_finger.run();
+      if (finger.linear_joints) {
+        meta(recording_layout::kLinearJointsKey + std::to_string(i), "1");
+      }
+      servo_steps.push_back(finger.servo_step);
+      if (finger.servo_unit != RecordingInfo::Finger{}.servo_unit) {
+        meta(recording_layout::kServoUnitKey + std::to_string(i), finger.servo_unit);
+        meta(recording_layout::kServoStepKey + std::to_string(i), finger.servo_step);
+      }
+    }
+  }
+
+  void write(const StepRecord& r) {
+    SqliteStatement& s = *insert_step;
+    int column = 0;
+    s.bind(column++, r.step);
+    s.bind(column++, r.finger);
+    s.bind(column++, r.time);
+    column = bind_pose(s, column, r.tracked.X_WFt);
+    s.bind(column++, r.tracked.time);
+    s.bind(column++, std::int64_t{r.tracked.valid});
+    column = bind_pose(s, column, r.X_WF);
+    s.bind(column++, r.contact_count);
+    s.bind(column++, r.contact_area);
+    s.bind(column++, r.normal_force);
+    s.bind(column++, r.tangential_force);
+    s.bind(column++, r.slip_ratio);
+    s.bind(column++, r.stuck_fraction);
+    column = bind_vector(s, column, r.centroid_F);
+    column = bind_vector(s, column, r.mean_normal_F);
+    s.bind(column++, r.least_gap);
+    s.bind(column++, r.iterations);
+    s.bind(column++, std::int64_t{r.converged});
+    s.bind(column++, r.residual);
+    s.bind(column++, r.tick);
+    s.bind(column++, static_cast<std::int64_t>(r.hash));
+    s.bind(column++, r.cpu_time);
+    s.bind(column++, r.wall_time);
+    s.bind(column++, r.normal_force_sum);
+    s.run();
+    if (r.nodes_W.empty()) return;
+    insert_state->bind(0, r.step);
+    insert_state->bind(1, r.finger);
+    insert_state->bind_blob(2, r.nodes_W.data(), r.nodes_W.size() * sizeof(Vector3));
+    insert_state->bind_blob(3, r.samples.data(), r.samples.size() * sizeof(SampleRecord));
+    insert_state->run();
+  }
+
+  void write(const TickRecord& r) {
+    SqliteStatement& s = *insert_tick;
+    int column = 0;
+    s.bind(column++, r.step);
+    s.bind(column++, r.finger);
+    s.bind(column++, r.tick);
+    s.bind(column++, r.time);
+    s.bind(column++, std::int64_t{r.tracked});
+    s.bind(column++, std::int64_t{r.emergency});
+    s.bind(column++, r.reading.normal_force);
+    bind_numbers(s, column++, r.reading.configuration);
+    bind_numbers(s, column++, r.wanted);
+    s.bind(column++, r.deviation);
+    s.bind(column++, r.iterations);
+    s.bind(column++, r.travel_offset);
+    s.bind(column++, r.command.ceiling);
+    bind_numbers(s, column++, r.command.configuration);
+    bind_numbers(s, column++, r.command.joints);
+    Configuration servo_us(r.command.servos);
+    for (int i = 0; i < r.command.servos; ++i) {
+      servo_us[i] = r.command.targets[static_cast<std::size_t>(i)] *
+                    servo_steps[static_cast<std::size_t>(r.finger)];
+    }
+    bind_numbers(s, column++, servo_us);
+    s.bind(column++, state_name(r.command.state));
+    s.bind(column++, static_cast<std::int64_t>(r.hash));
+    s.bind(column++, r.cpu_time);
+    s.bind(column++, r.latency);
+    s.run();
+  }
+
+  void commit() {
+    if (!in_transaction) return;
+    connection.execute("commit");
+    in_transaction = false;
+  }
+  void begin() {
+    if (in_transaction) return;
+    connection.execute("begin");
+    in_transaction = true;
+    began = Clock::now();
+  }
+
+  SqliteDatabase connection;
+  std::vector<double> servo_steps;  ///< of the fingers
+  std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_state;
+  bool in_transaction = true;
+  Clock::time_point began = Clock::now();
+};
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingInfo& info,
+                                 WhenFull when_full, const StepRecord& step_prototype)
+    : file_(file),
+      when_full_(when_full),
+      steps_(info.with_state ? kStateStepCapacity : kStepCapacity, step_prototype) {
+  create_empty(file);
+  for (std::size_t i = 0; i < info.fingers.size(); ++i) {
+    ticks_.push_back(std::make_unique<RingBuffer<TickRecord>>(kTickCapacity));
+  }
+  try {
+    database_ = std::make_unique<Database>(file);
+    database_->write(info);
+    database_->commit();
+  } catch (const SqliteFailure&) {
+    throw OperationError(
+        fmt::format("{}: the recording cannot be written (is there room on the "
+                    "disk?)",
+                    file.string()));
+  }
+  thread_ = std::thread([this] { write_until_closed(); });
+}
+
+RecordingWriter::~RecordingWriter() {
+  closing_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+template <typename Record>
+void RecordingWriter::push_to(RingBuffer<Record>& ring, const Record& record) {
+  Record* slot = ring.claim();
+  while (slot == nullptr && when_full_ == WhenFull::kWait) {
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    slot = ring.claim();
+  }
+  if (slot == nullptr) {
+    dropped_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  *slot = record;
+  ring.publish();
+}
+
+void RecordingWriter::push(const StepRecord& record) { push_to(steps_, record); }
+
+void RecordingWriter::push(const TickRecord& record) {
+  push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);
+}
+
+// One round: what is there now, but not so much that the next commit is late. Steps before ticks,
+// and no commit between: a step never names a tick that was not handed over before it, so none is
+// committed without it.
+bool RecordingWriter::drain() {
+  const auto take = [&](auto& ring, std::size_t most) {
+    for (std::size_t i = 0; i < most; ++i) {
+      const auto* record = ring.front();
+      if (record == nullptr) return false;
+      if (!failed_) {
+        try {
+          database_->begin();
+          database_->write(*record);
+        } catch (const SqliteFailure&) {
+          failed_ = true;
+        }
+      }
+      ring.release();
+    }
+    return true;
+  };
+  bool more = take(steps_, kStepsARound);
+  for (auto& ring : ticks_) more = take(*ring, ring->capacity()) || more;
+  return more;
+}
+
+void RecordingWriter::write_until_closed() {
+  while (!closing_) {
+    const bool more = drain();
+    try {
+      if (database_->in_transaction &&
+          Clock::now() - database_->began > std::chrono::duration<double>(kCommitInterval)) {
+        database_->commit();
+      }
+    } catch (const SqliteFailure&) {
+      failed_ = true;
+    }
+    if (!more) std::this_thread::sleep_for(kDrainInterval);
+  }
+}
+
+void RecordingWriter::close() {
+  if (!thread_.joinable()) return;
+  closing_ = true;
+  thread_.join();
+  while (drain()) {
+  }
+  try {
+    if (!failed_) {
+      database_->begin();
+      database_->meta("dropped", static_cast<std::int64_t>(dropped()));
+      database_->meta("complete", std::int64_t{1});
+      database_->commit();
+    }
+  } catch (const SqliteFailure&) {
+    failed_ = true;
+  }
+  if (!failed_) database_->leave_log();
+  database_.reset();
+  if (failed_) {
+    throw OperationError(
+        fmt::format("{}: the recording could not be written to its end (is there "
+                    "room on the disk?)",
+                    file_.string()));
+  }
+}
+
+}  // namespace softfinger

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "softfinger/recording/record.hpp"
+#include "softfinger/recording/recording_info.hpp"
+#include "softfinger/threads/ring_buffer.hpp"
+
+namespace softfinger {
+
+/// Throws the InputError of a recording that would overwrite `file`.
+[[noreturn]] void refuse_existing_recording(const std::filesystem::path& file);
+
+/// Writes a recording: one SQLite file in write-ahead log mode, readable while it is written.
+///
+/// Loops hand rows over through bounded rings, one a producing thread; a thread of the writer's own
+/// commits them at least every kCommitInterval, so that a kill loses no more than that and one
+/// round of its work. Tables (SI units; hashes are the signed reading of 64 bits):
+///
+///     meta(key, value)              format_version, program_version, instruction_set, scene,
+///                                   simulation_rate_Hz, live, with_state, dropped, complete
+///     files(path, content)          every file the run was built from
+///     fingers(finger, name, model, device, tracker, configuration_names, joints, device_rate_Hz)
+///     steps(step, finger, ...)      one StepRecord a row; step 0 is the starting pose
+///     ticks(finger, tick, ...)      one TickRecord a row; vectors are float64 blobs, little-endian
+///     states(step, finger, nodes, samples)   with_state only; float64 blobs, row by row:
+///                                   nodes x y z in W; samples x y z gap fx fy fz in_contact in F
+class RecordingWriter {
+ public:
+  /// What a producer does where its ring is full: a headless run waits, a live run never does.
+  enum class WhenFull { kWait, kDrop };
+  static constexpr double kCommitInterval = 0.05;  ///< s, wall time
+
+  /// Creates the file. `step_prototype` has the sizes of the largest nodes_W and samples.
+  /// Throws InputError where the file exists or cannot be created.
+  RecordingWriter(const std::filesystem::path& file, const RecordingInfo& info, WhenFull when_full,
+                  const StepRecord& step_prototype);
+  ~RecordingWriter();
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+  /// Simulation thread only. Copies the record; allocates nothing, takes no lock.
+  void push(const StepRecord& record);
+  /// One thread per finger. Copies the record; allocates nothing, takes no lock.
+  void push(const TickRecord& record);
+
+  /// Writes what is left, marks the recording complete and closes the file. Throws OperationError
+  /// when something could not be written. Called once, after the producers have ended.
+  void close();
+
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  /// Rows not recorded because a ring was full.
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
+  /// The file can no longer be written (disk full, removed); rows are thrown away since.
+  [[nodiscard]] bool failed() const { return failed_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Database;
+  template <typename Record>
+  void push_to(RingBuffer<Record>& ring, const Record& record);
+  void write_until_closed();
+  bool drain();  ///< says whether there may be more
+
+  std::filesystem::path file_;
+  WhenFull when_full_;
+  RingBuffer<StepRecord> steps_;
+  std::vector<std::unique_ptr<RingBuffer<TickRecord>>> ticks_;  // one per finger
+  std::unique_ptr<Database> database_;
+  std::atomic<std::uint64_t> dropped_{0};
+  std::atomic<bool> failed_{false};
+  std::atomic<bool> closing_{false};
+  std::thread thread_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,187 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "softfinger/device/device.hpp"
+#include "softfinger/finger/finger_size.hpp"
+#include "softfinger/geometry/pose.hpp"
+#include "softfinger/geometry/signed_distance.hpp"
+#include "softfinger/recording/latency_stages.hpp"
+#include "softfinger/tracking/xr_hand.hpp"
+#include "softfinger/twin/rendering_measures.hpp"
+
+namespace softfinger {
+
+/// What stays the same while one scene runs: enough to draw it. Lengths in m.
+struct SceneDescription {
+  struct Object {
+    std::string name;
+    Shape shape;
+  };
+  struct Finger {
+    std::string name;
+    std::vector<Vector3> skin_rest_positions_F;      ///< one per skin sample
+    std::vector<std::array<int, 3>> skin_triangles;  ///< indices into skin samples, outward
+    std::vector<Vector3> rigid_positions_F;          ///< vertices of bone and nail surfaces
+    std::vector<std::array<int, 3>> bone_triangles;  ///< indices into rigid_positions_F
+    std::vector<std::array<int, 3>> nail_triangles;  ///< indices into rigid_positions_F
+    std::string device_kind;                         ///< empty: no device
+    std::vector<std::string> configuration_names;    ///< with unit: pitch_deg, ...
+    bool linear_joints = false;                      ///< joints are lengths
+    double disk_radius = 0.0;                        ///< of devices that have one
+    int legs = 0;
+    std::vector<Shape> pieces;  ///< of the device's solid, at home
+    double cap_radius = 0.0;    ///< see Device
+    WorkspaceOutline workspace;
+    bool twin = false;        ///< whether snapshots have one
+    bool moved_here = false;  ///< by the page: its tracker is "page"
+    bool in_headset = false;  ///< its tracker is "webxr": it follows this of a hand
+    HandSide hand_side = HandSide::kRight;
+    HandFinger hand_finger = HandFinger::kIndex;
+    bool registrable = false;  ///< what its tracker follows can be registered, for a person
+    Pose X_WFt_start;          ///< where it is before anybody moves it
+  };
+  /// What a person should know of a finger's device before it moves.
+  struct Notice {
+    std::size_t finger = 0;  ///< which of `fingers`
+    std::string kind;        ///< one word for what it is about, e.g. force_limit, approach
+    std::string text;        ///< one line
+  };
+  std::uint64_t generation = 0;          ///< grows with each scene or restart
+  std::string scene_name;                ///< file stem, e.g. "sphere"
+  std::vector<std::string> scene_names;  ///< what the page may choose from
+  double duration = 0.0;                 ///< s; 0: endless
+  std::vector<Object> objects;
+  std::vector<Finger> fingers;
+  std::vector<Notice> notices;
+};
+
+/// State of the loop at one instant, as the page draws it. Vectors keep their size while a scene
+/// runs, so that filling one allocates nothing.
+struct Snapshot {
+  /// Skin in contact, one entry per sample.
+  struct Skin {
+    std::vector<Eigen::Vector3f> positions_F;  ///< m
+    std::vector<float> pressures;              ///< Pa
+    std::vector<std::uint8_t> in_contact;      ///< 1 where skin around the sample touches
+  };
+  /// A rigid part of the device's solid.
+  struct Piece {
+    Pose X_FS;
+    double ball_radius = 0.0;  ///< m, of a ball, which may grow; 0 for other shapes
+  };
+  /// The second finger, pressed by the device.
+  struct Twin {
+    bool pressed = false;  ///< not yet, or there is none: what follows means nothing
+    Skin skin;
+    double normal_force = 0.0;      ///< N, magnitude of the vector sum
+    double normal_force_sum = 0.0;  ///< N, sum of the magnitudes
+    double contact_area = 0.0;      ///< m^2
+    RenderingMeasures measures;     ///< against the virtual contact that led to the command
+    double cpu_time = 0.0;          ///< s, of the press
+  };
+  struct Finger {
+    Pose X_WFt;                     ///< tracked
+    bool tracked = false;           ///< else X_WFt is the last known
+    double tracked_time = 0.0;      ///< s, when X_WFt was true
+    Pose X_WF;                      ///< simulated
+    Skin skin;                      ///< virtual
+    double normal_force = 0.0;      ///< N, magnitude of the vector sum
+    double normal_force_sum = 0.0;  ///< N, sum of the magnitudes
+    double tangential_force = 0.0;  ///< N
+    double slip_ratio = 0.0;        ///< see ContactSet
+    double stuck_fraction = 0.0;
+    double contact_area = 0.0;    ///< m^2
+    double deviation = 0.0;       ///< E of the last match, m^2
+    Configuration configuration;  ///< commanded q
+    Configuration actual;         ///< q where the servos say they are; empty: they do not
+    JointAngles joints;           ///< commanded; rad, or m for linear ones
+    std::int64_t tick = -1;       ///< of the commanded q; -1: none yet
+    StageTimes stages;            ///< of that tick
+    Pose X_FP;                    ///< platform of the commanded q
+    /// Per leg: base joint, knee, platform joint; m, in F; commanded.
+    std::vector<Eigen::Vector3f> linkage_F;
+    std::vector<Piece> pieces;   ///< of the commanded q
+    std::string device_state;    ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    bool force_limited = false;  ///< the device would advance further but for its limit of force
+    Twin twin;
+  };
+  std::uint64_t generation = 0;  ///< of the SceneDescription it belongs to
+  std::uint64_t step = 0;
+  double time = 0.0;       ///< s, simulated
+  double wall_time = 0.0;  ///< s, on the monotonic clock: when this was taken
+  bool paused = false;
+  bool emergency = false;       ///< devices retract, or are retracted, since somebody said stop
+  bool finished = false;        ///< the script has come to its end
+  double step_cpu_time = 0.0;   ///< s, of the last step
+  double match_cpu_time = 0.0;  ///< s, of the last match
+  std::uint64_t deadline_misses = 0;
+  std::vector<Pose> X_WO;  ///< one per object
+  std::vector<Finger> fingers;
+};
+
+/// What the page may ask of a live run.
+struct LiveRequest {
+  enum class Kind {
+    kPause,
+    kResume,
+    kRestart,
+    kScene,
+    kPose,
+    kEmergencyStop,
+    kRelease,
+    kRegister,
+    kCancelRegistration,
+    kReload,  ///< not of the page: the person's file has changed
+  };
+  Kind kind = Kind::kPause;
+  std::string scene;                   ///< for kScene: one of SceneDescription::scene_names
+  std::size_t finger = 0;              ///< for kPose, kRegister: which of the scene's
+  Pose X_WFt;                          ///< for kPose: where the person wants it
+  FingerSize measured;                 ///< for kRegister
+  std::optional<double> table_height;  ///< for kRegister: z of W, m; see RegistrationTask
+};
+
+/// A registration that the page asked for.
+struct RegistrationState {
+  enum class Phase { kIdle, kRunning, kSaved, kRefused };
+  Phase phase = Phase::kIdle;
+  std::size_t finger = 0;    ///< which of the scene's
+  std::size_t held = 0;      ///< postures that were held
+  std::size_t postures = 0;  ///< that there are
+  std::string_view wanted;   ///< name of the posture to hold now
+  double progress = 0.0;     ///< of holding it, 0 to 1
+  std::string message;       ///< what was found, or why nothing was saved
+};
+
+/// The live loop as the viewer sees it. Called from the viewer's one thread; never blocks the loop.
+class LiveFeed {
+ public:
+  virtual ~LiveFeed() = default;
+  /// The scene now running. A new object whenever its generation grows.
+  [[nodiscard]] virtual std::shared_ptr<const SceneDescription> description() = 0;
+  /// Takes over the newest snapshot if there is one not yet taken.
+  virtual bool refresh() = 0;
+  [[nodiscard]] virtual const Snapshot& latest() const = 0;
+  virtual void request(const LiveRequest& request) = 0;
+  /// A hand that a headset sees, for the fingers that follow it.
+  virtual void offer_hand(const XrHand& hand) = 0;
+  /// Name of the scene that is being loaded, or begun anew, in place of the one described; empty:
+  /// none is.
+  [[nodiscard]] virtual std::string loading() { return {}; }
+  /// What a person should know, one line, each once.
+  [[nodiscard]] virtual std::optional<std::string> take_message() { return std::nullopt; }
+  /// Idle for ever where none is offered.
+  [[nodiscard]] virtual const RegistrationState& registration() const {
+    static const RegistrationState kIdle;
+    return kIdle;
+  }
+};
+
+}  // namespace softfinger

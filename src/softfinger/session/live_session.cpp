@@ -1,0 +1,270 @@
+#include "softfinger/session/live_session.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/session/scene_snapshot.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
+/// More requests than this at a time are not from a person.
+constexpr std::size_t kMostRequests = 32;
+constexpr std::size_t kMostMessages = 32;  // that wait for the page
+
+void observe(SceneRun& run, const RunObserver& observer) {
+  while (const auto message = run.take_message()) {
+    if (observer.message) observer.message(*message);
+  }
+  if (observer.progress) observer.progress(run.time(), run.duration());
+}
+
+std::vector<std::string> scenes_beside(const fs::path& scene) {
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path directory = scene.has_parent_path() ? scene.parent_path() : fs::path(".");
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// "run.db" for generation 1, "run-2.db" for generation 2.
+fs::path recording_of(const fs::path& file, std::uint64_t generation) {
+  if (generation == 1) return file;
+  fs::path numbered = file;
+  numbered.replace_filename(
+      fmt::format("{}-{}{}", file.stem().string(), generation, file.extension().string()));
+  return numbered;
+}
+
+}  // namespace
+
+RunSummary run_headless(const RunOptions& options, const std::atomic<bool>& stop,
+                        const RunObserver& observer, SceneRun::Hooks hooks) {
+  return run_headless(load_setup(options), options, stop, observer, std::move(hooks));
+}
+
+RunSummary run_headless(std::shared_ptr<const RunSetup> setup, const RunOptions& options,
+                        const std::atomic<bool>& stop, const RunObserver& observer,
+                        SceneRun::Hooks hooks) {
+  SceneRun run(std::move(setup), options, SceneRun::Mode::kHeadless, 1, std::move(hooks));
+  run.start();
+  while (!run.ended()) {
+    if (stop.load()) run.stop();
+    observe(run, observer);
+    std::this_thread::sleep_for(kPollInterval);
+  }
+  RunSummary summary = run.finish();
+  observe(run, observer);
+  return summary;
+}
+
+LiveSession::LiveSession(const RunOptions& options, bool repeat, SceneRun::Hooks hooks)
+    : options_(options),
+      repeat_(repeat),
+      hooks_(std::move(hooks)),
+      scene_names_(scenes_beside(options.scene)) {
+  begin(load_setup(options_));
+  viewed_ = run_;
+}
+
+LiveSession::~LiveSession() = default;
+
+void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
+  ++generation_;
+  const bool described = setup == setup_;  // a restart
+  setup_ = std::move(setup);
+  RunOptions options = options_;
+  if (options.recording) options.recording = recording_of(*options.recording, generation_);
+  auto run =
+      std::make_shared<SceneRun>(setup_, options, SceneRun::Mode::kLive, generation_, hooks_);
+  auto description =
+      std::make_shared<SceneDescription>(described ? *description_ : describe(*setup_));
+  description->generation = generation_;
+  description->scene_names = scene_names_;
+  description->duration = run->duration().value_or(0.0);
+  description->fingers[0].twin = options_.twin && setup_->devices[0];
+  const std::lock_guard lock(mutex_);
+  run->set_emergency(emergency_);           // a restart is no release
+  run->set_paused(run_ && run_->paused());  // nor does it resume
+  loading_.clear();
+  run_ = std::move(run);
+  description_ = std::move(description);
+}
+
+bool LiveSession::take_request(LiveRequest& request) {
+  const std::lock_guard lock(mutex_);
+  if (requests_.empty()) return false;
+  request = requests_.front();
+  requests_.erase(requests_.begin());
+  return true;
+}
+
+RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& told) {
+  RunObserver observer = told;
+  observer.message = [&](const std::string& line) {
+    if (told.message) told.message(line);
+    const std::lock_guard lock(mutex_);
+    if (messages_.size() < kMostMessages) messages_.push_back(line);
+  };
+  RunSummary summary;
+  bool again = true;
+  while (again) {
+    again = false;
+    run_->start();
+    std::shared_ptr<const RunSetup> next;
+    while (!run_->ended()) {
+      observe(*run_, observer);
+      if (stop.load()) run_->stop();
+      LiveRequest request;
+      while (!next && take_request(request)) {
+        switch (request.kind) {
+          case LiveRequest::Kind::kPause:
+            run_->set_paused(true);
+            break;
+          case LiveRequest::Kind::kResume:
+            run_->set_paused(false);
+            break;
+          case LiveRequest::Kind::kRestart:
+            next = setup_;
+            set_loading(setup_->scene.file.stem().string());
+            break;
+          case LiveRequest::Kind::kScene:
+            next = other_scene(request.scene, observer);
+            break;
+          case LiveRequest::Kind::kReload:
+            set_loading(setup_->scene.file.stem().string());
+            next = load(setup_->scene.file, observer);
+            break;
+          case LiveRequest::Kind::kPose:
+          case LiveRequest::Kind::kEmergencyStop:
+          case LiveRequest::Kind::kRelease:
+          case LiveRequest::Kind::kRegister:
+          case LiveRequest::Kind::kCancelRegistration:
+            break;  // went straight to the run, or to the registration
+        }
+      }
+      if (next) run_->stop();
+      std::this_thread::sleep_for(kPollInterval);
+    }
+    if (!next && repeat_ && !stop.load()) {
+      next = setup_;
+      set_loading(setup_->scene.file.stem().string());
+    }
+    summary = run_->finish();
+    observe(*run_, observer);
+    if (next && !stop.load()) {
+      begin(std::move(next));
+      again = true;
+    }
+  }
+  return summary;
+}
+
+std::shared_ptr<const RunSetup> LiveSession::other_scene(const std::string& name,
+                                                         const RunObserver& observer) {
+  if (std::find(scene_names_.begin(), scene_names_.end(), name) == scene_names_.end()) {
+    return nullptr;
+  }
+  set_loading(name);
+  return load(options_.scene.parent_path() / (name + ".toml"), observer);
+}
+
+std::shared_ptr<const RunSetup> LiveSession::load(const fs::path& scene,
+                                                  const RunObserver& observer) {
+  RunOptions options = options_;
+  options.scene = scene;
+  try {
+    return load_setup(options);
+  } catch (const InputError& error) {
+    observer.message(error.what());
+    set_loading("");
+    return nullptr;
+  }
+}
+
+void LiveSession::set_loading(std::string scene) {
+  const std::lock_guard lock(mutex_);
+  loading_ = std::move(scene);
+}
+
+std::string LiveSession::loading() {
+  const std::lock_guard lock(mutex_);
+  return loading_;
+}
+
+std::shared_ptr<const SceneDescription> LiveSession::description() {
+  const std::lock_guard lock(mutex_);
+  return description_;
+}
+
+bool LiveSession::refresh() {
+  bool changed = false;
+  {
+    const std::lock_guard lock(mutex_);
+    changed = viewed_ != run_;
+    viewed_ = run_;
+  }
+  const bool fresh = viewed_->snapshots().refresh() || changed;
+  if (fresh && registration_.take(latest())) {
+    LiveRequest reload;
+    reload.kind = LiveRequest::Kind::kReload;
+    request(reload);
+  }
+  return fresh;
+}
+
+std::optional<std::string> LiveSession::take_message() {
+  const std::lock_guard lock(mutex_);
+  if (messages_.empty()) return std::nullopt;
+  std::string message = std::move(messages_.front());
+  messages_.pop_front();
+  return message;
+}
+
+const RegistrationState& LiveSession::registration() const { return registration_.state(); }
+
+// Devices retract, and stay so when all is done until somebody releases them: the finger is on a
+// table.
+void LiveSession::begin_registration(const LiveRequest& wanted) {
+  if (!registration_.begin(wanted, viewed_->setup(), latest().generation)) return;
+  LiveRequest plain;
+  plain.kind = LiveRequest::Kind::kEmergencyStop;
+  request(plain);
+  plain.kind = LiveRequest::Kind::kResume;
+  request(plain);
+}
+
+const Snapshot& LiveSession::latest() const { return viewed_->snapshots().latest(); }
+
+void LiveSession::request(const LiveRequest& request) {
+  if (request.kind == LiveRequest::Kind::kPose) {
+    viewed_->offer_pose(request.finger, request.X_WFt);
+    return;
+  }
+  if (request.kind == LiveRequest::Kind::kRegister) return begin_registration(request);
+  if (request.kind == LiveRequest::Kind::kCancelRegistration) return registration_.cancel();
+  const bool registering = registration_.state().phase == RegistrationState::Phase::kRunning;
+  if (registering && request.kind == LiveRequest::Kind::kRelease) return;
+  const std::lock_guard lock(mutex_);
+  if (request.kind == LiveRequest::Kind::kEmergencyStop ||
+      request.kind == LiveRequest::Kind::kRelease) {
+    emergency_ = request.kind == LiveRequest::Kind::kEmergencyStop;
+    run_->set_emergency(emergency_);
+    return;
+  }
+  if (requests_.size() < kMostRequests) requests_.push_back(request);
+}
+
+void LiveSession::offer_hand(const XrHand& hand) { viewed_->offer_hand(hand); }
+
+}  // namespace softfinger

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/session/live_feed.hpp"
+#include "softfinger/session/live_registration.hpp"
+#include "softfinger/session/scene_run.hpp"
+
+namespace softfinger {
+
+/// Follows runs from outside: every few milliseconds on the thread that called.
+struct RunObserver {
+  /// One line for people, e.g. that the device's port is gone.
+  std::function<void(const std::string&)> message;
+  /// Time reached (s) and when the run ends (s), if it does.
+  std::function<void(double, std::optional<double>)> progress;
+};
+
+/// Runs a scene without a page until it ends or `stop` becomes true. Throws InputError, and
+/// OperationError when the recording could not be written.
+RunSummary run_headless(const RunOptions& options, const std::atomic<bool>& stop,
+                        const RunObserver& observer = {}, SceneRun::Hooks hooks = {});
+/// The same with a setup loaded already, by load_setup for these options.
+RunSummary run_headless(std::shared_ptr<const RunSetup> setup, const RunOptions& options,
+                        const std::atomic<bool>& stop, const RunObserver& observer = {},
+                        SceneRun::Hooks hooks = {});
+
+/// A live run and what the page asks of it: pause, restart, another scene. Each restart is a run of
+/// its own, a generation; recordings after the first get "-2", "-3", ... before the extension.
+class LiveSession final : public LiveFeed {
+ public:
+  /// Loads the scene and opens its devices. The page may choose from the scenes in the directory
+  /// of this one. `repeat`: a script that ends starts over. Throws InputError.
+  LiveSession(const RunOptions& options, bool repeat, SceneRun::Hooks hooks = {});
+  ~LiveSession() override;
+
+  /// Runs until the script ends (unless repeated) or `stop` becomes true; then retracts the devices
+  /// and closes the recording. Returns the summary of the last generation. Throws OperationError
+  /// when the recording could not be written. Once.
+  RunSummary run(const std::atomic<bool>& stop, const RunObserver& observer = {});
+
+  std::shared_ptr<const SceneDescription> description() override;
+  bool refresh() override;
+  [[nodiscard]] const Snapshot& latest() const override;
+  void request(const LiveRequest& request) override;
+  void offer_hand(const XrHand& hand) override;
+  [[nodiscard]] std::string loading() override;
+  /// What RunObserver::message gets.
+  [[nodiscard]] std::optional<std::string> take_message() override;
+  [[nodiscard]] const RegistrationState& registration() const override;
+
+ private:
+  void begin(std::shared_ptr<const RunSetup> setup);
+  void set_loading(std::string scene);
+  bool take_request(LiveRequest& request);
+  void begin_registration(const LiveRequest& request);
+  std::shared_ptr<const RunSetup> other_scene(const std::string& name, const RunObserver& observer);
+  std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
+                                       const RunObserver& observer);
+
+  RunOptions options_;
+  bool repeat_;
+  SceneRun::Hooks hooks_;
+  std::vector<std::string> scene_names_;
+  std::uint64_t generation_ = 0;
+  std::shared_ptr<const RunSetup> setup_;
+
+  // Between the viewer's thread and the session's; the loops never take it.
+  std::mutex mutex_;
+  std::shared_ptr<SceneRun> run_;
+  std::shared_ptr<const SceneDescription> description_;
+  std::vector<LiveRequest> requests_;
+  std::deque<std::string> messages_;  ///< for the page
+  std::string loading_;               ///< see LiveFeed
+  bool emergency_ = false;            ///< the page said stop, and has not released it
+  // Viewer's thread only: keeps the mailbox alive that latest() points into.
+  std::shared_ptr<SceneRun> viewed_;
+  LiveRegistration registration_;
+};
+
+}  // namespace softfinger

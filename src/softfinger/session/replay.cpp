@@ -1,0 +1,181 @@
+#include "softfinger/session/replay.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/loop/device_loop.hpp"
+#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/recording/recording_reader.hpp"
+#include "softfinger/session/recorded_files.hpp"
+#include "softfinger/session/run_setup.hpp"
+
+namespace softfinger {
+namespace {
+
+template <typename Row>
+bool same_bytes(const std::vector<Row>& a, const std::vector<Row>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(static_cast<const void*>(a.data()),
+                                                           static_cast<const void*>(b.data()),
+                                                           a.size() * sizeof(Row)) == 0);
+}
+
+/// Runs the loops of a recording again, row by row.
+class Replayer {
+ public:
+  Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
+    DeviceLoopOptions options;
+    options.actuator.port = "emulator";
+    options.actuator.simulated_time = true;
+    options.replay = true;
+    for (std::size_t i = 0; i < setup_->models.size(); ++i) {
+      const auto index = static_cast<std::int64_t>(i);
+      Finger& finger = fingers_.emplace_back();
+      finger.loop = std::make_unique<FingerLoop>(index, setup_->models[i], setup_->scene.objects,
+                                                 setup_->scene.simulation_rate, with_state);
+      if (!setup_->devices[i]) continue;
+      options.actuator.ceiling = setup_->ceilings[i];
+      finger.device =
+          std::make_unique<DeviceLoop>(index, setup_->devices[i], setup_->models[i], options);
+    }
+  }
+
+  /// The part of a row that only needs the recorded pose.
+  void simulate(const StepRecord& recorded) {
+    FingerLoop& loop = *finger_of(recorded).loop;
+    if (recorded.step == 0) {
+      loop.start(recorded.tracked);
+    } else {
+      loop.step(recorded.step, recorded.tracked);
+    }
+  }
+
+  /// What differs in a tick of the step just simulated; null: nothing.
+  const char* tick(const TickRecord& recorded) {
+    Finger& finger = finger_of(recorded);
+    if (!finger.device) return "device tick";
+    finger.device->replay_reading(recorded.reading);
+    const FingerSimulation& simulation = finger.loop->simulation();
+    const auto now = std::chrono::steady_clock::now();
+    const TickRecord& tick = finger.device->tick(
+        {.step = recorded.step,
+         .time = recorded.time,
+         .tracked = recorded.tracked,
+         .emergency = recorded.emergency,
+         .taken = now,
+         .handed = now},
+        {finger.loop->contact(), simulation.positions(), simulation.bone_pose()});
+    finger.tick_hashes[tick.tick] = tick.hash;
+    return first_difference(recorded, tick);
+  }
+
+  const char* finish(const StepRecord& recorded) {
+    Finger& finger = finger_of(recorded);
+    const auto tick = finger.tick_hashes.find(recorded.tick);
+    const StepRecord& record =
+        finger.loop->seal(recorded.tick, tick == finger.tick_hashes.end() ? 0 : tick->second);
+    // Later steps know this tick or newer ones.
+    finger.tick_hashes.erase(finger.tick_hashes.begin(),
+                             finger.tick_hashes.lower_bound(recorded.tick));
+    if (const char* difference = first_difference(recorded, record)) return difference;
+    if (!same_bytes(recorded.nodes_W, record.nodes_W)) return "nodes";
+    if (!same_bytes(recorded.samples, record.samples)) return "samples";
+    return nullptr;
+  }
+
+ private:
+  struct Finger {
+    std::unique_ptr<FingerLoop> loop;
+    std::unique_ptr<DeviceLoop> device;
+    std::map<std::int64_t, std::uint64_t> tick_hashes;
+  };
+
+  template <typename Record>
+  Finger& finger_of(const Record& record) {
+    return fingers_[static_cast<std::size_t>(record.finger)];
+  }
+
+  std::shared_ptr<const RunSetup> setup_;
+  std::vector<Finger> fingers_;
+};
+
+}  // namespace
+
+ReplayResult replay(const ReplayOptions& options, const std::function<void(double)>& progress) {
+  RecordingReader reader(options.recording);
+  const RecordingInfo& info = reader.info();
+  std::unique_ptr<RecordedFiles> files;
+  RunOptions run;
+  if (options.scene) {
+    run.scene = *options.scene;
+  } else {
+    files = std::make_unique<RecordedFiles>(info, options.recording);
+    run = files->run_options();
+  }
+  run.load_observer = options.load_observer;
+  std::shared_ptr<const RunSetup> setup = load_setup(run);
+  // A program with a loop of its own runs and records one finger of a scene.
+  if (info.fingers.size() == 1 && setup->scene.fingers.size() > 1) {
+    for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {
+      if (setup->scene.fingers[i].name == info.fingers.front().name) {
+        setup = only_finger(*setup, i);
+        break;
+      }
+    }
+  }
+  if (setup->scene.fingers.size() != info.fingers.size()) {
+    throw InputError(fmt::format("{}: has {} fingers, the recording {} has {}",
+                                 setup->scene.file.string(), setup->scene.fingers.size(),
+                                 options.recording.string(), info.fingers.size()));
+  }
+  Replayer replayer(setup, info.with_state);
+
+  ReplayResult result;
+  result.steps = reader.last_step();
+  result.cut = reader.how_it_was_cut();
+  const auto differ = [&](std::int64_t step, std::int64_t finger, const char* what) {
+    result.agree = false;
+    result.first_difference = step;
+    result.difference = info.fingers.size() > 1
+                            ? fmt::format("{} of finger {}", what,
+                                          info.fingers[static_cast<std::size_t>(finger)].name)
+                            : what;
+    return result;
+  };
+
+  StepRecord step;
+  TickRecord tick;
+  bool more_ticks = reader.next(tick);
+  std::int64_t expected_step = 0;
+  std::int64_t expected_finger = 0;
+  while (reader.next(step)) {
+    if (step.step != expected_step || step.finger != expected_finger) {
+      return differ(expected_step, expected_finger, "a missing row");
+    }
+    if (++expected_finger == static_cast<std::int64_t>(info.fingers.size())) {
+      expected_finger = 0;
+      ++expected_step;
+    }
+    replayer.simulate(step);
+    while (more_ticks && tick.step == step.step && tick.finger == step.finger) {
+      if (const char* what = replayer.tick(tick)) return differ(step.step, step.finger, what);
+      more_ticks = reader.next(tick);
+    }
+    if (const char* what = replayer.finish(step)) return differ(step.step, step.finger, what);
+    if (progress && result.steps > 0 && step.step % 100 == 0) {
+      progress(static_cast<double>(step.step) / static_cast<double>(result.steps));
+    }
+  }
+  return result;
+}
+
+std::string recorded_instruction_set(const std::filesystem::path& recording) {
+  return RecordingReader(recording).info().instruction_set;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,210 @@
+#include "softfinger/session/run_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/instruction_set.hpp"
+#include "softfinger/files/config_file.hpp"
+#include "softfinger/geometry/signed_distance_grid.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Calls set(finger, value) for each "[NAME=]VALUE".
+template <typename Set>
+void apply_overrides(const std::vector<std::string>& overrides, const char* flag, Scene& scene,
+                     const Set& set) {
+  for (const std::string& text : overrides) {
+    std::size_t finger = 0;
+    std::string value = text;
+    const std::size_t equals = text.find('=');
+    bool named = false;
+    if (equals != std::string::npos) {
+      for (std::size_t i = 0; i < scene.fingers.size() && !named; ++i) {
+        if (scene.fingers[i].name != text.substr(0, equals)) continue;
+        named = true;
+        finger = i;
+        value = text.substr(equals + 1);
+      }
+    }
+    if (!named && scene.fingers.size() > 1) {
+      std::vector<std::string> names;
+      for (const SceneFinger& each : scene.fingers) names.push_back(each.name);
+      throw InputError(
+          fmt::format("{} {}: the scene has several fingers, give NAME=... with one of "
+                      "{}",
+                      flag, text, fmt::join(names, ", ")));
+    }
+    set(finger, value);
+  }
+}
+
+/// As `--tracker` says; a whole hand without a name moves every finger.
+void override_trackers(const std::vector<std::string>& overrides, RunSetup& setup) {
+  std::vector<std::string> named;
+  for (const std::string& text : overrides) {
+    const bool nameless = text == "webxr" || text.starts_with("webxr:");
+    if (!nameless || !tracks_whole_hand(text)) {
+      named.push_back(text);
+      continue;
+    }
+    for (const SceneFinger& finger : setup.scene.fingers) named.push_back(finger.name + '=' + text);
+  }
+  apply_overrides(named, "--tracker", setup.scene, [&](std::size_t i, const std::string& spec) {
+    setup.scene.fingers[i].tracker = spec;
+    setup.tracker_directories[i].clear();
+  });
+  for (SceneFinger& finger : setup.scene.fingers) {
+    finger.tracker = tracker_of_finger(finger.tracker, finger.name);
+  }
+}
+
+std::string content_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
+  if (wearer.mesh.tetrahedra == model.mesh.tetrahedra &&
+      wearer.sample_nodes == model.sample_nodes && wearer.node_is_rigid == model.node_is_rigid) {
+    return;
+  }
+  throw InputError(
+      fmt::format("{}: its mesh is not connected as that of {}; a wearer may have another [size], "
+                  "other constants or moved nodes, but the same elements and groups",
+                  wearer.file.string(), model.file.string()));
+}
+
+/// A misspelt name would leave a finger as it is in silence.
+void check_names(const Person& person, const Scene& scene) {
+  std::vector<std::string> known{"thumb", "index", "middle", "ring", "pinky"};
+  for (const SceneFinger& finger : scene.fingers) known.push_back(finger.name);
+  for (const PersonFinger& finger : person.fingers) {
+    if (std::ranges::find(known, finger.name) != known.end()) continue;
+    std::vector<std::string> names;
+    for (const SceneFinger& each : scene.fingers) names.push_back(each.name);
+    ConfigFile(person.file, person.text)
+        .root()
+        .fail(finger.name, fmt::format("neither a finger of a hand (thumb, index, middle, ring, "
+                                       "pinky) nor of {}, which has {}",
+                                       scene.file.string(), fmt::join(names, ", ")));
+  }
+}
+
+/// Waypoints and the live page move the finger itself.
+bool follows_body(const SceneFinger& finger) {
+  const TrackerKind kind = parse_tracker_spec(finger.tracker).kind;
+  return kind != TrackerKind::kScript && kind != TrackerKind::kPage;
+}
+
+fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
+
+}  // namespace
+
+std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
+  auto setup = std::make_shared<RunSetup>();
+  setup->scene = load_scene(options.scene, !options.trackers.empty(), options.load_observer);
+  Scene& scene = setup->scene;
+  setup->tracker_directories.assign(scene.fingers.size(), scene.file.parent_path());
+  apply_overrides(options.devices, "--device", scene,
+                  [&](std::size_t i, const std::string& file) { scene.fingers[i].device = file; });
+  override_trackers(options.trackers, *setup);
+  if (options.person) {
+    setup->person = options.person_may_be_new ? load_person_if_any(*options.person)
+                                              : load_person(*options.person);
+    check_names(*setup->person, scene);
+  }
+  for (const SceneFinger& finger : scene.fingers) {
+    const PersonFinger* known = setup->person ? setup->person->find(finger.name) : nullptr;
+    setup->models.push_back(
+        FingerModel::load(finger.model, known != nullptr ? known->size : FingerSize{}));
+    setup->registrations.push_back(known != nullptr && follows_body(finger) ? known->X_BodyFt
+                                                                            : std::nullopt);
+    WornDevice worn = finger.device ? worn_on(*setup->models.back(), *finger.device) : WornDevice{};
+    setup->devices.push_back(std::move(worn.device));
+    setup->ceilings.push_back(std::move(worn.ceiling));
+    setup->notices.push_back(std::move(worn.notices));
+  }
+  if (options.wearer) {
+    setup->wearer = FingerModel::load(*options.wearer);
+    for (const auto& model : setup->models) check_connectivity(*setup->wearer, *model);
+  }
+  return setup;
+}
+
+std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup, std::size_t finger) {
+  auto alone = std::make_shared<RunSetup>(setup);
+  alone->scene.fingers = {setup.scene.fingers[finger]};
+  alone->models = {setup.models[finger]};
+  alone->devices = {setup.devices[finger]};
+  alone->ceilings = {setup.ceilings[finger]};
+  alone->registrations = {setup.registrations[finger]};
+  alone->tracker_directories = {setup.tracker_directories[finger]};
+  return alone;
+}
+
+bool is_registrable(const RunSetup& setup, std::size_t finger) {
+  return setup.person && finger < setup.scene.fingers.size() &&
+         follows_body(setup.scene.fingers[finger]);
+}
+
+double device_rate(const Device& device) {
+  const auto& transport = device.settings().transport;
+  return transport ? transport->rate : TransportSettings{}.rate;
+}
+
+RecordingInfo recording_info(const RunSetup& setup) {
+  RecordingInfo info;
+  info.program_version = SOFTFINGER_VERSION;
+  info.instruction_set = name_of(active_instruction_set());
+  info.scene = absolute_path(setup.scene.file);
+  info.simulation_rate = setup.scene.simulation_rate;
+  const auto add_file = [&](const fs::path& file) {
+    info.files.push_back({absolute_path(file), content_of(file)});
+  };
+  add_file(setup.scene.file);
+  if (setup.person) {
+    info.person = absolute_path(setup.person->file);
+    info.files.push_back({info.person, setup.person->text});
+  }
+  for (std::size_t i = 0; i < setup.scene.fingers.size(); ++i) {
+    const SceneFinger& scene_finger = setup.scene.fingers[i];
+    RecordingInfo::Finger finger;
+    finger.name = scene_finger.name;
+    finger.model = absolute_path(scene_finger.model);
+    finger.tracker = scene_finger.tracker;
+    add_file(scene_finger.model);
+    add_file(ConfigFile(scene_finger.model).root().table("mesh").path("file"));
+    if (const Device* device = setup.devices[i].get()) {
+      finger.device = absolute_path(*scene_finger.device);
+      finger.joints = device->joint_count();
+      finger.linear_joints = device->joint_limits().linear;
+      finger.device_rate = device_rate(*device);
+      if (const auto& transport = device->settings().transport) {
+        finger.servo_unit = transport->unit;
+        finger.servo_step = transport->servos.front().step / transport->unit_scale;
+      }
+      for (const ConfigurationAxis& axis : device->axes()) {
+        finger.configuration_names.push_back(axis.name);
+      }
+      add_file(*scene_finger.device);
+    }
+    info.fingers.push_back(std::move(finger));
+  }
+  for (const VirtualObject& object : setup.scene.objects) {
+    if (const auto* mesh = std::get_if<MeshShape>(&object.shape)) {
+      info.meshes.push_back({absolute_path((*mesh)->source()), (*mesh)->source_hash()});
+    }
+  }
+  return info;
+}
+
+}  // namespace softfinger

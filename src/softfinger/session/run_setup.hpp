@@ -1,0 +1,92 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/device/device.hpp"
+#include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/finger/finger_model.hpp"
+#include "softfinger/matching/objective.hpp"
+#include "softfinger/person/person.hpp"
+#include "softfinger/recording/recording_info.hpp"
+#include "softfinger/scene/scene.hpp"
+#include "softfinger/session/worn_device.hpp"
+#include "softfinger/tracking/conditioned_tracker.hpp"
+
+namespace softfinger {
+
+/// What to run, as a user says it.
+struct RunOptions {
+  std::filesystem::path scene;
+  /// Device files and trackers instead of the scene's: "FILE" for the only finger, "NAME=FILE"
+  /// where the text before the first = is the name of a finger in the scene.
+  std::vector<std::string> devices;
+  std::vector<std::string> trackers;
+  /// Person file: sizes of the fingers, and where the bodies that trackers follow sit on them.
+  std::optional<std::filesystem::path> person;
+  bool person_may_be_new = false;    ///< no such file yet: nothing is known of the person
+  PoseConditioning conditioning;     ///< of all tracked poses
+  std::optional<double> duration;    ///< s; empty: until the trackers end
+  bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
+  bool wait_for_device = false;      ///< an absent port is no error
+  /// Of the matching, instead of the device files'; recordings do not know of it.
+  std::optional<Objective> objective;
+  /// Finger file of whom the device is on, as far as it is emulated; empty: the simulated finger.
+  std::optional<std::filesystem::path> wearer;
+  /// Owns each device's port in a process of its own, see ActuatorOptions; empty: a thread does.
+  std::filesystem::path guard_program;
+  std::string port;  ///< of every device, instead of its file's; empty: the file's
+  /// That step several fingers side by side, or one with a large mesh; the bits do not depend on
+  /// it.
+  int threads = 1;
+  /// Live only: a second finger is pressed by the first one's device, for the page, which shows the
+  /// first.
+  bool twin = true;
+  /// Where it is true, all devices retract at once, until the end; null: it never is.
+  const std::atomic<bool>* emergency_stop = nullptr;
+  std::optional<std::filesystem::path> recording;
+  bool record_state = false;
+  LoadObserver load_observer;
+};
+
+/// A scene with all it names loaded; what a run, a replay and the library start from.
+struct RunSetup {
+  Scene scene;                                             ///< overrides applied
+  std::vector<std::shared_ptr<const FingerModel>> models;  ///< one per finger
+  std::vector<std::shared_ptr<const Device>> devices;      ///< one per finger; null: none
+  /// One per finger: how far its device may be advanced; null: its force has no limit.
+  std::vector<std::shared_ptr<const TravelCeiling>> ceilings;
+  /// One per finger: what people must know of its device.
+  std::vector<std::vector<DeviceNotice>> notices;
+  /// Whom emulated force sensors press; null: the simulated fingers.
+  std::shared_ptr<const FingerModel> wearer;
+  std::optional<Person> person;
+  /// One per finger: X_BodyFt of what its tracker follows; empty: the finger itself.
+  std::vector<std::optional<Pose>> registrations;
+  /// One per finger: what a file in its tracker's name is relative to.
+  std::vector<std::filesystem::path> tracker_directories;
+};
+
+/// Reads the scene and every file it names. Throws InputError.
+[[nodiscard]] std::shared_ptr<const RunSetup> load_setup(const RunOptions& options);
+
+/// The same with this finger alone.
+[[nodiscard]] std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup,
+                                                          std::size_t finger);
+
+/// The device's ticks per second; 30 for a device file without a transport. Hz.
+[[nodiscard]] double device_rate(const Device& device);
+
+/// Whether a registration of this finger has a person to be of and a tracked body: `script` and
+/// `page` move the finger itself.
+[[nodiscard]] bool is_registrable(const RunSetup& setup, std::size_t finger);
+
+/// What a recording says of this setup; reads the files once more.
+[[nodiscard]] RecordingInfo recording_info(const RunSetup& setup);
+
+}  // namespace softfinger

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "softfinger/recording/recording_writer.hpp"
+#include "softfinger/session/live_feed.hpp"
+#include "softfinger/session/run_setup.hpp"
+#include "softfinger/session/run_summary.hpp"
+#include "softfinger/threads/mailbox.hpp"
+
+namespace softfinger {
+
+class DeviceLoop;
+class FingerLoop;
+class ThreadTeam;
+struct TickInput;
+
+/// One run of one scene from start to end: the simulation thread and, in a live run, one device
+/// thread a finger. Headless, a device tick is computed in the step it falls in; live, the step
+/// hands its contact set to the device thread, newest value only.
+class SceneRun {
+ public:
+  enum class Mode { kHeadless, kLive };
+  struct Hooks {
+    /// Called once on the simulation thread and on each device thread, after its first step or
+    /// tick, and on each helper of the simulation before it helps; from then on the thread neither
+    /// allocates nor locks. For scheduling, and for tests.
+    std::function<void()> on_loop_thread;
+    /// Headless: after each device tick, on the simulation thread, with the finger's number. May
+    /// take its time; simulated time stands still.
+    std::function<void(std::size_t finger, const FingerLoop&, const DeviceLoop&)> on_tick;
+    /// After each step, when its time is over as well, on the simulation thread. For measurements.
+    std::function<void()> on_step;
+  };
+
+  /// Opens devices and trackers. Throws InputError, also where the recording exists already.
+  /// `setup` as given by load_setup for these options; `generation` numbers the snapshots.
+  SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& options, Mode mode,
+           std::uint64_t generation = 1, Hooks hooks = {});
+  /// Ends as finish() does, without a word about failures.
+  ~SceneRun();
+  SceneRun(const SceneRun&) = delete;
+  SceneRun& operator=(const SceneRun&) = delete;
+
+  /// Creates the recording and lets the threads go. Throws InputError, OperationError.
+  void start();
+  /// Asks the loop to end after its present step. Any thread.
+  void stop() noexcept { stopping_.store(true); }
+  /// Live only. Simulated time stands still; the device keeps its pose.
+  void set_paused(bool paused) noexcept { paused_.store(paused); }
+  [[nodiscard]] bool paused() const noexcept { return paused_.load(); }
+  /// Emergency stop: every device retracts at once, and stays so until it is released.
+  void set_emergency(bool emergency) noexcept { emergency_.store(emergency); }
+  /// Live only: X_WFt of a finger whose tracker is the page; others are not moved. One thread.
+  void offer_pose(std::size_t finger, const Pose& X_WFt) noexcept;
+  /// Live only: a hand for every finger whose tracker is a headset. The same thread.
+  void offer_hand(const XrHand& hand) noexcept;
+  [[nodiscard]] const RunSetup& setup() const noexcept { return *setup_; }
+  /// Whether the loop has come to its end.
+  [[nodiscard]] bool ended() const noexcept { return ended_.load(); }
+  /// End of the last finished step, s.
+  [[nodiscard]] double time() const noexcept;
+  /// When the run ends by itself, s; empty: never.
+  [[nodiscard]] std::optional<double> duration() const;
+
+  /// Ends the loop, retracts the devices, closes the recording. Blocks until the devices are
+  /// retracted. Throws OperationError when the recording could not be written. Once.
+  RunSummary finish();
+
+  /// Live only; one reader thread.
+  [[nodiscard]] Mailbox<Snapshot>& snapshots() { return *snapshots_; }
+  /// What a person should know while the run goes on: a tracker or a device lost or back, rows not
+  /// recorded;
+  /// one line, each told once. One thread.
+  [[nodiscard]] std::optional<std::string> take_message();
+
+ private:
+  struct Finger;
+
+  void open_recording();
+  void simulate();
+  void simulate_step(std::int64_t step);
+  void step_finger(Finger& finger, std::int64_t step);
+  void conclude_step(Finger& finger, std::int64_t step);
+  void tick_here(Finger& finger, const TickInput& context);
+  void send_to_device(Finger& finger, const TickInput& context);
+  [[nodiscard]] bool emergency() const noexcept;
+  void keep_devices_alive();
+  void serve_device(Finger& finger);
+  void publish_snapshot(std::int64_t step, bool finished);
+  void end_threads();
+  void retract_devices();
+
+  std::shared_ptr<const RunSetup> setup_;
+  Mode mode_;
+  bool paced_;
+  double rate_;
+  Hooks hooks_;
+  std::optional<std::int64_t> total_steps_;
+  std::unique_ptr<ThreadTeam> team_;  ///< null: one thread
+  std::vector<std::unique_ptr<Finger>> fingers_;
+  std::filesystem::path recording_file_;  ///< empty: none
+  bool record_state_ = false;
+  std::unique_ptr<RecordingWriter> recording_;
+  std::optional<Mailbox<Snapshot>> snapshots_;
+  std::uint64_t generation_;
+  std::int64_t snapshot_interval_;  ///< steps
+
+  std::thread thread_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> paused_{false};
+  std::atomic<bool> emergency_{false};
+  const std::atomic<bool>* emergency_stop_;  ///< see RunOptions
+  std::atomic<bool> ended_{false};
+  std::atomic<bool> devices_ending_{false};
+  std::atomic<std::int64_t> step_{0};
+  std::atomic<std::uint64_t> deadline_misses_{0};
+  struct {
+    std::size_t finger = 0, notice = 0;
+  } notices_told_;  ///< the next one to tell
+  bool told_dropped_ = false;
+  bool told_failed_ = false;
+};
+
+}  // namespace softfinger

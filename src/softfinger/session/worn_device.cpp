@@ -1,0 +1,258 @@
+#include "softfinger/session/worn_device.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <span>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "softfinger/files/config_file.hpp"
+#include "softfinger/finger/bone.hpp"
+#include "softfinger/finger/rest_skin.hpp"
+#include "softfinger/twin/force_ceiling.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kShiftStep = 0.01 * mm;  // of a mount
+constexpr double kMostShift = 5.0 * mm;   // a strap's worth
+constexpr double kFarthest = 40.0 * mm;   // of surface motion from home that is looked at
+constexpr double kAdvance = 0.5 * mm;     // that must bring the surface nearer
+constexpr double kLeastApproach = 0.2;    // of that advance
+constexpr double kSlack = 0.5 * mm;       // of the home gap, that an approach may be above it
+constexpr double kTouching = -1e-6;       // m; a gap below this presses
+constexpr int kSteps = 80;                // of an advance from home
+constexpr int kDraws = 3000;              // of configurations, where no advance from home touches
+
+/// The device's solid and surface against resting skin.
+class RestingGap {
+ public:
+  RestingGap(const Device& device, std::span<const Vector3> skin)
+      : device_(device), pieces_(static_cast<std::size_t>(device.solid_piece_count())) {
+    for (const Vector3& p : skin) {
+      x_.push_back(p.x());
+      y_.push_back(p.y());
+      z_.push_back(p.z());
+    }
+  }
+
+  /// Of the contacting surface, m; skin moved by `shift` along `axis_F`.
+  [[nodiscard]] double at(const Configuration& q, double shift = 0.0,
+                          const Vector3& axis_F = Vector3::Zero()) {
+    std::vector<double> x(x_);
+    std::vector<double> y(y_);
+    std::vector<double> z(z_);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      x[i] += shift * axis_F.x();
+      y[i] += shift * axis_F.y();
+      z[i] += shift * axis_F.z();
+    }
+    SurfaceSamples samples;
+    samples.x = x;
+    samples.y = y;
+    samples.z = z;
+    double least = device_.least_distance(q, samples);
+    device_.solid_pieces(q, pieces_);
+    for (const SolidPiece& piece : pieces_) {
+      const Pose X_SF = piece.X_FS.inverse();
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        const Vector3 p_S = X_SF * Vector3(x[i], y[i], z[i]);
+        least = std::min(least, signed_distance(piece.shape, p_S).distance);
+      }
+    }
+    return least;
+  }
+
+ private:
+  const Device& device_;
+  std::vector<SolidPiece> pieces_;
+  std::vector<double> x_, y_, z_;
+};
+
+/// How far the mount must go out, against its z, for a least gap of `clearance` where the
+/// configuration is zero, m.
+double shift_for(const Device& device, std::span<const Vector3> skin, double clearance) {
+  RestingGap gap(device, skin);
+  Configuration neutral = Configuration::Zero(device.degrees_of_freedom());
+  if (!device.reachable(neutral)) neutral = device.home();
+  const Vector3 towards_F = device.settings().X_FB.rotation.col(2);
+  const auto lack = [&](double shift) { return clearance - gap.at(neutral, shift, towards_F); };
+  // The gap changes by no more than the shift, so that steps of the lack never go too far out.
+  double shift = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const double step = lack(shift);
+    shift += step;
+    if (std::abs(step) < 0.01 * kShiftStep) break;
+  }
+  return std::round(shift / kShiftStep) * kShiftStep;
+}
+
+[[noreturn]] void refuse(const fs::path& file, const char* table, const char* key,
+                         const std::string& why) {
+  const ConfigTable root = ConfigFile(file).root();
+  if (root.has(table)) root.table(table).fail(root.table(table).has(key) ? key : "", why);
+  root.table_or_empty(table).fail(key, why);
+}
+
+/// Mounted, or its surface at home, inside the bone.
+void check_bone(const fs::path& file, const Device& device, const FingerModel& finger) {
+  const BoneEllipsoid bone = bone_ellipsoid(finger);
+  const auto inside = [&](const char* table, const char* key, const char* what) {
+    refuse(file, table, key,
+           fmt::format("puts {} inside the bone of {}; the pad lies below it, towards -z", what,
+                       finger.file.string()));
+  };
+  if (bone.contains(device.settings().X_FB.translation)) {
+    inside("mount", "translation_mm", "the device");
+  }
+  bool within = bone.contains(device.surface_pose(device.home()).translation);
+  std::vector<SolidPiece> pieces(static_cast<std::size_t>(device.solid_piece_count()));
+  device.solid_pieces(device.home(), pieces);
+  for (const SolidPiece& piece : pieces) {
+    within = within || bone.contains(piece.X_FS.translation);
+  }
+  if (!within) return;
+  if (ConfigFile(file).root().has("home")) inside("home", "", "the contacting surface");
+  inside("mount", "translation_mm", "the contacting surface at home");
+}
+
+/// Home and retracted keep off the resting skin.
+void check_rest(const fs::path& file, const Device& device, const FingerModel& finger,
+                RestingGap& gap) {
+  const auto check = [&](const Configuration& q, const char* table, const char* where) {
+    const double at = gap.at(q);
+    if (at >= kTouching) return;
+    const std::string why = fmt::format(
+        "presses {:.2f} mm into the resting skin of {} {}; move it away from the "
+        "finger, or the mount, or give [mount] clearance_mm",
+        -at / mm, finger.file.string(), where);
+    const bool moved = !q.isZero();
+    refuse(file, moved ? table : "mount", moved ? "" : "translation_mm", why);
+  };
+  check(device.home(), "home", "at home");
+  check(device.retracted(), "retract", "where it retracts to");
+}
+
+/// Least gap over the workspace, as far as it is looked at; ends where it touches.
+double nearest_in_reach(const Device& device, RestingGap& gap) {
+  double least = gap.at(device.home());
+  const auto look = [&](const Configuration& q) {
+    if (device.reachable(q)) least = std::min(least, gap.at(q));
+  };
+  for (int i = 1; device.advances() && i <= kSteps && least > kTouching; ++i) {
+    Configuration q = device.home();
+    device.advance(kFarthest * i / kSteps, q);
+    for (int k = 0; k < q.size(); ++k) {
+      q[k] = std::min(q[k], device.axes()[static_cast<std::size_t>(k)].max);
+    }
+    look(q);
+  }
+  std::mt19937 random(1);  // NOLINT(cert-msc51-cpp): the same answer every time
+  std::uniform_real_distribution<double> even(0.0, 1.0);
+  for (int draw = 0; draw < kDraws && least > kTouching; ++draw) {
+    Configuration q = device.home();
+    for (int k = 0; k < q.size(); ++k) {
+      const ConfigurationAxis& axis = device.axes()[static_cast<std::size_t>(k)];
+      const double far = kFarthest / axis.metric;
+      const double min = std::max(axis.min, q[k] - far);
+      const double max = std::min(axis.max, q[k] + far);
+      q[k] = min + (max - min) * even(random);
+    }
+    look(q);
+  }
+  return least;
+}
+
+void check_reach(const fs::path& file, const Device& device, const FingerModel& finger,
+                 RestingGap& gap) {
+  const double least = nearest_in_reach(device, gap);
+  if (least <= 0.0) return;
+  refuse(file, "mount", "translation_mm",
+         fmt::format("keeps the device from touching: wherever it goes it stays {:.2f} mm off the "
+                     "resting skin of {}; mount it nearer, or widen [limits]",
+                     least / mm, finger.file.string()));
+}
+
+/// What is called advance brings the surface nearer to the skin.
+void check_advance(const fs::path& file, const Device& device, RestingGap& gap) {
+  if (!device.advances()) return;
+  Configuration nearer = device.home();
+  Configuration further = device.home();
+  device.advance(kAdvance, nearer);
+  device.advance(-kAdvance, further);
+  if (gap.at(further) - gap.at(nearer) >= 2.0 * kLeastApproach * kAdvance) return;
+  const int axis = device.approach_axis();
+  const std::string name = axis < 0 ? "" : device.axes()[static_cast<std::size_t>(axis)].name;
+  refuse(file, "matching", "approach",
+         fmt::format("{} does not bring the surface nearer to the finger where it grows; name a "
+                     "coordinate that does, or turn its sign",
+                     name));
+}
+
+void note_approach(const Device& device, RestingGap& gap, std::vector<DeviceNotice>& notices) {
+  const double approach = device.settings().matching.approach;
+  const double home = gap.at(device.home());
+  if (!device.advances() || approach <= home + kSlack) return;
+  notices.push_back(
+      {"matching.approach_mm",
+       fmt::format("{:.2f} is more than the {:.2f} mm between the device at home and the skin: it "
+                   "draws back when an object comes near, and may not get as far as that",
+                   approach / mm, home / mm)});
+}
+
+/// Null where the device file says nothing of force.
+std::shared_ptr<const TravelCeiling> ceiling_of(const fs::path& file,
+                                                const std::shared_ptr<const Device>& device,
+                                                const FingerModel& finger) {
+  if (!(device->settings().max_force > 0.0)) return nullptr;
+  try {
+    return std::make_shared<TravelCeiling>(
+        force_ceiling(finger, device, device->settings().max_force));
+  } catch (const InputError& error) {
+    ConfigFile(file).root().table("limits").fail("max_force_N", error.what());
+  }
+}
+
+/// A measured force corrects how far the device is advanced.
+void check_force_sensor(const fs::path& file, const Device& device) {
+  if (!device.settings().force_sensor || device.advances()) return;
+  refuse(file, "force_sensor", "kind",
+         "corrects nothing, no coordinate of this device is known to move its surface towards the "
+         "finger; name it by [matching] approach, or leave the table out");
+}
+
+}  // namespace
+
+WornDevice worn_on(const FingerModel& finger, const fs::path& file) {
+  const std::vector<Vector3> skin = rest_skin_points(finger);
+  WornDevice worn{.device = load_device(file)};
+  if (const auto clearance = worn.device->settings().clearance) {
+    const double shift = shift_for(*worn.device, skin, *clearance);
+    if (std::abs(shift) > kMostShift) {
+      refuse(file, "mount", "clearance_mm",
+             fmt::format("would shift the mount by {:.2f} mm to fit {}, more than {:g} mm; put "
+                         "translation_mm where the device belongs on such a finger",
+                         shift / mm, finger.file.string(), kMostShift / mm));
+    }
+    if (shift != 0.0) worn.device = load_device(file, shift);
+  }
+  const Device& device = *worn.device;
+  check_bone(file, device, finger);
+  check_force_sensor(file, device);
+  RestingGap gap(device, skin);
+  check_advance(file, device, gap);
+  check_rest(file, device, finger, gap);
+  check_reach(file, device, finger, gap);
+  note_approach(device, gap, worn.notices);
+  worn.ceiling = ceiling_of(file, worn.device, finger);
+  return worn;
+}
+
+}  // namespace softfinger

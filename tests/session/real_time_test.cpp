@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <fstream>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "../support/temporary_directory.hpp"
+#include "loop_guard.hpp"
+#include "softfinger/session/live_session.hpp"
+
+namespace softfinger {
+namespace {
+
+const std::filesystem::path kShippedScenes =
+    std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes";
+
+class RealTimePath : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
+    reset_guard();
+    options_.scene = kShippedScenes / GetParam();
+    options_.recording = directory_ / "run.db";
+  }
+  SceneRun::Hooks hooks_{.on_loop_thread = guard_this_thread};
+  std::atomic<bool> stop_{false};
+  TemporaryDirectory directory_;
+  RunOptions options_;
+};
+
+TEST(LoopGuard, Counts) {
+  if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
+  reset_guard();
+  std::thread([] {
+    guard_this_thread();
+    std::vector<int> some(10);
+    some.resize(1000);
+    std::mutex mutex;
+    const std::lock_guard lock(mutex);
+  }).join();
+  EXPECT_GE(guard_counts().allocations, 2u);
+  EXPECT_GE(guard_counts().locks, 1u);
+  EXPECT_EQ(guard_counts().threads, 1u);
+}
+
+TEST_P(RealTimePath, HeadlessNeitherAllocatesNorLocks) {
+  options_.duration = 8.0;
+  options_.as_fast_as_possible = true;
+  options_.record_state = true;
+  const RunSummary summary = run_headless(options_, stop_, {}, hooks_);
+  EXPECT_EQ(summary.steps, 8000);
+  EXPECT_GT(summary.all.max_contact_area, 0.0) << "something is touched";
+  EXPECT_EQ(guard_counts().threads, 1u);
+  EXPECT_EQ(guard_counts().allocations, 0u);
+  EXPECT_EQ(guard_counts().locks, 0u);
+}
+
+TEST_P(RealTimePath, ForceAwareMatchingNeitherAllocatesNorLocks) {
+  for (const Objective objective : {Objective::kSurfaceAndForce, Objective::kStress}) {
+    reset_guard();
+    options_.duration = 3.0;
+    options_.as_fast_as_possible = true;
+    options_.objective = objective;
+    options_.recording = directory_ / (objective == Objective::kStress ? "stress.db" : "force.db");
+    const RunSummary summary = run_headless(options_, stop_, {}, hooks_);
+    EXPECT_GT(summary.all.max_contact_area, 0.0) << "something is touched";
+    EXPECT_EQ(guard_counts().allocations, 0u);
+    EXPECT_EQ(guard_counts().locks, 0u);
+  }
+}
+
+TEST_P(RealTimePath, LiveNeitherAllocatesNorLocks) {
+  options_.duration = 3.0;
+  LiveSession session(options_, false, hooks_);
+  const RunSummary summary = session.run(stop_);
+  EXPECT_EQ(summary.steps, 3000);
+  EXPECT_EQ(guard_counts().threads, 2u) << "simulation and device";
+  EXPECT_EQ(guard_counts().allocations, 0u);
+  EXPECT_EQ(guard_counts().locks, 0u);
+}
+
+/// Helpers share the step of one large finger or step small ones side by side.
+class RealTimeHelpers : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
+    reset_guard();
+    options_.threads = 2;
+    options_.scene = directory_ / "scene.toml";
+  }
+  /// Fingers that press a plane and leave it again within a second.
+  void write_scene(const std::string& model, int fingers) {
+    std::ofstream scene(options_.scene);
+    for (int f = 0; f < fingers; ++f) {
+      scene << "[[finger]]\nname = \"finger-" << f << "\"\nmodel = \""
+            << (std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / model).string()
+            << "\"\ndevice = \""
+            << (std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml").string()
+            << "\"\ntracker = \"script\"\n";
+      for (const auto& [time, z] :
+           {std::pair{0.0, 9.0}, std::pair{0.5, 6.0}, std::pair{1.0, 9.0}}) {
+        scene << "[[finger.waypoint]]\ntime_s = " << time << "\nposition_mm = [0.0, " << 30 * f
+              << ", " << z << "]\nrotation_vector_deg = [0.0, 0.0, 0.0]\n";
+      }
+    }
+    scene << "[[object]]\nname = \"ground\"\nshape = \"plane\"\n";
+  }
+  void expect_nothing(const RunSummary& summary, std::uint64_t threads) {
+    EXPECT_EQ(summary.steps, 1000);
+    EXPECT_GT(summary.all.max_normal_force, 0.1) << "something is touched";
+    EXPECT_EQ(guard_counts().threads, threads);
+    EXPECT_EQ(guard_counts().allocations, 0u);
+    EXPECT_EQ(guard_counts().locks, 0u);
+  }
+  SceneRun::Hooks hooks_{.on_loop_thread = guard_this_thread};
+  std::atomic<bool> stop_{false};
+  TemporaryDirectory directory_;
+  RunOptions options_;
+};
+
+TEST_F(RealTimeHelpers, OfALargeFingerNeitherAllocateNorLock) {
+  options_.as_fast_as_possible = true;
+  write_scene("index-medium.toml", 1);
+  expect_nothing(run_headless(options_, stop_, {}, hooks_), 2);
+}
+
+TEST_F(RealTimeHelpers, OfSeveralFingersNeitherAllocateNorLock) {
+  options_.as_fast_as_possible = true;
+  write_scene("index.toml", 3);
+  expect_nothing(run_headless(options_, stop_, {}, hooks_), 2);
+}
+
+TEST_F(RealTimeHelpers, LiveNeitherAllocateNorLock) {
+  write_scene("index-medium.toml", 1);
+  LiveSession session(options_, false, hooks_);
+  expect_nothing(session.run(stop_), 3);  // with the device's
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, RealTimePath, testing::Values("sphere.toml", "edge.toml"), [](const auto& scene) {
+      return std::string(scene.param).substr(0, std::string(scene.param).find('.'));
+    });
+
+}  // namespace
+}  // namespace softfinger
