@@ -104,7 +104,7 @@ using Encode = std::function<std::vector<std::uint8_t>(const TrackedPose&, std::
 void send_poses(const EmulateFlags& flags, const Encode& encode) {
   Motion motion(flags);
   const std::atomic<bool>& stop = stop_on_signals();
-  const UdpEndpoint listener{find_address(flags.address), flags.port};
+  const Endpoint listener{find_address(flags.address), flags.port};
   UdpSocket socket({local_address_towards(listener.address), 0});
   say(fmt::format("sends poses to {}", text_of(listener)));
   const double began = monotonic_time();

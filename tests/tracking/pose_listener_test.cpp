@@ -16,8 +16,8 @@
 namespace softfinger {
 namespace {
 
-constexpr UdpEndpoint kAnywhere{kLoopback, 0};
-constexpr UdpEndpoint kSender{kLoopback, 5000};
+constexpr Endpoint kAnywhere{kLoopback, 0};
+constexpr Endpoint kSender{kLoopback, 5000};
 
 PoseMessage at(double x, std::uint32_t sequence, double sent = 0.0) {
   return {.X_WFt = {Matrix3::Identity(), {x, 0.0, 0.0}},
@@ -85,7 +85,7 @@ TEST(SenderClock, TakesTheLeastDelayForNone) {
 TEST(PoseReception, TheFirstSenderKeepsThePortWhileItSends) {
   PoseReception reception;
   PoseFeed feed;
-  const UdpEndpoint second{kLoopback, 5001};
+  const Endpoint second{kLoopback, 5001};
   reception.receive(at(0.1, 10), kSender, 1.00, feed);
   reception.receive(at(0.2, 999), second, 1.01, feed);
   EXPECT_EQ(feed.sample(0.0, 1.01).X_WFt.translation.x(), 0.1);

@@ -29,7 +29,7 @@ std::unique_ptr<Tracker> make_tracker(std::string_view spec,
     return std::make_unique<CsvTracker>(read_pose_csv(base_directory / parsed.file));
   }
   if (parsed.kind == TrackerKind::kUdp || parsed.kind == TrackerKind::kOsc) {
-    const UdpEndpoint own{find_address(parsed.address), parsed.port};
+    const Endpoint own{find_address(parsed.address), parsed.port};
     try {
       return std::make_unique<PoseListener>(
           own, parsed.kind == TrackerKind::kUdp ? decode_pose_datagram : decode_osc_pose,

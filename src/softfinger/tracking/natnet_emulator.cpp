@@ -86,7 +86,7 @@ void NatNetEmulator::serve() {
   }
 }
 
-void NatNetEmulator::hear(const UdpEndpoint& client, double now) {
+void NatNetEmulator::hear(const Endpoint& client, double now) {
   const auto known = std::ranges::find(clients_, client, &Client::place);
   if (known != clients_.end()) {
     known->heard = now;
@@ -95,7 +95,7 @@ void NatNetEmulator::hear(const UdpEndpoint& client, double now) {
   }
 }
 
-void NatNetEmulator::answer(std::span<const std::uint8_t> datagram, const UdpEndpoint& from,
+void NatNetEmulator::answer(std::span<const std::uint8_t> datagram, const Endpoint& from,
                             double now) {
   const auto packet = open_natnet(datagram);
   if (!packet) return;

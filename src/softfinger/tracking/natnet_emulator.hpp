@@ -52,20 +52,20 @@ class NatNetEmulator {
   NatNetEmulator& operator=(const NatNetEmulator&) = delete;
 
   /// Where it listens for commands.
-  [[nodiscard]] const UdpEndpoint& address() const { return command_.local(); }
+  [[nodiscard]] const Endpoint& address() const { return command_.local(); }
   /// Time of its motion, s; 0 until a client connects.
   [[nodiscard]] double time() const { return time_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::int64_t frames_sent() const { return sent_.load(std::memory_order_relaxed); }
 
  private:
   struct Client {
-    UdpEndpoint place;
+    Endpoint place;
     double heard = 0.0;
   };
 
   void serve();
-  void answer(std::span<const std::uint8_t> datagram, const UdpEndpoint& from, double now);
-  void hear(const UdpEndpoint& client, double now);
+  void answer(std::span<const std::uint8_t> datagram, const Endpoint& from, double now);
+  void hear(const Endpoint& client, double now);
   void send_frame(double now);
   void send_to_clients(std::span<const std::uint8_t> datagram, double now);
   [[nodiscard]] std::uint64_t ticks(double now) const;

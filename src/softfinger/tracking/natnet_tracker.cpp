@@ -98,7 +98,7 @@ void NatNetTracker::receive_from(UdpSocket& socket) {
 
 void NatNetTracker::open_data_socket() {
   const NatNetServer& server = *session_.server();
-  UdpEndpoint place{interface_, server.data_port};
+  Endpoint place{interface_, server.data_port};
   if (session_.multicast())
     place.address = is_multicast(server.group) ? server.group : kNatNetGroup;
   if (data_place_ == place) return;

@@ -46,11 +46,11 @@ class NatNetTracker final : public Tracker {
   [[nodiscard]] std::string obstacle(NatNetStage stage) const;
 
   TrackerSpec spec_;
-  UdpEndpoint server_;
+  Endpoint server_;
   std::uint32_t interface_;  ///< address of this machine that reaches the server
   UdpSocket command_;
   std::optional<UdpSocket> data_;
-  std::optional<UdpEndpoint> data_place_;  ///< group or own address, and port, of data_
+  std::optional<Endpoint> data_place_;     ///< group or own address, and port, of data_
   std::optional<std::uint32_t> stranger_;  ///< sent frames, but is not the server
   PoseFeed feed_;
   NatNetSession session_;

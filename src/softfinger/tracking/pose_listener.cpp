@@ -12,7 +12,7 @@ constexpr double kLookUpEvery = 0.05;  // s, whether the end has come
 
 }  // namespace
 
-void PoseReception::receive(const PoseMessage& message, const UdpEndpoint& from, double now,
+void PoseReception::receive(const PoseMessage& message, const Endpoint& from, double now,
                             PoseFeed& feed) {
   if (!sender_ || (from != *sender_ && now - heard_ > kLostAfter)) {
     sender_ = from;
@@ -32,7 +32,7 @@ void PoseReception::receive(const PoseMessage& message, const UdpEndpoint& from,
   }
 }
 
-PoseListener::PoseListener(const UdpEndpoint& own, Decode decode, const Pose& start)
+PoseListener::PoseListener(const Endpoint& own, Decode decode, const Pose& start)
     : socket_(own), decode_(decode), feed_(start), thread_([this] { serve(); }) {}
 
 PoseListener::~PoseListener() {

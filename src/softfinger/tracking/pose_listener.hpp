@@ -19,10 +19,10 @@ namespace softfinger {
 class PoseReception {
  public:
   /// Takes over a message that arrived at `now` (s, monotonic clock) or leaves it out.
-  void receive(const PoseMessage& message, const UdpEndpoint& from, double now, PoseFeed& feed);
+  void receive(const PoseMessage& message, const Endpoint& from, double now, PoseFeed& feed);
 
  private:
-  std::optional<UdpEndpoint> sender_;
+  std::optional<Endpoint> sender_;
   double heard_ = 0.0;  ///< when the sender was last let through
   SequenceGate gate_;
   SenderClock clock_;
@@ -36,12 +36,12 @@ class PoseListener final : public Tracker {
 
   /// Receives at `own`, its port 0: any free one. `start`: see PoseFeed. Throws InputError, see
   /// UdpSocket.
-  PoseListener(const UdpEndpoint& own, Decode decode, const Pose& start = {});
+  PoseListener(const Endpoint& own, Decode decode, const Pose& start = {});
   ~PoseListener() override;
   PoseListener(const PoseListener&) = delete;
   PoseListener& operator=(const PoseListener&) = delete;
 
-  [[nodiscard]] const UdpEndpoint& address() const { return socket_.local(); }
+  [[nodiscard]] const Endpoint& address() const { return socket_.local(); }
   [[nodiscard]] TrackedPose sample(double time) override;
   [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
 

@@ -1,22 +1,18 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
+#include "softfinger/wire/endpoint.hpp"
+
+struct sockaddr;
+struct sockaddr_in;
 
 namespace softfinger {
 
-/// IPv4, in the byte order of the network.
-struct SocketAddress {
-  std::uint32_t host = 0;
-  std::uint16_t port = 0;
-};
+/// An endpoint as the system's calls take it, and back.
+[[nodiscard]] sockaddr_in to_system(const Endpoint& endpoint);
+[[nodiscard]] Endpoint from_system(const sockaddr_in& address);
 
-/// The address of "HOST:PORT", HOST a name or four numbers, PORT 1 to 65535. Returns an empty text,
-/// or in few words why there is none. A name may take time to look up.
-[[nodiscard]] std::string find_socket_address(const std::string& host_and_port,
-                                              SocketAddress& address);
-
-/// Connects a socket; as connect() does. UDP sockets have their peer then.
-int connect_socket(int socket, const SocketAddress& address);
+/// The socket interface takes every family of addresses by a pointer to its common beginning.
+[[nodiscard]] const sockaddr* as_address(const sockaddr_in& address);
+[[nodiscard]] sockaddr* as_address(sockaddr_in& address);
 
 }  // namespace softfinger

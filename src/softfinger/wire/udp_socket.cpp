@@ -1,8 +1,6 @@
 #include "softfinger/wire/udp_socket.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -11,34 +9,16 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <system_error>
 #include <utility>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/wire/socket_address.hpp"
 
 namespace softfinger {
 namespace {
 
-sockaddr_in to_system(const UdpEndpoint& endpoint) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint.address);
-  address.sin_port = htons(endpoint.port);
-  return address;
-}
-
-UdpEndpoint from_system(const sockaddr_in& address) {
-  return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
-}
-
-/// The socket interface takes every family of addresses by a pointer to its common beginning.
-const sockaddr* as_address(const sockaddr_in& address) {
-  return reinterpret_cast<const sockaddr*>(&address);
-}
-sockaddr* as_address(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&address); }
-
-UdpEndpoint local_end(int descriptor) {
+Endpoint local_end(int descriptor) {
   sockaddr_in address{};
   socklen_t size = sizeof address;
   if (::getsockname(descriptor, as_address(address), &size) != 0) return {};
@@ -54,43 +34,16 @@ std::string reason_of(int error) { return std::system_category().message(error);
 
 }  // namespace
 
-std::string address_text(std::uint32_t address) {
-  return fmt::format("{}.{}.{}.{}", address >> 24, (address >> 16) & 0xff, (address >> 8) & 0xff,
-                     address & 0xff);
-}
-
-std::string text_of(const UdpEndpoint& endpoint) {
-  return fmt::format("{}:{}", address_text(endpoint.address), endpoint.port);
-}
-
-std::uint32_t find_address(const std::string& host) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  if (::getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0 || found == nullptr) {
-    throw InputError(
-        fmt::format("no host '{}': expected an IPv4 address or a name known to this "
-                    "machine",
-                    host));
-  }
-  sockaddr_in address{};
-  std::memcpy(&address, found->ai_addr, sizeof address);
-  ::freeaddrinfo(found);
-  return from_system(address).address;
-}
-
 std::uint32_t local_address_towards(std::uint32_t address) {
   // Connecting a datagram socket sends nothing: it only looks for the way.
   const UdpSocket probe({});
-  const sockaddr_in there = to_system({address, 9});
-  if (::connect(probe.descriptor(), as_address(there), sizeof there) != 0) {
+  if (connect_socket(probe.descriptor(), {address, 9}) != 0) {
     throw InputError(fmt::format("no network of this machine leads to {}", address_text(address)));
   }
   return local_end(probe.descriptor()).address;
 }
 
-UdpSocket::UdpSocket(const UdpEndpoint& local, bool shared)
+UdpSocket::UdpSocket(const Endpoint& local, bool shared)
     : descriptor_(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
   if (descriptor_ < 0) {
     throw OperationError(fmt::format("the system gives no socket: {}", reason_of(errno)));
@@ -146,7 +99,7 @@ std::optional<UdpSocket::Datagram> UdpSocket::receive(std::span<std::uint8_t> bu
   return Datagram{static_cast<std::size_t>(got), from_system(from)};
 }
 
-void UdpSocket::send(const UdpEndpoint& to, std::span<const std::uint8_t> bytes) {
+void UdpSocket::send(const Endpoint& to, std::span<const std::uint8_t> bytes) {
   const sockaddr_in address = to_system(to);
   // The answer to an earlier datagram (port unreachable) may come back as this one's error.
   for (int attempt = 0; attempt < 2; ++attempt) {

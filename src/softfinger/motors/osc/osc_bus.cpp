@@ -3,22 +3,26 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "softfinger/wire/socket_address.hpp"
+#include "softfinger/wire/endpoint.hpp"
+#include "softfinger/wire/osc.hpp"
 
 namespace softfinger {
 
 OscBus::OscBus(const TransportSettings& transport) : servos_(transport.servos) {
-  for (const ServoSettings& servo : servos_) messages_.push_back({servo.address, 0.0F});
-  bytes_.resize(osc_bundle_size(messages_));
+  std::size_t size = kOscBundleStart;
+  for (const ServoSettings& servo : servos_) {
+    size += kOscElementStart + osc_message_size(servo.address, 1, OscNumber::kFloat32);
+  }
+  bytes_.resize(size);
 }
 
 std::string OscBus::open(const std::string& port) {
   close_socket();
-  SocketAddress address;
-  std::string reason = find_socket_address(port, address);
+  Endpoint endpoint;
+  std::string reason = find_endpoint(port, endpoint);
   if (!reason.empty()) return reason;
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (socket_ >= 0 && connect_socket(socket_, address) == 0) {
+  if (socket_ >= 0 && connect_socket(socket_, endpoint) == 0) {
     return {};
   }
   close_socket();
@@ -31,13 +35,15 @@ void OscBus::close_socket() noexcept {
 }
 
 bool OscBus::write(std::span<const std::int32_t> targets) noexcept {
-  for (std::size_t i = 0; i < messages_.size(); ++i) {
-    messages_[i].value = static_cast<float>(targets[i] * servos_[i].step);
+  OscWriter writer(bytes_);
+  writer.bundle();
+  for (std::size_t i = 0; i < servos_.size(); ++i) {
+    const double set_point = targets[i] * servos_[i].step;
+    writer.message(servos_[i].address, {&set_point, 1}, OscNumber::kFloat32);
   }
-  const std::size_t size = encode_osc_bundle(messages_, bytes_);
   // An error tells of an earlier datagram that nobody took; this one is sent by a second try.
-  return ::send(socket_, bytes_.data(), size, MSG_NOSIGNAL) >= 0 ||
-         ::send(socket_, bytes_.data(), size, MSG_NOSIGNAL) >= 0;
+  return ::send(socket_, bytes_.data(), writer.size(), MSG_NOSIGNAL) >= 0 ||
+         ::send(socket_, bytes_.data(), writer.size(), MSG_NOSIGNAL) >= 0;
 }
 
 }  // namespace softfinger

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "softfinger/motors/osc/osc_bundle.hpp"
 #include "softfinger/motors/servo_bus.hpp"
 
 namespace softfinger {
@@ -27,7 +26,6 @@ class OscBus : public ServoBus {
   void close_socket() noexcept;
 
   std::vector<ServoSettings> servos_;
-  std::vector<OscFloat> messages_;  ///< addresses point into servos_
   std::vector<std::uint8_t> bytes_;
   int socket_ = -1;
 };

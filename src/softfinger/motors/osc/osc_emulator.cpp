@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/motors/osc/osc_bundle.hpp"
+#include "softfinger/wire/osc.hpp"
 
 namespace softfinger {
 
@@ -16,23 +16,30 @@ OscEmulator::OscEmulator(const TransportSettings& transport, std::span<const Emu
   }
 }
 
+bool OscEmulator::read(std::span<const std::uint8_t> datagram) {
+  numbers_.clear();
+  const bool whole = is_osc_bundle(datagram) && read_osc(datagram, [&](const OscMessage& message) {
+                       const std::size_t servo = numbers_.size();
+                       double number = 0.0;
+                       numbers_.push_back(0.0);
+                       if (servo >= servos_.size() || message.address != servos_[servo].address ||
+                           message.types != "f" || !message.read({&number, 1})) {
+                         return false;
+                       }
+                       numbers_.back() = number;
+                       return std::isfinite(number);
+                     });
+  return whole && numbers_.size() == servos_.size();
+}
+
 void OscEmulator::receive(std::span<const std::uint8_t> datagram) {
-  const auto messages = decode_osc_bundle(datagram);
-  const auto fits = [&] {
-    if (!messages || messages->size() != servos_.size()) return false;
-    for (std::size_t i = 0; i < servos_.size(); ++i) {
-      if ((*messages)[i].address != servos_[i].address) return false;
-      if (!std::isfinite((*messages)[i].value)) return false;
-    }
-    return true;
-  };
-  if (!fits()) {
+  if (!read(datagram)) {
     ++malformed_;
     return;
   }
   for (std::size_t i = 0; i < servos_.size(); ++i) {
     Servo& servo = servos_[i];
-    servo.wanted = static_cast<double>((*messages)[i].value);
+    servo.wanted = numbers_[i];
     servo.least = std::min(servo.least.load(), servo.wanted);
     servo.largest = std::max(servo.largest.load(), servo.wanted);
   }

@@ -39,7 +39,11 @@ class OscEmulator : public BusEmulator {
     std::atomic<double> least{1e300}, largest{-1e300};
   };
 
+  /// Into numbers_; false where it is no bundle of one finite number for each servo.
+  bool read(std::span<const std::uint8_t> datagram);
+
   std::vector<Servo> servos_;
+  std::vector<double> numbers_;  ///< of the datagram
   ServoClock clock_;
   std::atomic<std::uint64_t> bundles_{0}, malformed_{0};
 };

@@ -10,7 +10,7 @@
 #include <cerrno>
 
 #include "softfinger/motors/weart/weart_protocol.hpp"
-#include "softfinger/wire/socket_address.hpp"
+#include "softfinger/wire/endpoint.hpp"
 
 namespace softfinger {
 namespace {
@@ -23,15 +23,15 @@ WeartBus::WeartBus(const TransportSettings& transport) : point_(transport.servos
 
 std::string WeartBus::open(const std::string& port) {
   close_socket();
-  SocketAddress address;
-  std::string reason = find_socket_address(port, address);
+  Endpoint endpoint;
+  std::string reason = find_endpoint(port, endpoint);
   if (!reason.empty()) return reason;
   socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket_ < 0) return "the system has no more sockets";
   const int one = 1;
   ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
   int error = 0;
-  if (connect_socket(socket_, address) != 0) {
+  if (connect_socket(socket_, endpoint) != 0) {
     error = errno;
     if (error == EINPROGRESS) {
       pollfd event{.fd = socket_, .events = POLLOUT, .revents = 0};
