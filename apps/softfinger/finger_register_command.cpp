@@ -183,24 +183,24 @@ Json size_json(const std::optional<double>& size) {
 void print_registration(const FingerRegisterFlags& flags, const PersonFinger& finger,
                         const std::optional<Registration>& found) {
   if (flags.json) {
-    Json json{{"person", flags.person},
-              {"finger", finger.name},
-              {"length_mm", size_json(finger.size.length)},
-              {"breadth_mm", size_json(finger.size.breadth)},
-              {"depth_mm", size_json(finger.size.depth)},
-              {"translation_mm", nullptr},
-              {"rotation_vector_deg", nullptr},
-              {"table_height_mm", nullptr},
-              {"height_residual_mm", nullptr},
-              {"turn_residual_deg", nullptr}};
+    Json report{{"person", flags.person},
+                {"finger", finger.name},
+                {"length_mm", size_json(finger.size.length)},
+                {"breadth_mm", size_json(finger.size.breadth)},
+                {"depth_mm", size_json(finger.size.depth)},
+                {"translation_mm", nullptr},
+                {"rotation_vector_deg", nullptr},
+                {"table_height_mm", nullptr},
+                {"height_residual_mm", nullptr},
+                {"turn_residual_deg", nullptr}};
     if (found) {
-      json["translation_mm"] = in_unit(found->X_BodyFt.translation, mm);
-      json["rotation_vector_deg"] = in_unit(log_rotation(found->X_BodyFt.rotation), deg);
-      json["table_height_mm"] = micro_rounded(found->table_height / mm);
-      json["height_residual_mm"] = micro_rounded(found->height_residual / mm);
-      json["turn_residual_deg"] = micro_rounded(found->turn_residual / deg);
+      report["translation_mm"] = in_unit(found->X_BodyFt.translation, mm);
+      report["rotation_vector_deg"] = in_unit(log_rotation(found->X_BodyFt.rotation), deg);
+      report["table_height_mm"] = micro_rounded(found->table_height / mm);
+      report["height_residual_mm"] = micro_rounded(found->height_residual / mm);
+      report["turn_residual_deg"] = micro_rounded(found->turn_residual / deg);
     }
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", report.dump(2));
     return;
   }
   fmt::print("{}: finger {}\n", flags.person, finger.name);

@@ -124,7 +124,10 @@ LeastSquaresSolution minimise_squares(const LeastSquaresProblem& problem, const 
 }
 
 double student_t_quantile(double probability, double degrees_of_freedom) {
-  return boost::math::quantile(boost::math::students_t(degrees_of_freedom), probability);
+  // In doubles: more digits than anybody reads would take seconds to compile.
+  using Doubles = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  return boost::math::quantile(
+      boost::math::students_t_distribution<double, Doubles>(degrees_of_freedom), probability);
 }
 
 }  // namespace softfinger
