@@ -13,7 +13,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/device/pin_array.hpp"
+#include "softfinger/device/kinds/pin_array.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 

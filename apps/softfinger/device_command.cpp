@@ -15,6 +15,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/device/kinds/device_kinds.hpp"
 #include "softfinger/files/config_file.hpp"
 
 using nlohmann::ordered_json;
@@ -160,7 +161,7 @@ void workspace(const DeviceFlags& flags) {
 }
 
 void schema(const DeviceFlags& flags) {
-  const std::vector<std::string> kinds = device_kinds();
+  const std::vector<std::string> kinds = device_kind_names();
   const bool is_file = std::find(kinds.begin(), kinds.end(), flags.device) == kinds.end() &&
                        std::filesystem::exists(flags.device);
   if (!flags.device.empty()) {

@@ -5,10 +5,10 @@
 
 #include "kinds.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/device/cable_platform.hpp"
-#include "softfinger/device/delta_tactor.hpp"
-#include "softfinger/device/membrane.hpp"
-#include "softfinger/device/pin_array.hpp"
+#include "softfinger/device/kinds/cable_platform.hpp"
+#include "softfinger/device/kinds/delta_tactor.hpp"
+#include "softfinger/device/kinds/membrane.hpp"
+#include "softfinger/device/kinds/pin_array.hpp"
 #include "softfinger/geometry/msh_file.hpp"
 #include "softfinger/numerics/derivative_check.hpp"
 

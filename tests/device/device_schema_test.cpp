@@ -9,6 +9,7 @@
 #include "../support/json_schema.hpp"
 #include "kinds.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/device/kinds/device_kinds.hpp"
 
 namespace softfinger {
 namespace {
@@ -79,7 +80,7 @@ TEST(DeviceSchema, NamesTheKindsForAnUnknownOne) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("did you mean 'pin_array'"));
-    for (const std::string& kind : device_kinds()) {
+    for (const std::string& kind : device_kind_names()) {
       EXPECT_THAT(error.what(), testing::HasSubstr(kind));
     }
   }

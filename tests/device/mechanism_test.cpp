@@ -1,4 +1,4 @@
-#include "softfinger/device/mechanism.hpp"
+#include "softfinger/device/mechanism/mechanism.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/device/mechanism.hpp"
+#include "softfinger/device/mechanism/mechanism.hpp"
 
 namespace softfinger {
 

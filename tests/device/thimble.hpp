@@ -6,7 +6,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/device/platform_3rrs.hpp"
+#include "softfinger/device/kinds/platform_3rrs.hpp"
 
 namespace softfinger {
 

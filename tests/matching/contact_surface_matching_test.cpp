@@ -7,7 +7,7 @@
 
 #include "pad.hpp"
 #include "random_descent.hpp"
-#include "softfinger/device/platform_3rrs.hpp"
+#include "softfinger/device/kinds/platform_3rrs.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
 
 namespace softfinger {

@@ -7,7 +7,7 @@
 
 #include "pad.hpp"
 #include "random_descent.hpp"
-#include "softfinger/device/platform_3rrs.hpp"
+#include "softfinger/device/kinds/platform_3rrs.hpp"
 #include "softfinger/geometry/msh_file.hpp"
 
 // Limits inside the optimisation against cutting joint angles afterwards, and against a search that

@@ -5,7 +5,7 @@
 
 #include "pad.hpp"
 #include "random_descent.hpp"
-#include "softfinger/device/pin_array.hpp"
+#include "softfinger/device/kinds/pin_array.hpp"
 #include "softfinger/matching/pin_minimiser.hpp"
 #include "softfinger/matching/pin_profile.hpp"
 

@@ -10,6 +10,7 @@
 #include "../support/json_schema.hpp"
 #include "../support/toml_json.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/device/kinds/device_kinds.hpp"
 #include "softfinger/finger/finger_file.hpp"
 #include "softfinger/person/person.hpp"
 #include "softfinger/scene/scene_schema.hpp"
@@ -34,7 +35,7 @@ TEST(Schemas, AreStrictAllThrough) {
   EXPECT_EQ(open_end(json::parse(scene_schema())), "");
   EXPECT_EQ(open_end(json::parse(finger_schema())), "");
   EXPECT_EQ(open_end(json::parse(person_schema())), "");
-  for (const std::string& kind : device_kinds()) {
+  for (const std::string& kind : device_kind_names()) {
     EXPECT_EQ(open_end(json::parse(device_schema(kind))), "") << kind;
   }
   // The look itself sees what is open.

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "softfinger/device/device.hpp"
 
@@ -15,9 +14,6 @@ namespace softfinger {
 /// pulses do not cover the joint limits. `mount_shift`: see DeviceSettings, m.
 [[nodiscard]] std::shared_ptr<const Device> load_device(const std::filesystem::path& file,
                                                         double mount_shift = 0.0);
-
-/// Names of the kinds of devices, as `kind` of a device file has them.
-[[nodiscard]] std::vector<std::string> device_kinds();
 
 /// A JSON Schema of the device files of one kind, by what their reader asks for. Throws InputError
 /// for an unknown kind.

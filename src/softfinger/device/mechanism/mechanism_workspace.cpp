@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "softfinger/device/mechanism/mechanism.hpp"
+#include "softfinger/device/workspace.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kPiecesASpacing = 4.0;     // looks at limits on the way between grid and q
+constexpr double kReachStep = 1.0 / 256.0;  // of the farthest that is looked at
+constexpr double kFarthestTravel = 4.0;     // of the linkage's length, from home
+
+}  // namespace
+
+bool Mechanism::reachable(const Configuration& q) const {
+  if (q.size() != degrees_of_freedom() || !q.allFinite()) return false;
+  const LinkageInputs wanted = q;
+  LinkageSolution solution;
+  if (!solve(q, solution) || !within_limits(solution)) return false;
+  if (grid_.surrounded(wanted)) return true;
+
+  // From the nearest of the connected configurations on the way to home.
+  const ClosedLinkage& linkage = description_.linkage;
+  const SolvedGrid::Node& node = grid_.start(wanted, true);
+  if (!node.inside) return false;
+  grid_.load(node, solution);
+  const LinkageInputs from = solution.values;
+  const int pieces =
+      1 + static_cast<int>(std::min(kPiecesASpacing * grid_.spacings(wanted, from), 256.0));
+  for (int piece = 1; piece <= pieces; ++piece) {
+    const LinkageInputs at = from + (static_cast<double>(piece) / pieces) * (wanted - from);
+    if (!linkage.follow(description_.configuration, at, solution) || !within_limits(solution)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Mechanism::TiltAxes Mechanism::tilt_axes() const {
+  TiltAxes tilts;
+  for (int k = 0; k < degrees_of_freedom(); ++k) {
+    const LinkageReading& reading = description_.configuration[static_cast<std::size_t>(k)];
+    if (reading.kind != LinkageReading::Kind::kRotation) continue;
+    if (reading.body != description_.surface.front().body) continue;
+    if (reading.component == 0) tilts.roll = k;
+    if (reading.component == 1) tilts.pitch = k;
+  }
+  return tilts;
+}
+
+PlatformSpace Mechanism::space() const {
+  const TiltAxes tilts = tilt_axes();
+  const int travel = approach_axis();
+  const double reach = kFarthestTravel * description_.linkage.linkage().length();
+  return {.reachable =
+              [this, tilts, travel](double wanted_pitch, double wanted_roll, double wanted_travel) {
+                Configuration q = home();
+                q[tilts.pitch] = wanted_pitch;
+                q[tilts.roll] = wanted_roll;
+                q[travel] = wanted_travel;
+                return reachable(q);
+              },
+          .low = home()[travel] - reach,
+          .high = home()[travel] + reach,
+          .home_travel = home()[travel],
+          .max_tilt = description_.tilt ? description_.tilt->max_tilt : 0.5 * std::numbers::pi};
+}
+
+bool Mechanism::is_platform() const {
+  const TiltAxes tilts = tilt_axes();
+  return tilts.roll >= 0 && tilts.pitch >= 0 && approach_axis() >= 0;
+}
+
+WorkspaceSummary Mechanism::workspace_summary() const {
+  return is_platform() ? summarise_platform_workspace(space()) : reaches();
+}
+
+WorkspaceOutline Mechanism::workspace_outline() const {
+  if (!is_platform()) return Device::workspace_outline();
+  WorkspaceOutline outline = outline_platform_workspace(space());
+  outline.pitch_axis = tilt_axes().pitch;
+  outline.roll_axis = tilt_axes().roll;
+  outline.travel_axis = approach_axis();
+  return outline;
+}
+
+WorkspaceSummary Mechanism::reaches() const {
+  WorkspaceSummary summary;
+  const Linkage& linkage = description_.linkage.linkage();
+  for (int k = 0; k < degrees_of_freedom(); ++k) {
+    const ConfigurationAxis& axis = axes()[static_cast<std::size_t>(k)];
+    const double farthest =
+        linkage.is_angle(description_.configuration[static_cast<std::size_t>(k)])
+            ? std::numbers::pi
+            : kFarthestTravel * linkage.length();
+    const auto end = [&](double side) {
+      const auto reached = [&](double part) {
+        Configuration q = home();
+        q[k] += part * side * farthest;
+        return reachable(q);
+      };
+      double inside = 0.0;
+      while (inside < 1.0 && reached(inside + kReachStep)) inside += kReachStep;
+      double outside = std::min(1.0, inside + kReachStep);
+      for (int i = 0; i < 40; ++i) {
+        const double middle = 0.5 * (inside + outside);
+        (reached(middle) ? inside : outside) = middle;
+      }
+      return home()[k] + inside * side * farthest;
+    };
+    summary.reaches.push_back({axis.name, end(-1.0), end(1.0), axis.unit});
+  }
+  return summary;
+}
+
+}  // namespace softfinger
