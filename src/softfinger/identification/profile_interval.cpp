@@ -1,4 +1,4 @@
-#include "softfinger/numerics/profile_interval.hpp"
+#include "softfinger/identification/profile_interval.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
