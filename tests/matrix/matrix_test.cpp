@@ -98,7 +98,7 @@ class Matrix : public testing::Test {
     options.as_fast_as_possible = true;
     if (!one.scene.empty()) options.duration = kExplored;
     options.port = "emulator";
-    options.objective = objective_of(one.objective);
+    options.objective = objective_kind(one.objective);
     const auto setup = load_setup(options);
     device_ = setup->devices.front();
     Wearers wearers(setup->models.front(), device_);

@@ -103,7 +103,7 @@ TEST_P(ForceLimiterOf, KeepsWearersBelowTheLimit) {
   ASSERT_TRUE(ForceLimiter::needed(*device));
   const auto stiff = stiffest_wearer(*model);
   DeviceLoopOptions options;
-  options.objective = Objective::kSurface;
+  options.objective = objective_kind("surface");
   options.actuator.simulated_time = true;
   options.actuator.port = "emulator";
   if (GetParam().table) {

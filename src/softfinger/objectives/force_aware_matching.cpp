@@ -1,4 +1,4 @@
-#include "softfinger/twin/force_aware_matching.hpp"
+#include "softfinger/objectives/force_aware_matching.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
 #include "softfinger/numerics/quadratic_program.hpp"
-#include "softfinger/twin/stress_match.hpp"
+#include "softfinger/objectives/stress_match.hpp"
 
 namespace softfinger {
 namespace {

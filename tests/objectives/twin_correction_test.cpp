@@ -1,6 +1,6 @@
 // What the wearer feels of objective "surface_and_force" where the device does not go where it was
 // wanted, and where the surface match jumps.
-#include "softfinger/twin/force_rendering.hpp"
+#include "softfinger/objectives/twin_correction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ Configuration moved(Configuration q, double first, double last) {
 std::vector<double> felt(const Pressed& held, const std::shared_ptr<const Device>& device,
                          int ticks, const std::function<Configuration(int)>& surface,
                          const std::function<Configuration(int, const Configuration&)>& went) {
-  ForceRendering force(held.model, device);
+  TwinCorrection force(held.model, device);
   Twin wearer(held.model, device);
   std::vector<double> parts;
   for (int tick = 0; tick < ticks; ++tick) {
@@ -84,7 +84,7 @@ Configuration near(const Pressed& held, const std::shared_ptr<const Device>& dev
   return q;
 }
 
-TEST(ForceRendering, TheTwinGoesTheWayOfTheDevice) {
+TEST(TwinCorrection, TheTwinGoesTheWayOfTheDevice) {
   const Pressed held(1.0 * mm);
   ASSERT_GT(held.contact.normal_force, 0.3);
   const auto device = device_of("delta-schorr");
@@ -100,7 +100,7 @@ TEST(ForceRendering, TheTwinGoesTheWayOfTheDevice) {
   for (std::size_t tick = 18; tick < 24; ++tick) EXPECT_NEAR(parts[tick], 1.0, 0.03) << tick;
 }
 
-TEST(ForceRendering, ASurfaceThatJumpsTakesNobodyAlong) {
+TEST(TwinCorrection, ASurfaceThatJumpsTakesNobodyAlong) {
   const Pressed held(1.0 * mm);
   const auto device = device_of("delta-schorr");
   const Configuration start = near(held, device);

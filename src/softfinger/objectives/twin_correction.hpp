@@ -5,7 +5,7 @@
 
 #include "softfinger/matching/skin_clearance.hpp"
 #include "softfinger/matching/surface_rendering.hpp"
-#include "softfinger/twin/force_aware_matching.hpp"
+#include "softfinger/objectives/force_aware_matching.hpp"
 
 namespace softfinger {
 
@@ -14,9 +14,9 @@ namespace softfinger {
 /// back at a bounded rate, at the gap to the skin that SurfaceRendering wants, so that neither
 /// touch nor release, nor a twin that loses contact, makes the device jump, and nothing is pressed
 /// where nothing touches. tick() does not allocate.
-class ForceRendering {
+class TwinCorrection {
  public:
-  ForceRendering(const std::shared_ptr<const FingerModel>& model,
+  TwinCorrection(const std::shared_ptr<const FingerModel>& model,
                  std::shared_ptr<const Device> device, MatchingOptions matching = {},
                  ForceAwareOptions options = {});
 
