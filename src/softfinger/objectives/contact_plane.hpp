@@ -22,7 +22,7 @@ class ContactPlaneObjective final : public Objective {
   [[nodiscard]] Configuration plane(const ContactSet& contact) const;
 
   std::shared_ptr<const Device> device_;
-  SurfaceRendering surface_;
+  SurfaceFollowing surface_;
   RenderedSurface rendered_;
 };
 

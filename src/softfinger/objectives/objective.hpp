@@ -4,7 +4,7 @@
 
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/geometry/pose.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/matching/surface_following.hpp"
 
 namespace softfinger {
 

@@ -21,7 +21,7 @@ class StressObjective final : public Objective {
   [[nodiscard]] bool wants_nodes() const override { return true; }
 
  private:
-  SurfaceRendering surface_;
+  SurfaceFollowing surface_;
   TwinCorrection correction_;
   std::vector<Vector3> nodes_F_;
 };

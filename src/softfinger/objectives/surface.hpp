@@ -16,7 +16,7 @@ class SurfaceObjective : public Objective {
   const RenderedSurface& tick(const VirtualFinger& finger, double elapsed) override;
 
  private:
-  SurfaceRendering surface_;
+  SurfaceFollowing surface_;
 };
 
 }  // namespace softfinger

@@ -19,7 +19,7 @@ class SurfaceAndForceObjective final : public Objective {
   void follow(const Configuration& went) override { correction_.follow(went); }
 
  private:
-  SurfaceRendering surface_;
+  SurfaceFollowing surface_;
   TwinCorrection correction_;
 };
 
