@@ -13,12 +13,12 @@
 
 #include "../support/temporary_directory.hpp"
 #include "project.hpp"
+#include "softfinger/actuation/force_ceiling.hpp"
+#include "softfinger/actuation/force_limiter.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/loop/device_loop.hpp"
-#include "softfinger/twin/force_ceiling.hpp"
-#include "softfinger/twin/force_limiter.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {

@@ -6,13 +6,13 @@
 #include <memory>
 
 #include "softfinger/actuation/actuator.hpp"
+#include "softfinger/actuation/force_limiter.hpp"
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/loop/emulated_force_sensor.hpp"
 #include "softfinger/loop/travel_offset.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/recording/record.hpp"
 #include "softfinger/tracking/tracker.hpp"
-#include "softfinger/twin/force_limiter.hpp"
 
 namespace softfinger {
 
