@@ -11,7 +11,7 @@
 #include <random>
 #include <thread>
 
-#include "lever_platform.hpp"
+#include "../support/lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"

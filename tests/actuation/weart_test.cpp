@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "lever_platform.hpp"
+#include "../support/lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/motors/emulation/emulator_socket.hpp"

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "lever_platform.hpp"
+#include "../support/lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/motors/maestro/maestro_protocol.hpp"
 #include "softfinger/motors/servo_map.hpp"

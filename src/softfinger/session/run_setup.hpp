@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/device/device.hpp"
-#include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/finger/finger_model.hpp"
-#include "softfinger/matching/objective.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/person/person.hpp"
 #include "softfinger/recording/recording_info.hpp"
 #include "softfinger/scene/scene.hpp"
@@ -34,8 +34,8 @@ struct RunOptions {
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
   bool wait_for_device = false;      ///< an absent port is no error
-  /// Of the matching, instead of the device files'; recordings do not know of it.
-  std::optional<Objective> objective;
+  /// Instead of the device files' (null); recordings do not know of it.
+  const ObjectiveKind* objective = nullptr;
   /// Finger file of whom the device is on, as far as it is emulated; empty: the simulated finger.
   std::optional<std::filesystem::path> wearer;
   /// Owns each device's port in a process of its own, see ActuatorOptions; empty: a thread does.

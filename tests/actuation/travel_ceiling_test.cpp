@@ -1,4 +1,4 @@
-#include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/actuation/travel_ceiling.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,50 +1,20 @@
 // What the wearer feels of objective "surface_and_force" where the device does not go where it was
 // wanted, and where the surface match jumps.
-#include "softfinger/twin/force_rendering.hpp"
+#include "softfinger/objectives/twin_correction.hpp"
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <functional>
-#include <string>
+#include <vector>
 
+#include "pressed_finger.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/device/device_file.hpp"
-#include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
 namespace {
 
 constexpr double kTick = 1.0 / 30.0;
-
-/// The index finger, held on a plane with friction.
-struct Pressed {
-  explicit Pressed(double depth)
-      : model(FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                                "index.toml")) {
-    VirtualObject object;
-    object.name = "plane";
-    object.motion = Trajectory({Waypoint{}});
-    FingerSimulation simulation(model, {&object, 1}, 1e-3);
-    double lowest = 0.0;
-    for (const Vector3& p : model->mesh.nodes) lowest = std::min(lowest, p.z());
-    Pose X_WFt{Matrix3::Identity(), Vector3(0.0, 0.0, -lowest + 0.2 * mm)};
-    simulation.reset(X_WFt);
-    for (int step = 1; step <= 200; ++step) {
-      X_WFt.translation.z() = std::max(-lowest - depth, X_WFt.translation.z() - 0.02 * mm);
-      simulation.step(X_WFt, step * 1e-3);
-    }
-    contact = simulation.contact();
-  }
-
-  std::shared_ptr<const FingerModel> model;
-  ContactSet contact;
-};
-
-std::shared_ptr<const Device> device_of(const std::string& name) {
-  return load_device(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / (name + ".toml"));
-}
 
 /// q moved along its first and its last component.
 Configuration moved(Configuration q, double first, double last) {
@@ -55,10 +25,10 @@ Configuration moved(Configuration q, double first, double last) {
 
 /// Renders `ticks` of the held finger; `surface` is the surface match of each, `went` where the
 /// device goes then. Returns the wearer's part of the virtual force in each.
-std::vector<double> felt(const Pressed& held, const std::shared_ptr<const Device>& device,
+std::vector<double> felt(const PressedFinger& held, const std::shared_ptr<const Device>& device,
                          int ticks, const std::function<Configuration(int)>& surface,
                          const std::function<Configuration(int, const Configuration&)>& went) {
-  ForceRendering force(held.model, device);
+  TwinCorrection force(held.model, device);
   Twin wearer(held.model, device);
   std::vector<double> parts;
   for (int tick = 0; tick < ticks; ++tick) {
@@ -74,7 +44,7 @@ std::vector<double> felt(const Pressed& held, const std::shared_ptr<const Device
 }
 
 /// Where a level device, moved from home alone, first bears half of that force.
-Configuration near(const Pressed& held, const std::shared_ptr<const Device>& device) {
+Configuration near(const PressedFinger& held, const std::shared_ptr<const Device>& device) {
   Configuration q = device->home();
   Twin twin(held.model, device);
   while (twin.contact().normal_force < 0.5 * held.contact.normal_force) {
@@ -84,8 +54,8 @@ Configuration near(const Pressed& held, const std::shared_ptr<const Device>& dev
   return q;
 }
 
-TEST(ForceRendering, TheTwinGoesTheWayOfTheDevice) {
-  const Pressed held(1.0 * mm);
+TEST(TwinCorrection, TheTwinGoesTheWayOfTheDevice) {
+  const PressedFinger held(1.0 * mm);
   ASSERT_GT(held.contact.normal_force, 0.3);
   const auto device = device_of("delta-schorr");
   const Configuration start = near(held, device);
@@ -100,8 +70,8 @@ TEST(ForceRendering, TheTwinGoesTheWayOfTheDevice) {
   for (std::size_t tick = 18; tick < 24; ++tick) EXPECT_NEAR(parts[tick], 1.0, 0.03) << tick;
 }
 
-TEST(ForceRendering, ASurfaceThatJumpsTakesNobodyAlong) {
-  const Pressed held(1.0 * mm);
+TEST(TwinCorrection, ASurfaceThatJumpsTakesNobodyAlong) {
+  const PressedFinger held(1.0 * mm);
   const auto device = device_of("delta-schorr");
   const Configuration start = near(held, device);
   const auto parts = felt(

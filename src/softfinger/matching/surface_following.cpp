@@ -1,12 +1,12 @@
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/matching/surface_following.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
 #include "softfinger/matching/skin_clearance.hpp"
+#include "softfinger/matching/skin_points.hpp"
 
 namespace softfinger {
 namespace {
@@ -22,34 +22,15 @@ double shrunk(double value, double by) {
 
 }  // namespace
 
-std::string_view to_string(RenderingState state) {
-  switch (state) {
-    case RenderingState::kHome:
-      return "home";
-    case RenderingState::kApproaching:
-      return "approaching";
-    case RenderingState::kTouching:
-      return "touching";
-    case RenderingState::kHolding:
-      break;
-  }
-  return "holding";
-}
-
-struct SurfaceRendering::Implementation {
+struct SurfaceFollowing::Implementation {
   Implementation(std::shared_ptr<const Device> the_device, int capacity,
                  const MatchingOptions& the_options, const RenderingRates& the_rates)
       : device(the_device),
         options(the_options),
         rates(the_rates),
         matching(std::move(the_device), capacity + static_cast<int>(ContactSet::kMostFeatures)),
-        skin(*device, capacity) {
-    const std::size_t size = static_cast<std::size_t>(capacity) + ContactSet::kMostFeatures;
-    points.resize(size);
-    in_contact.resize(size);
-    areas.resize(size);
-    gaps.resize(size);
-    nothing_touches.assign(size, 0);
+        skin(*device, capacity),
+        points(capacity) {
     reset();
   }
 
@@ -58,9 +39,7 @@ struct SurfaceRendering::Implementation {
   RenderingRates rates;
   ContactSurfaceMatching matching;
   SkinClearance skin;
-  std::vector<Vector3> points;
-  std::vector<std::uint8_t> in_contact, nothing_touches;
-  std::vector<double> areas, gaps;
+  SkinPoints points;
   RenderedSurface rendered;
 
   int ticks_without_contact = 0;
@@ -75,7 +54,6 @@ struct SurfaceRendering::Implementation {
   double gap_easing = 0.0;   ///< gap rendered minus asked for, m, shrinking
 
   void reset();
-  [[nodiscard]] ContactPoints take(const ContactSet& contact, bool touching);
   [[nodiscard]] bool turns(int axis) const;
   void touch(const ContactSet& contact, double elapsed);
   [[nodiscard]] Configuration eased_on_skin(const ContactPoints& view, double elapsed);
@@ -86,7 +64,7 @@ struct SurfaceRendering::Implementation {
   void render(const Configuration& wanted, const Configuration& safe);
 };
 
-void SurfaceRendering::Implementation::reset() {
+void SurfaceFollowing::Implementation::reset() {
   const Configuration none = Configuration::Zero(device->degrees_of_freedom());
   rendered = {};
   rendered.configuration = device->home();
@@ -103,37 +81,13 @@ void SurfaceRendering::Implementation::reset() {
   gap_easing = 0.0;
 }
 
-/// Samples, and behind them features.
-ContactPoints SurfaceRendering::Implementation::take(const ContactSet& contact, bool touching) {
-  const std::size_t room = points.size() - ContactSet::kMostFeatures;
-  std::size_t count = 0;
-  const auto put = [&](const Vector3& position_F, bool touches, double area, double gap) {
-    points[count] = position_F;
-    in_contact[count] = touches ? 1 : 0;
-    areas[count] = area;
-    gaps[count] = gap;
-    ++count;
-  };
-  for (const ContactSample& sample :
-       std::span(contact.samples).first(std::min(contact.samples.size(), room))) {
-    put(sample.position_F, sample.in_contact, sample.weight(), sample.gap);
-  }
-  for (const ContactFeature& feature : contact.features()) {
-    put(feature.position_F, true, feature.rest_area, feature.gap);
-  }
-  return {{points.data(), count},
-          {touching ? in_contact.data() : nothing_touches.data(), count},
-          {areas.data(), count},
-          {gaps.data(), count}};
-}
-
-bool SurfaceRendering::Implementation::turns(int axis) const {
+bool SurfaceFollowing::Implementation::turns(int axis) const {
   return device->axes()[static_cast<std::size_t>(axis)].unit == deg;
 }
 
 /// Renders `wanted` cut to the limits of the axes, or what of it is reachable on the way from
 /// `safe`, which is.
-void SurfaceRendering::Implementation::render(const Configuration& wanted,
+void SurfaceFollowing::Implementation::render(const Configuration& wanted,
                                               const Configuration& safe) {
   Configuration cut = wanted;
   for (int k = 0; k < cut.size(); ++k) {
@@ -145,7 +99,7 @@ void SurfaceRendering::Implementation::render(const Configuration& wanted,
 }
 
 /// The pose with this orientation and gap to the skin.
-Configuration SurfaceRendering::Implementation::off_skin(const Configuration& orientation,
+Configuration SurfaceFollowing::Implementation::off_skin(const Configuration& orientation,
                                                          double gap) const {
   Configuration start = orientation;
   const int axis = device->approach_axis();
@@ -153,8 +107,8 @@ Configuration SurfaceRendering::Implementation::off_skin(const Configuration& or
   return skin.with_gap(start, gap);
 }
 
-void SurfaceRendering::Implementation::touch(const ContactSet& contact, double elapsed) {
-  const ContactPoints view = take(contact, true);
+void SurfaceFollowing::Implementation::touch(const ContactSet& contact, double elapsed) {
+  const ContactPoints view = points.take(contact);
   const MatchingResult result = matching.solve(view, options, &matched);
   matched = result.configuration;
   rendered.iterations = result.iterations;
@@ -177,7 +131,7 @@ void SurfaceRendering::Implementation::touch(const ContactSet& contact, double e
 /// The match, turned no further from what was rendered than the object turned against the bone and
 /// an easing allows, and as far advanced as E is then least. A surface that is still off the skin
 /// may turn as far as its gap is wide.
-Configuration SurfaceRendering::Implementation::eased_on_skin(const ContactPoints& view,
+Configuration SurfaceFollowing::Implementation::eased_on_skin(const ContactPoints& view,
                                                               double elapsed) {
   catching_up = false;
   const double air = std::max(0.0, skin.gap(rendered.configuration));
@@ -196,7 +150,7 @@ Configuration SurfaceRendering::Implementation::eased_on_skin(const ContactPoint
 
 /// How the object moved against the bone since the last tick, as a device that faces its nearest
 /// normal at its least gap would see it; zero where there was none or the normal jumped.
-void SurfaceRendering::Implementation::follow(const ContactSet& contact) {
+void SurfaceFollowing::Implementation::follow(const ContactSet& contact) {
   const bool had = following;
   const Configuration before = followed;
   motion.setZero();
@@ -208,7 +162,7 @@ void SurfaceRendering::Implementation::follow(const ContactSet& contact) {
 }
 
 /// How far two configurations are turned against each other, rad.
-double SurfaceRendering::Implementation::turn(const Configuration& a,
+double SurfaceFollowing::Implementation::turn(const Configuration& a,
                                               const Configuration& b) const {
   double square = 0.0;
   for (int k = 0; k < a.size(); ++k) {
@@ -218,7 +172,7 @@ double SurfaceRendering::Implementation::turn(const Configuration& a,
   return std::sqrt(square);
 }
 
-void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, RenderingState state,
+void SurfaceFollowing::Implementation::stay_off(const ContactSet& contact, RenderingState state,
                                                 double elapsed) {
   const Configuration& home = device->home();
   const int approach = device->approach_axis();
@@ -233,7 +187,7 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
   if (skin.gap(home) < eps) {
     MatchingOptions clearing = options;
     clearing.separation = Separation::kConstant;
-    const MatchingResult result = matching.solve(take(contact, false), clearing, &home);
+    const MatchingResult result = matching.solve(points.take(contact, false), clearing, &home);
     rest = result.configuration;
     rendered.iterations = result.iterations;
   }
@@ -246,7 +200,7 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
   }
   if (state != RenderingState::kHome) {
     target = device->facing(contact.nearest_normal_F, home);
-    gap = state == RenderingState::kHolding ? 0.0 : std::max(0.0, contact.least_gap);
+    gap = state == RenderingState::kLingering ? 0.0 : std::max(0.0, contact.least_gap);
   }
 
   // What jumps between the last tick and this one is eased.
@@ -260,7 +214,7 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
     } else if (jump) {
       air_easing[k] += air_target[k] - target[k];
     }
-    const bool on_skin = arrived_here || state == RenderingState::kHolding;
+    const bool on_skin = arrived_here || state == RenderingState::kLingering;
     const double rate =
         !turns(k) ? rates.gap_in_air : (on_skin ? rates.turn_on_skin : rates.turn_in_air);
     air_easing[k] = shrunk(air_easing[k], rate * elapsed);
@@ -287,27 +241,27 @@ void SurfaceRendering::Implementation::stay_off(const ContactSet& contact, Rende
   rendered.state = state;
 }
 
-SurfaceRendering::SurfaceRendering(std::shared_ptr<const Device> device, int capacity,
+SurfaceFollowing::SurfaceFollowing(std::shared_ptr<const Device> device, int capacity,
                                    MatchingOptions options, RenderingRates rates)
     : implementation_(
           std::make_unique<Implementation>(std::move(device), capacity, options, rates)) {}
-SurfaceRendering::~SurfaceRendering() = default;
-SurfaceRendering::SurfaceRendering(SurfaceRendering&&) noexcept = default;
-SurfaceRendering& SurfaceRendering::operator=(SurfaceRendering&&) noexcept = default;
+SurfaceFollowing::~SurfaceFollowing() = default;
+SurfaceFollowing::SurfaceFollowing(SurfaceFollowing&&) noexcept = default;
+SurfaceFollowing& SurfaceFollowing::operator=(SurfaceFollowing&&) noexcept = default;
 
-void SurfaceRendering::reset() { implementation_->reset(); }
+void SurfaceFollowing::reset() { implementation_->reset(); }
 
-const RenderedSurface& SurfaceRendering::tick(const ContactSet& contact, double elapsed) {
+const RenderedSurface& SurfaceFollowing::tick(const ContactSet& contact, double elapsed) {
   Implementation& self = *implementation_;
   self.skin.take(contact);
   self.follow(contact);
   const bool was_on_skin = self.rendered.state == RenderingState::kTouching ||
-                           self.rendered.state == RenderingState::kHolding;
+                           self.rendered.state == RenderingState::kLingering;
   if (contact.contact_count > 0) {
     self.ticks_without_contact = 0;
     self.touch(contact, elapsed);
   } else if (was_on_skin && ++self.ticks_without_contact <= kTicksOnSkin) {
-    self.stay_off(contact, RenderingState::kHolding, elapsed);
+    self.stay_off(contact, RenderingState::kLingering, elapsed);
   } else if (contact.least_gap < self.device->settings().matching.approach) {
     self.stay_off(contact, RenderingState::kApproaching, elapsed);
   } else {
@@ -316,8 +270,8 @@ const RenderedSurface& SurfaceRendering::tick(const ContactSet& contact, double 
   return self.rendered;
 }
 
-const RenderedSurface& SurfaceRendering::latest() const { return implementation_->rendered; }
+const RenderedSurface& SurfaceFollowing::latest() const { return implementation_->rendered; }
 
-const Device& SurfaceRendering::device() const { return *implementation_->device; }
+const Device& SurfaceFollowing::device() const { return *implementation_->device; }
 
 }  // namespace softfinger

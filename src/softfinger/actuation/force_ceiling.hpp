@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "softfinger/device/travel_ceiling.hpp"
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace softfinger {

@@ -1,10 +1,10 @@
-#include "softfinger/twin/force_limiter.hpp"
+#include "softfinger/actuation/force_limiter.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/actuation/force_ceiling.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/twin/force_ceiling.hpp"
 
 namespace softfinger {
 namespace {

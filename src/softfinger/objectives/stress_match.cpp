@@ -1,4 +1,4 @@
-#include "softfinger/twin/stress_match.hpp"
+#include "softfinger/objectives/stress_match.hpp"
 
 #include <cmath>
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <string_view>
 
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
@@ -9,8 +8,7 @@
 namespace softfinger {
 
 /// What the device is doing for the wearer.
-enum class RenderingState { kHome, kApproaching, kTouching, kHolding };
-[[nodiscard]] std::string_view to_string(RenderingState state);
+enum class RenderingState { kHome, kApproaching, kTouching, kLingering };
 
 struct RenderedSurface {
   Configuration configuration;  ///< wanted q, inside the workspace
@@ -36,14 +34,14 @@ struct RenderingRates {
 /// skin. Turns on the skin are eased while few samples touch, the device then being as far advanced
 /// as E is least; off the skin gap and orientation are. The device presses only while something
 /// touches, and leaves the skin only after two ticks without contact. tick() does not allocate.
-class SurfaceRendering {
+class SurfaceFollowing {
  public:
   /// `capacity`: number of skin samples; features have room besides.
-  SurfaceRendering(std::shared_ptr<const Device> device, int capacity, MatchingOptions options = {},
+  SurfaceFollowing(std::shared_ptr<const Device> device, int capacity, MatchingOptions options = {},
                    RenderingRates rates = {});
-  ~SurfaceRendering();
-  SurfaceRendering(SurfaceRendering&&) noexcept;
-  SurfaceRendering& operator=(SurfaceRendering&&) noexcept;
+  ~SurfaceFollowing();
+  SurfaceFollowing(SurfaceFollowing&&) noexcept;
+  SurfaceFollowing& operator=(SurfaceFollowing&&) noexcept;
 
   /// Back to home, no history.
   void reset();

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "softfinger/contact/contact_set.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/matching/surface_following.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {

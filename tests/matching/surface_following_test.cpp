@@ -1,4 +1,4 @@
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/matching/surface_following.hpp"
 
 #include <gtest/gtest.h>
 
@@ -48,10 +48,10 @@ double least_gap(const ContactSet& contact, const Configuration& q) {
   return least;
 }
 
-TEST(SurfaceRendering, HomeWhileNothingIsNear) {
+TEST(SurfaceFollowing, HomeWhileNothingIsNear) {
   std::mt19937 random(1);
   const Pad rest = resting_pad(117, random);
-  SurfaceRendering rendering(thimble(), rest.size());
+  SurfaceFollowing rendering(thimble(), rest.size());
   for (int i = 0; i < 5; ++i) {
     const RenderedSurface& rendered =
         rendering.tick(plane_contact(rest, Vector3::UnitZ(), 10.0 * mm), kTick);
@@ -63,12 +63,12 @@ TEST(SurfaceRendering, HomeWhileNothingIsNear) {
   EXPECT_EQ(rendering.tick(nothing, kTick).configuration, thimble()->home());
 }
 
-TEST(SurfaceRendering, KeepsTheLeastGapFacingTheNearestNormal) {
+TEST(SurfaceFollowing, KeepsTheLeastGapFacingTheNearestNormal) {
   std::mt19937 random(2);
   const Pad rest = resting_pad(117, random);
   for (const double azimuth : {0.0, 130.0, 250.0}) {
     const Vector3 normal = tilted_normal(12.0, azimuth);
-    SurfaceRendering rendering(thimble(), rest.size());
+    SurfaceFollowing rendering(thimble(), rest.size());
     ContactSet contact;
     for (int i = 0; i < 60; ++i) {
       contact = plane_contact(rest, normal, 1.4 * mm);
@@ -83,12 +83,12 @@ TEST(SurfaceRendering, KeepsTheLeastGapFacingTheNearestNormal) {
 }
 
 // A finger goes down on a plane that is tilted against it, presses, and leaves.
-TEST(SurfaceRendering, TouchAndReleaseDoNotJump) {
+TEST(SurfaceFollowing, TouchAndReleaseDoNotJump) {
   std::mt19937 random(3);
   for (const double tilt : {0.0, 5.0, 12.0}) {
     const Pad rest = resting_pad(117, random);
     const Vector3 normal = tilted_normal(tilt, 40.0);
-    SurfaceRendering rendering(thimble(), rest.size());
+    SurfaceFollowing rendering(thimble(), rest.size());
     Configuration last = thimble()->home();
     double last_height = 8.0 * mm;
     RenderingState last_state = RenderingState::kHome;
@@ -100,10 +100,10 @@ TEST(SurfaceRendering, TouchAndReleaseDoNotJump) {
       const ContactSet contact = plane_contact(rest, normal, height);
       const RenderedSurface& rendered = rendering.tick(contact, kTick);
       EXPECT_TRUE(thimble()->reachable(rendered.configuration));
-      const bool on_skin =
-          rendered.state == RenderingState::kTouching || rendered.state == RenderingState::kHolding;
+      const bool on_skin = rendered.state == RenderingState::kTouching ||
+                           rendered.state == RenderingState::kLingering;
       const bool was_on_skin =
-          last_state == RenderingState::kTouching || last_state == RenderingState::kHolding;
+          last_state == RenderingState::kTouching || last_state == RenderingState::kLingering;
       if (on_skin || was_on_skin) {
         const double bone = std::abs(height - last_height);
         most_travel = std::max(most_travel, std::abs(rendered.configuration[2] - last[2]) - bone);
@@ -125,13 +125,13 @@ TEST(SurfaceRendering, TouchAndReleaseDoNotJump) {
 }
 
 // A tap: from out of reach into the skin between two ticks, and out again.
-TEST(SurfaceRendering, ATapIsTouchedAndLeftAtOnce) {
+TEST(SurfaceFollowing, ATapIsTouchedAndLeftAtOnce) {
   std::mt19937 random(11);
   const Pad rest = resting_pad(117, random);
   for (const double approach_from : {12.0, 5.0, 2.0, 0.4}) {
     for (const double tilt : {0.0, 6.0}) {
       const Vector3 normal = tilted_normal(tilt, 0.0);
-      SurfaceRendering rendering(thimble(), rest.size());
+      SurfaceFollowing rendering(thimble(), rest.size());
       for (int i = 0; i < 30; ++i) {
         rendering.tick(plane_contact(rest, normal, approach_from * mm), kTick);
       }
@@ -150,11 +150,11 @@ TEST(SurfaceRendering, ATapIsTouchedAndLeftAtOnce) {
 }
 
 // However far an object is, and the device from it: nothing is pressed before it touches.
-TEST(SurfaceRendering, NothingIsPressedWhileNothingTouches) {
+TEST(SurfaceFollowing, NothingIsPressedWhileNothingTouches) {
   std::mt19937 random(12);
   std::uniform_real_distribution<double> height(0.0, 14.0);
   const Pad rest = resting_pad(117, random);
-  SurfaceRendering rendering(thimble(), rest.size());
+  SurfaceFollowing rendering(thimble(), rest.size());
   for (int i = 0; i < 300; ++i) {
     const bool touches = i % 7 == 0;
     const ContactSet contact =
@@ -166,28 +166,28 @@ TEST(SurfaceRendering, NothingIsPressedWhileNothingTouches) {
   }
 }
 
-TEST(SurfaceRendering, LeavesTheSkinOnlyAfterTwoTicksWithoutContact) {
+TEST(SurfaceFollowing, LeavesTheSkinOnlyAfterTwoTicksWithoutContact) {
   std::mt19937 random(4);
   const Pad rest = resting_pad(117, random);
-  SurfaceRendering rendering(thimble(), rest.size());
+  SurfaceFollowing rendering(thimble(), rest.size());
   for (int i = 0; i < 40; ++i)
     rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm), kTick);
   EXPECT_EQ(rendering.latest().state, RenderingState::kTouching);
   const ContactSet off = plane_contact(rest, Vector3::UnitZ(), 0.5 * mm);
-  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kHolding);
-  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kHolding);
+  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kLingering);
+  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kLingering);
   EXPECT_LT(least_gap(off, rendering.latest().configuration), 1e-9);
   EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kApproaching);
   // Contact between two losses starts the count again.
   rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.0 * mm), kTick);
-  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kHolding);
+  EXPECT_EQ(rendering.tick(off, kTick).state, RenderingState::kLingering);
 }
 
-TEST(SurfaceRendering, ClearsASkinThatHangsLow) {
+TEST(SurfaceFollowing, ClearsASkinThatHangsLow) {
   std::mt19937 random(5);
   Pad rest = resting_pad(117, random);
   for (Vector3& p : rest.points) p.z() -= 3.5 * mm;
-  SurfaceRendering rendering(thimble(), rest.size());
+  SurfaceFollowing rendering(thimble(), rest.size());
   ContactSet contact;
   for (int i = 0; i < 100; ++i) {
     contact = plane_contact(rest, Vector3::UnitZ(), 20.0 * mm);
@@ -196,11 +196,11 @@ TEST(SurfaceRendering, ClearsASkinThatHangsLow) {
   EXPECT_NEAR(least_gap(contact, rendering.latest().configuration), 0.2 * mm, 1e-8);
 }
 
-TEST(SurfaceRendering, SameInputSameBits) {
+TEST(SurfaceFollowing, SameInputSameBits) {
   std::mt19937 random(6);
   const Pad rest = resting_pad(117, random);
-  SurfaceRendering a(thimble(), rest.size());
-  SurfaceRendering b(thimble(), rest.size());
+  SurfaceFollowing a(thimble(), rest.size());
+  SurfaceFollowing b(thimble(), rest.size());
   for (int i = 0; i < 100; ++i) {
     const ContactSet contact =
         plane_contact(rest, tilted_normal(10.0, 3.0 * i), 3.0 * mm * std::cos(0.1 * i));
@@ -214,7 +214,7 @@ TEST(SurfaceRendering, SameInputSameBits) {
 
 // A plane comes, presses and goes, a tenth of a millimetre a tick: no device jumps, none leaves its
 // workspace, and all come home.
-TEST(SurfaceRendering, EveryKindFollowsWithoutJumps) {
+TEST(SurfaceFollowing, EveryKindFollowsWithoutJumps) {
   std::mt19937 random(9);
   const Pad rest = resting_pad(117, random);
   int devices = 0;
@@ -223,7 +223,7 @@ TEST(SurfaceRendering, EveryKindFollowsWithoutJumps) {
     const auto device = load_device(file.path());
     // Files that differ by their motors alone move as one.
     if (device->settings().transport && device->settings().transport->kind != "maestro") continue;
-    SurfaceRendering rendering(device, rest.size());
+    SurfaceFollowing rendering(device, rest.size());
     Configuration before = device->home();
     double farthest = 0.0;
     double most = 0.0;

@@ -4,24 +4,24 @@
 #include <span>
 
 #include "softfinger/matching/skin_clearance.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
-#include "softfinger/twin/force_aware_matching.hpp"
+#include "softfinger/matching/surface_following.hpp"
+#include "softfinger/objectives/force_aware_matching.hpp"
 
 namespace softfinger {
 
 /// The running loop's behaviour with objectives "surface_and_force" and "stress": what
-/// SurfaceRendering wants, put right by what the twin feels. Off the skin the correction is given
-/// back at a bounded rate, at the gap to the skin that SurfaceRendering wants, so that neither
+/// SurfaceFollowing wants, put right by what the twin feels. Off the skin the correction is given
+/// back at a bounded rate, at the gap to the skin that SurfaceFollowing wants, so that neither
 /// touch nor release, nor a twin that loses contact, makes the device jump, and nothing is pressed
 /// where nothing touches. tick() does not allocate.
-class ForceRendering {
+class TwinCorrection {
  public:
-  ForceRendering(const std::shared_ptr<const FingerModel>& model,
+  TwinCorrection(const std::shared_ptr<const FingerModel>& model,
                  std::shared_ptr<const Device> device, MatchingOptions matching = {},
                  ForceAwareOptions options = {});
 
   void reset();
-  /// One device tick after SurfaceRendering's, `elapsed` s after the last. `nodes_F`: see
+  /// One device tick after SurfaceFollowing's, `elapsed` s after the last. `nodes_F`: see
   /// ForceAwareMatching::match().
   const RenderedSurface& tick(const ContactSet& contact, std::span<const Vector3> nodes_F,
                               const RenderedSurface& surface, double elapsed);
@@ -33,7 +33,7 @@ class ForceRendering {
   MatchingOptions matching_;
   ForceAwareMatching force_;
   SkinClearance skin_;
-  Configuration correction_;  ///< rendered minus SurfaceRendering's
+  Configuration correction_;  ///< rendered minus SurfaceFollowing's
   RenderedSurface rendered_;
 };
 

@@ -1,4 +1,4 @@
-#include "softfinger/twin/force_rendering.hpp"
+#include "softfinger/objectives/twin_correction.hpp"
 
 #include <algorithm>
 
@@ -14,7 +14,7 @@ constexpr double kLengthRate = 30.0 * mm;  // m/s
 
 }  // namespace
 
-ForceRendering::ForceRendering(const std::shared_ptr<const FingerModel>& model,
+TwinCorrection::TwinCorrection(const std::shared_ptr<const FingerModel>& model,
                                std::shared_ptr<const Device> device, MatchingOptions matching,
                                ForceAwareOptions options)
     : device_(std::move(device)),
@@ -24,14 +24,14 @@ ForceRendering::ForceRendering(const std::shared_ptr<const FingerModel>& model,
   reset();
 }
 
-void ForceRendering::reset() {
+void TwinCorrection::reset() {
   force_.reset();
   correction_ = Configuration::Zero(device_->degrees_of_freedom());
   rendered_ = {};
   rendered_.configuration = device_->home();
 }
 
-const RenderedSurface& ForceRendering::tick(const ContactSet& contact,
+const RenderedSurface& TwinCorrection::tick(const ContactSet& contact,
                                             std::span<const Vector3> nodes_F,
                                             const RenderedSurface& surface, double elapsed) {
   const ForceAwareResult& matched = force_.match(

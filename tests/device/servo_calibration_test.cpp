@@ -1,4 +1,4 @@
-#include "softfinger/actuation/servo_calibration.hpp"
+#include "softfinger/device/servo_calibration.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "lever_platform.hpp"
+#include "../support/lever_platform.hpp"
 #include "softfinger/base/error.hpp"
 
 namespace softfinger {

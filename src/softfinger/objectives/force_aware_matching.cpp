@@ -1,14 +1,15 @@
-#include "softfinger/twin/force_aware_matching.hpp"
+#include "softfinger/objectives/force_aware_matching.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
+#include "softfinger/matching/packed_samples.hpp"
+#include "softfinger/matching/skin_points.hpp"
 #include "softfinger/numerics/quadratic_program.hpp"
-#include "softfinger/twin/stress_match.hpp"
+#include "softfinger/objectives/stress_match.hpp"
 
 namespace softfinger {
 namespace {
@@ -25,10 +26,9 @@ constexpr double kStressTolerance = 1e-3;  // of the cost; a step that gains les
 
 struct ForceAwareMatching::Implementation {
   Implementation(const std::shared_ptr<const FingerModel>& model,
-                 std::shared_ptr<const Device> the_device, int the_capacity,
+                 std::shared_ptr<const Device> the_device, int capacity,
                  const ForceAwareOptions& the_options)
       : device(std::move(the_device)),
-        capacity(static_cast<std::size_t>(the_capacity)),
         options(the_options),
         twin(model, device),
         dof(device->degrees_of_freedom()),
@@ -39,10 +39,9 @@ struct ForceAwareMatching::Implementation {
         gauss_newton(dof, dof),
         hessian(dof, dof),
         values(device->constraint_count()),
-        jacobian(device->constraint_count(), dof) {
-    for (auto* array : {&x, &y, &z, &weight, &margin}) {
-      array->resize(capacity + ContactSet::kMostFeatures);
-    }
+        jacobian(device->constraint_count(), dof),
+        points(capacity),
+        packed(capacity + static_cast<int>(ContactSet::kMostFeatures)) {
     if (options.stress_weight > 0.0) stress.emplace(model, options.stress_weight, dof);
     result.configuration = device->home();
     before = device->home();
@@ -50,7 +49,6 @@ struct ForceAwareMatching::Implementation {
   }
 
   std::shared_ptr<const Device> device;
-  std::size_t capacity;
   ForceAwareOptions options;
   Twin twin;
   std::optional<StressMatch> stress;
@@ -60,7 +58,8 @@ struct ForceAwareMatching::Implementation {
   Eigen::MatrixXd matrix, gauss_newton, hessian;
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
-  std::vector<double> x, y, z, weight, margin;
+  SkinPoints points;
+  PackedSamples packed;
   SurfaceSamples samples;
   Vector3 target = Vector3::Zero();
   Configuration before;    ///< the last match
@@ -68,7 +67,6 @@ struct ForceAwareMatching::Implementation {
   bool under_way = false;  ///< the last frame has not ended
   ForceAwareResult result;
 
-  void take(const ContactSet& contact, const MatchingOptions& matching);
   [[nodiscard]] double metric(int k) const {
     return device->axes()[static_cast<std::size_t>(k)].metric;
   }
@@ -90,38 +88,6 @@ struct ForceAwareMatching::Implementation {
   void cut_step();
   void search();
 };
-
-void ForceAwareMatching::Implementation::take(const ContactSet& contact,
-                                              const MatchingOptions& matching) {
-  const double eps =
-      matching.separation_tolerance.value_or(device->settings().matching.separation_tolerance);
-  const std::size_t count = std::min(contact.samples.size(), capacity);
-  std::size_t packed = 0;
-  samples = {};
-  const auto put = [&](const Vector3& position_F, double gap) {
-    x[packed] = position_F.x();
-    y[packed] = position_F.y();
-    z[packed] = position_F.z();
-    weight[packed] = 1.0;
-    margin[packed] = std::clamp(gap, 0.0, eps);
-    ++packed;
-  };
-  const auto put_samples = [&](bool touching) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const ContactSample& sample = contact.samples[i];
-      if (sample.in_contact == touching) put(sample.position_F, sample.gap);
-    }
-  };
-  put_samples(true);
-  for (const ContactFeature& feature : contact.features()) put(feature.position_F, feature.gap);
-  samples.contact_count = static_cast<int>(packed);
-  put_samples(false);
-  samples.x = {x.data(), packed};
-  samples.y = {y.data(), packed};
-  samples.z = {z.data(), packed};
-  samples.weight = {weight.data(), packed};
-  samples.margin = {margin.data(), packed};
-}
 
 /// Damped Gauss-Newton step at q within the device's constraints, in `step` (by q).
 bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const Vector3& force,
@@ -253,7 +219,8 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   ForceAwareResult& result = self.result;
   follow(self.before);
   result = {};
-  self.take(virtual_side, matching);
+  self.samples = self.packed.pack(self.points.take(virtual_side), matching,
+                                  self.device->settings().matching.separation_tolerance);
   self.target = normal_force_vector(virtual_side);
   self.anchor = surface;
   self.twin.begin_frame(friction_coefficient, elapsed);

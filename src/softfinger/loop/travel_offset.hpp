@@ -2,16 +2,10 @@
 
 #include <memory>
 
+#include "softfinger/device/force_reading.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
-
-/// What a device's force sensor says: the normal force on the wearer's finger, N, and where the
-/// device stood then.
-struct ForceReading {
-  double normal_force = 0.0;
-  Configuration configuration;
-};
 
 struct TravelOffsetOptions {
   double gain = 0.7;               ///< part of the error that is corrected in one frame

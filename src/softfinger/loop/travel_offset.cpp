@@ -1,4 +1,4 @@
-#include "softfinger/twin/travel_offset.hpp"
+#include "softfinger/loop/travel_offset.hpp"
 
 #include <algorithm>
 #include <cmath>

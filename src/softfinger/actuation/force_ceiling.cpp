@@ -1,4 +1,4 @@
-#include "softfinger/twin/force_ceiling.hpp"
+#include "softfinger/actuation/force_ceiling.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "softfinger/actuation/servo_calibration.hpp"
+#include "softfinger/device/servo_calibration.hpp"
 
 #include <fmt/core.h>
 
