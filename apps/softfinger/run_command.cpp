@@ -16,6 +16,7 @@
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/session/live_session.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "stop_signal.hpp"
 
@@ -161,9 +162,10 @@ void add_run_command(CLI::App& app) {
                    "device file instead of the scene's; NAME=FILE for one of several fingers")
       ->allow_extra_args(false);
   command
-      ->add_option("--tracker", options.trackers,
-                   "tracker instead of the scene's: script, csv:FILE, page, webxr, udp:PORT, "
-                   "osc:PORT or natnet:HOST,body=NAME; NAME=SPEC for one of several fingers")
+      ->add_option(
+          "--tracker", options.trackers,
+          fmt::format("tracker instead of the scene's: {}; NAME=SPEC for one of several fingers",
+                      trackers_in_brief("or", [](const TrackerRow&) { return true; })))
       ->allow_extra_args(false);
   command->add_flag("--filter", flags->filter,
                     "smooth tracked poses: little jitter at rest, little lag in motion");

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/viewer/page_request.hpp"
 #include "softfinger/viewer/scene_message.hpp"
@@ -141,6 +142,20 @@ TEST(SceneMessage, TellsWhatIsWrongWithADevice) {
   EXPECT_EQ(json["notices"][1]["finger"], 4);
   EXPECT_EQ(json["notices"][1]["kind"], "approach");
   EXPECT_EQ(json["notices"][1]["text"], feed.description()->notices[1].text);
+}
+
+// The page has no names of its own.
+TEST(SceneMessage, NamesStatesAndStages) {
+  const auto json = nlohmann::json::parse(scene_message({}));
+  ASSERT_EQ(json["device_states"].size(), kDeviceStates.size());
+  EXPECT_EQ(json["device_states"].front()["name"], "disconnected");
+  EXPECT_EQ(json["device_states"].front()["tone"], "fault");
+  EXPECT_EQ(json["device_states"].back()["name"], "ready");
+  ASSERT_EQ(json["latency_stages"].size(), kLatencyStages);
+  for (std::size_t i = 0; i < kLatencyStages; ++i) {
+    EXPECT_EQ(json["latency_stages"][i]["name"], kLatencyStageNames[i].name);
+    EXPECT_EQ(json["latency_stages"][i]["words"], kLatencyStageNames[i].words);
+  }
 }
 
 TEST(SceneMessage, NamesEachShape) {

@@ -344,6 +344,7 @@ void SyntheticFeed::request(const LiveRequest& request) {
                        .held = 1,
                        .postures = 5,
                        .wanted = "left side",
+                       .words = "Roll it.",
                        .progress = 0.5,
                        .message = ""};
       break;

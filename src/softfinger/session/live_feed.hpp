@@ -156,6 +156,7 @@ struct RegistrationState {
   std::size_t held = 0;      ///< postures that were held
   std::size_t postures = 0;  ///< that there are
   std::string_view wanted;   ///< name of the posture to hold now
+  std::string_view words;    ///< how, one sentence
   double progress = 0.0;     ///< of holding it, 0 to 1
   std::string message;       ///< what was found, or why nothing was saved
 };

@@ -1,5 +1,5 @@
 import { type DeviceMarks, noticeLines, showWarning } from "./device_marks";
-import { commonState, contactCount, HandTable, stateOf } from "./hand_table";
+import { commonState, contactCount, HandTable, stateOf, toneOf } from "./hand_table";
 import { RadioGroup } from "./radio_group";
 import { kHand, type Shown } from "./shown";
 import type { FingerSnapshot, Request, Scene, Snapshot } from "./wire";
@@ -167,7 +167,7 @@ export class Panel {
   }
 
   private showHand(snapshot: Snapshot, now: number): void {
-    const { state, text } = commonState(snapshot.fingers);
+    const { state, text } = commonState(snapshot.fingers, this.scene);
     this.showDevice(state, text, snapshot.fingers.some((_, i) => this.marks.isLimited(i, now)));
     this.table.show(snapshot, this.marks, now);
     const counts = snapshot.fingers.map(contactCount);
@@ -207,7 +207,7 @@ export class Panel {
   private tellDevice(): void {
     const known = this.connection !== "lost";
     element("device-state").textContent = known ? this.device.text : "unknown";
-    element("device-state").dataset.device = known ? this.device.state : "";
+    element("device-state").dataset.tone = known ? toneOf(this.device.state, this.scene) : "";
     element("device-limited").hidden = !known || !this.device.limited;
   }
 

@@ -168,7 +168,7 @@ export class Plots {
     }
     this.plots = loopPlots(finger).map((d) => new LivePlot(this.strip, d));
     const last = this.plots[this.plots.length - 1]!;
-    this.latency = finger.device_kind ? new LatencyView(last.element) : null;
+    this.latency = finger.device_kind ? new LatencyView(last.element, scene.latency_stages) : null;
     if (finger.twin) this.plots.push(...measurePlots().map((d) => new LivePlot(this.measures, d)));
   }
   add(snapshot: Snapshot): void {
