@@ -199,7 +199,8 @@ void add_run_command(CLI::App& app) {
                     "live: do not press a second finger with the device's surface for the page");
   command->add_option("--threads", options.threads,
                       "that step several fingers side by side, or one with a large mesh");
-  command->add_option("--simd", flags->simd, "instruction set: baseline, avx2 or avx512");
+  command->add_option("--simd", flags->simd,
+                      fmt::format("instruction set: {}", listed(names_of(kInstructionSets), "or")));
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] { run(*flags); });
 }

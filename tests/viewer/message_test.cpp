@@ -129,6 +129,8 @@ TEST(SceneMessage, HasWhatThePageDraws) {
   EXPECT_EQ(finger["skin_triangles"].size(), 3 * model.skin_triangles.size());
   EXPECT_NEAR(finger["skin_positions_mm"][1].get<double>(), model.skin_rest_positions_F[0].y() / mm,
               1e-3);
+  EXPECT_EQ(finger["device_kind"], "platform_3rrs");
+  EXPECT_EQ(finger["device_kind_words"], "3-RRS thimble");
   EXPECT_EQ(finger["configuration_names"][0], "pitch_deg");
   EXPECT_NEAR(finger["disk_radius_mm"].get<double>(), 8.0, 1e-9);
 }

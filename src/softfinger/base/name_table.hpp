@@ -13,8 +13,8 @@ namespace softfinger {
 template <typename T>
 struct NameRow {
   T value;
-  std::string_view name;   ///< in files, flags, output and on the wire
-  std::string_view words;  ///< that people read
+  std::string_view name;        ///< in files, flags, output and on the wire
+  std::string_view words = {};  ///< that people read; empty: the name
 };
 
 /// The row of a value; the first row where none is its own.

@@ -12,11 +12,7 @@ namespace softfinger {
 /// The alternatives of Shape, in their order.
 enum class ShapeKind { kPlane, kSphere, kBox, kCylinder, kMesh };
 
-struct ShapeRow {
-  ShapeKind value;
-  std::string_view name;  ///< in scene files, output and on the wire
-};
-inline constexpr std::array<ShapeRow, std::variant_size_v<Shape>> kShapes{{
+inline constexpr std::array<NameRow<ShapeKind>, std::variant_size_v<Shape>> kShapes{{
     {ShapeKind::kPlane, "plane"},
     {ShapeKind::kSphere, "sphere"},
     {ShapeKind::kBox, "box"},

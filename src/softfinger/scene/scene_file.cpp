@@ -188,6 +188,7 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
   finger.model = table.path("model");
   finger.device = table.optional_path("device");
   finger.tracker = table.text("tracker", "script");
+  table.matches("tracker", fmt::format("^({})(:|$)", fmt::join(names_of(kTrackers), "|")));
   TrackerSpec tracker;
   try {
     tracker = parse_tracker_spec(finger.tracker);

@@ -32,6 +32,8 @@ struct SceneDescription {
     std::vector<std::array<int, 3>> bone_triangles;  ///< indices into rigid_positions_F
     std::vector<std::array<int, 3>> nail_triangles;  ///< indices into rigid_positions_F
     std::string device_kind;                         ///< empty: no device
+    std::string device_kind_words;                   ///< what people call it
+    bool cables = false;                             ///< its linkage is of cables
     std::vector<std::string> configuration_names;    ///< with unit: pitch_deg, ...
     bool linear_joints = false;                      ///< joints are lengths
     double disk_radius = 0.0;                        ///< of devices that have one

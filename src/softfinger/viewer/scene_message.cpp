@@ -127,6 +127,8 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"bone_triangles", flat(finger.bone_triangles)},
           {"nail_triangles", flat(finger.nail_triangles)},
           {"device_kind", finger.device_kind},
+          {"device_kind_words", finger.device_kind_words},
+          {"cables", finger.cables},
           {"configuration_names", finger.configuration_names},
           {"joint_unit", finger.linear_joints ? "mm" : "deg"},
           {"disk_radius_mm", finger.disk_radius / mm},

@@ -5,16 +5,6 @@ import { kHand, type Shown } from "./shown";
 import type { FingerSnapshot, Request, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
-const kDeviceNames: Record<string, string> = {
-  platform_3rrs: "3-RRS thimble",
-  plate_2dof: "2-DoF plate",
-  cable_platform: "cable-driven platform",
-  pin_array: "pin array",
-  delta_tactor: "delta tactor",
-  membrane: "membrane",
-  roller: "roller",
-  mechanism: "mechanism",
-};
 const kSoon = 250; // ms; what is loaded sooner is not told
 
 /** Everything on the page that is neither a drawing nor a plot. */
@@ -123,7 +113,7 @@ export class Panel {
     element("virtual-what").textContent =
       `${whole ? `${scene.fingers.length} fingers` : finger?.name ?? "finger"} · ${objects}`;
     element("rendered-what").textContent = finger?.device_kind
-      ? `${finger.name} · ${kDeviceNames[finger.device_kind] ?? finger.device_kind}`
+      ? `${finger.name} · ${finger.device_kind_words}`
       : "no device";
     const notices = whole ? scene.notices : this.marks.of(shown);
     showWarning(element("device-warning"), notices);

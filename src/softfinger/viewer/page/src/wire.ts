@@ -31,7 +31,9 @@ export interface FingerDescription {
   rigid_positions_mm: number[];
   bone_triangles: number[];
   nail_triangles: number[];
-  device_kind: string;
+  device_kind: string; // "": no device
+  device_kind_words: string; // what people call it
+  cables: boolean; // its linkage is of cables
   configuration_names: string[];
   joint_unit: "deg" | "mm";
   disk_radius_mm: number;
