@@ -12,6 +12,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/evaluation.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 #include "stop_signal.hpp"
 
 namespace {
@@ -87,9 +88,12 @@ void add_evaluate_command(CLI::App& app) {
                    "device file instead of the scene's; NAME=FILE for one of several fingers")
       ->allow_extra_args(false);
   command
-      ->add_option("--tracker", run.trackers,
-                   "tracker instead of the scene's: script or csv:FILE; NAME=SPEC for one of "
-                   "several fingers")
+      ->add_option(
+          "--tracker", run.trackers,
+          fmt::format(
+              "tracker instead of the scene's: {}; NAME=SPEC for one of several fingers",
+              trackers_in_brief(
+                  "or", [](const TrackerRow& row) { return row.origin == PoseOrigin::kMotion; })))
       ->allow_extra_args(false);
   command->add_option("--wearer", flags->wearer,
                       "finger file of who wears the device; the simulated finger where not given");
