@@ -26,7 +26,6 @@ extern "C" void* malloc(std::size_t size) noexcept {
 namespace softfinger {
 namespace {
 
-constexpr double kTick = 1.0 / 30.0;
 
 const PressedFinger& held() {
   static const PressedFinger finger(1.0 * mm);

@@ -13,6 +13,8 @@
 
 namespace softfinger {
 
+inline constexpr double kTick = 1.0 / 30.0;  // s
+
 /// The index finger, held on a plane with friction.
 struct PressedFinger {
   explicit PressedFinger(double depth)

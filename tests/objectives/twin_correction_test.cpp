@@ -14,7 +14,6 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTick = 1.0 / 30.0;
 
 /// q moved along its first and its last component.
 Configuration moved(Configuration q, double first, double last) {
