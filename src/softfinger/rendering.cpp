@@ -125,8 +125,9 @@ struct Rendering::Implementation {
     command.joints = device->record().command.joints;
     if (description.settings().transport) {
       servo_step = description.settings().transport->servos.front().step;
-      command.pulse_widths.setZero(
+      command.set_points.setZero(
           static_cast<Eigen::Index>(description.settings().transport->servos.size()));
+      command.pulse_widths = command.set_points;
     }
     command.state = state_name(DeviceState::kHoming);
   }
@@ -186,9 +187,10 @@ struct Rendering::Implementation {
     command.time = origin + tick.time;
     command.configuration = tick.command.configuration;
     command.joints = tick.command.joints;
-    for (Eigen::Index i = 0; i < command.pulse_widths.size() && i < tick.command.servos; ++i) {
-      command.pulse_widths[i] = tick.command.targets[static_cast<std::size_t>(i)] * servo_step;
+    for (Eigen::Index i = 0; i < command.set_points.size() && i < tick.command.servos; ++i) {
+      command.set_points[i] = tick.command.targets[static_cast<std::size_t>(i)] * servo_step;
     }
+    command.pulse_widths = command.set_points;
     command.deviation = tick.deviation;
     command.state = state_name(tick.command.state);
   }

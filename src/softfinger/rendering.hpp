@@ -39,10 +39,12 @@ struct RenderingCommand {
   std::int64_t tick = -1;         ///< counts the device ticks, from 0; -1 before the first
   double time = 0.0;              ///< s, of that tick
   Eigen::VectorXd configuration;  ///< q in the device's order; rad and m
-  Eigen::VectorXd joints;         ///< joint angles of q, rad
-  Eigen::VectorXd pulse_widths;   ///< one a servo, s; on buses of other kinds its set point
-  double deviation = 0.0;         ///< E of the match, m^2; 0 when nothing is touched
-  std::string_view state;         ///< homing, ready, rendering, holding, retracting, ...
+  Eigen::VectorXd joints;         ///< joints of q; rad, or m for linear ones
+  /// One a servo, as its bus has it: a pulse width in s, or a position in ticks, or a share.
+  Eigen::VectorXd set_points;
+  Eigen::VectorXd pulse_widths;  ///< the same numbers under their older name
+  double deviation = 0.0;        ///< E of the match, m^2; 0 when nothing is touched
+  std::string_view state;        ///< homing, ready, rendering, holding, retracting, ...
 };
 
 /// The finger as simulated. F is the simulated distal phalanx, W the world.

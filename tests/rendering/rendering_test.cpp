@@ -55,8 +55,9 @@ TEST(Rendering, FingerTouchesAndDeviceAnswers) {
   EXPECT_EQ(command.tick, 30);
   EXPECT_EQ(command.configuration.size(), 3);
   EXPECT_EQ(command.joints.size(), 3);
-  ASSERT_EQ(command.pulse_widths.size(), 3);
-  EXPECT_THAT(command.pulse_widths,
+  ASSERT_EQ(command.set_points.size(), 3);
+  EXPECT_EQ(command.pulse_widths, command.set_points);
+  EXPECT_THAT(command.set_points,
               testing::Each(testing::AllOf(testing::Gt(0.5e-3), testing::Lt(2.5e-3))));
 }
 

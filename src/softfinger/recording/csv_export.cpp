@@ -4,15 +4,17 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/recording/csv_writer.hpp"
+#include "softfinger/recording/record_fields.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 
 namespace softfinger {
@@ -21,18 +23,72 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* kPoseColumns = "x_mm,y_mm,z_mm,qw,qx,qy,qz";
-
-void write_pose(CsvWriter& csv, const StoredPose& pose) {
-  for (int i = 0; i < 3; ++i) csv.field(pose.translation[i] / mm);
-  csv.field(pose.rotation.w());
-  csv.field(pose.rotation.x());
-  csv.field(pose.rotation.y());
-  csv.field(pose.rotation.z());
-}
-
 void write_vector(CsvWriter& csv, const Vector3& vector, double unit) {
   for (int i = 0; i < 3; ++i) csv.field(vector[i] / unit);
+}
+
+void write(CsvWriter& csv, double value, double unit) { csv.field(value / unit); }
+void write(CsvWriter& csv, bool value, double) { csv.field(std::int64_t{value}); }
+void write(CsvWriter& csv, std::int64_t value, double) { csv.field(value); }
+void write(CsvWriter& csv, const Vector3& vector, double unit) { write_vector(csv, vector, unit); }
+void write(CsvWriter& csv, const StoredPose& pose, double unit) {
+  write_vector(csv, pose.translation, unit);
+  csv.field(pose.rotation.w());
+  write_vector(csv, pose.rotation.vec(), 1.0);
+}
+void write(CsvWriter& csv, DeviceState state, double) { csv.field(state_name(state)); }
+// What has no columns of its own in a file, or none that are the same for every recording.
+template <typename Value>
+void write(CsvWriter&, const Value&, double) {}
+
+/// The fields that have columns of their own in a file, in its order; those of a step come first.
+template <typename Visit>
+void for_each_field_of(CsvFile file, Visit&& visit) {
+  for (int rank = 0; rank <= kLastCsvRank; ++rank) {
+    const auto take = [&](const auto& field) {
+      const auto& csv = field.use.csv;
+      if (csv.file == file && csv.rank == rank && !csv.columns.empty()) visit(field);
+    };
+    for_each_field(kStepFields, take);
+    for_each_field(kTickFields, take);
+  }
+}
+
+std::string columns_of(CsvFile file) {
+  std::string columns;
+  for_each_field_of(file, [&](const auto& field) {
+    columns += fmt::format("{}{}", columns.empty() ? "" : ",", field.use.csv.columns);
+  });
+  return columns;
+}
+
+template <typename Record, auto... Path>
+void write_field(CsvWriter& csv, const Field<Record, Path...>& field, const Record& record) {
+  const CsvPlace<Record>& place = field.use.csv;
+  if (place.known != nullptr && !place.known(record)) {
+    csv.missing(column_count(place.columns));
+  } else {
+    write(csv, field.of(record), unit_scale(place.columns.substr(0, place.columns.find(','))));
+  }
+}
+
+/// What a row of a file has of a step and of a tick; null: there is none.
+void write_fields(CsvWriter& csv, CsvFile file, const StepRecord* step, const TickRecord* tick) {
+  const auto write_one = [&](const auto& field, const auto* record) {
+    if (record != nullptr) {
+      write_field(csv, field, *record);
+    } else {
+      csv.missing(column_count(field.use.csv.columns));
+    }
+  };
+  for_each_field_of(
+      file, [&]<typename Record, auto... Path>(const Field<Record, Path...>& field) {
+        if constexpr (std::is_same_v<Record, StepRecord>) {
+          write_one(field, step);
+        } else {
+          write_one(field, tick);
+        }
+      });
 }
 
 /// The files of one export and how a row of each begins.
@@ -120,30 +176,29 @@ class Export {
     const std::string names = fmt::format("{}", fmt::join(names_, ","));
     std::string wanted;
     for (const std::string& name : names_) wanted += fmt::format("wanted_{},", name);
+    const std::string others = columns_of(CsvFile::kConfiguration);
     const auto configuration =
         open("configuration.csv",
-             names_.empty() ? "deviation_mm2" : fmt::format("{},{}deviation_mm2", names, wanted));
-    const auto force = open("force.csv", "measured_force_N,travel_offset_mm,travel_ceiling_mm");
+             names_.empty() ? others : fmt::format("{},{}{}", names, wanted, others));
+    const auto force = open("force.csv", columns_of(CsvFile::kForce));
     const auto joints = open("joints.csv", fmt::format("{}{}{}", numbered(angles_, "joint", "deg"),
                                                        angles_ > 0 && lengths_ > 0 ? "," : "",
                                                        numbered(lengths_, "joint", "mm")));
     const std::int64_t servos =
         std::min<std::int64_t>(std::max(angles_, lengths_), FormedCommand::kMaxServos);
-    const auto command = open(
-        "command.csv",
-        fmt::format("{}{}state", numbered(servos, "servo", servo_unit()), servos > 0 ? "," : ""));
+    const auto command =
+        open("command.csv", fmt::format("{}{}{}", numbered(servos, "servo", servo_unit()),
+                                        servos > 0 ? "," : "", columns_of(CsvFile::kCommand)));
     TickRecord tick;
     while (reader_.next(tick)) {
       begin_row(*configuration, tick);
       write_configuration(*configuration, finger_of(tick), tick.command.configuration);
       write_configuration(*configuration, finger_of(tick), tick.wanted);
-      configuration->field(tick.deviation / mm2);
+      write_fields(*configuration, CsvFile::kConfiguration, nullptr, &tick);
       configuration->end_row();
 
       begin_row(*force, tick);
-      force->field(tick.reading.configuration.size() > 0 ? tick.reading.normal_force : kMissing);
-      force->field(tick.travel_offset / mm);
-      force->field(std::isfinite(tick.command.ceiling) ? tick.command.ceiling / mm : kMissing);
+      write_fields(*force, CsvFile::kForce, nullptr, &tick);
       force->end_row();
 
       begin_row(*joints, tick);
@@ -156,10 +211,8 @@ class Export {
                                                      finger_of(tick).servo_step
                                                : kMissing);
       }
-      command->field(state_name(tick.command.state));
+      write_fields(*command, CsvFile::kCommand, nullptr, &tick);
       command->end_row();
-
-      tick_times_[{tick.step, tick.finger}] = {tick.cpu_time, tick.latency};
     }
     configuration->close();
     force->close();
@@ -168,57 +221,32 @@ class Export {
   }
 
   void write_steps() {
-    const auto pose = open("pose.csv", kPoseColumns);
-    const auto bone = open("bone.csv", kPoseColumns);
-    const auto contact =
-        open("contact.csv",
-             "contact_samples,contact_area_mm2,normal_force_N,tangential_force_N,slip_ratio,"
-             "stuck_fraction,centroid_x_mm,centroid_y_mm,centroid_z_mm,normal_x,normal_y,normal_z,"
-             "least_gap_mm,normal_force_sum_N");
-    const auto timing = open(
-        "timing.csv", "step_ms,step_wall_ms,iterations,converged,residual,match_ms,latency_ms");
+    reader_.rewind();
+    const auto pose = open("pose.csv", columns_of(CsvFile::kPose));
+    const auto bone = open("bone.csv", columns_of(CsvFile::kBone));
+    const auto contact = open("contact.csv", columns_of(CsvFile::kContact));
+    const auto timing = open("timing.csv", columns_of(CsvFile::kTiming));
     StepRecord step;
+    TickRecord next_tick;
+    bool more_ticks = reader_.next(next_tick);
     while (reader_.next(step)) {
-      begin_row(*pose, step);
-      if (step.tracked.valid) {
-        write_pose(*pose, step.tracked.X_WFt);
-      } else {
-        pose->missing(7);
+      const auto write_row = [&](CsvWriter& csv, CsvFile file, const TickRecord* tick) {
+        begin_row(csv, step);
+        write_fields(csv, file, &step, tick);
+        csv.end_row();
+      };
+      write_row(*pose, CsvFile::kPose, nullptr);
+      write_row(*bone, CsvFile::kBone, nullptr);
+      write_row(*contact, CsvFile::kContact, nullptr);
+
+      // The last tick of this step and finger; both come in the same order.
+      std::optional<TickRecord> tick;
+      const auto now = std::pair(step.step, step.finger);
+      for (; more_ticks && std::pair(next_tick.step, next_tick.finger) <= now;
+           more_ticks = reader_.next(next_tick)) {
+        if (std::pair(next_tick.step, next_tick.finger) == now) tick = next_tick;
       }
-      pose->end_row();
-
-      begin_row(*bone, step);
-      write_pose(*bone, step.X_WF);
-      bone->end_row();
-
-      begin_row(*contact, step);
-      contact->field(step.contact_count);
-      contact->field(step.contact_area / mm2);
-      contact->field(step.normal_force);
-      contact->field(step.tangential_force);
-      contact->field(step.slip_ratio);
-      contact->field(step.stuck_fraction);
-      if (step.contact_count > 0) {
-        write_vector(*contact, step.centroid_F, mm);
-        write_vector(*contact, step.mean_normal_F, 1.0);
-      } else {
-        contact->missing(6);
-      }
-      contact->field(step.least_gap / mm);
-      contact->field(step.normal_force_sum);
-      contact->end_row();
-
-      if (step.step == 0) continue;
-      begin_row(*timing, step);
-      timing->field(step.cpu_time / ms);
-      timing->field(step.wall_time / ms);
-      timing->field(step.iterations);
-      timing->field(std::int64_t{step.converged});
-      timing->field(step.residual);
-      const auto tick = tick_times_.find({step.step, step.finger});
-      timing->field(tick == tick_times_.end() ? kMissing : tick->second.first / ms);
-      timing->field(tick == tick_times_.end() ? kMissing : tick->second.second / ms);
-      timing->end_row();
+      if (step.step > 0) write_row(*timing, CsvFile::kTiming, tick ? &*tick : nullptr);
     }
     for (const auto& csv : {&pose, &bone, &contact, &timing}) (*csv)->close();
   }
@@ -256,8 +284,6 @@ class Export {
   bool several_;
   std::vector<std::string> names_;
   std::int64_t angles_ = 0, lengths_ = 0;  ///< most joints of a device
-  /// CPU time of the match and latency (s) by step and finger.
-  std::map<std::pair<std::int64_t, std::int64_t>, std::pair<double, double>> tick_times_;
 };
 
 }  // namespace

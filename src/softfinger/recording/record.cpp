@@ -1,8 +1,10 @@
 #include "softfinger/recording/record.hpp"
 
 #include <cmath>
+#include <concepts>
 
 #include "softfinger/base/hash.hpp"
+#include "softfinger/recording/record_fields.hpp"
 
 namespace softfinger {
 namespace {
@@ -15,11 +17,12 @@ void add(Hash& hash, const StoredPose& pose) {
   hash.add(pose.translation).add(pose.rotation.coeffs());
 }
 
-// Recordings made before there was the field have NaN.
-bool same_or_not_recorded(double a, double b) { return std::isnan(a) || std::isnan(b) || a == b; }
-
 // To the bit, but for the sign of zero, which SQLite does not keep.
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+bool same(std::integral auto a, std::integral auto b) { return a == b; }
+
+bool same(DeviceState a, DeviceState b) { return a == b; }
 
 bool same(const Vector3& a, const Vector3& b) {
   return same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z());
@@ -36,6 +39,29 @@ bool same(const Configuration& a, const Configuration& b) {
     if (!same(a[i], b[i])) return false;
   }
   return true;
+}
+
+bool same(Targets<const FormedCommand> a, Targets<const FormedCommand> b) {
+  return a.command.servos == b.command.servos && a.command.targets == b.command.targets;
+}
+
+// A field that one of the two does not say.
+bool unsaid(double a, double b) { return std::isnan(a) || std::isnan(b); }
+template <typename Value>
+bool unsaid(const Value&, const Value&) {
+  return false;
+}
+
+template <typename Fields, typename Record>
+const char* first_part(Fields fields, const Record& a, const Record& b) {
+  RecordPart first = RecordPart::kNotCompared;
+  for_each_field(fields, [&](const auto& field) {
+    if (field.use.part >= first || same(field.of(a), field.of(b))) return;
+    if (field.use.newer && unsaid(field.of(a), field.of(b))) return;
+    first = field.use.part;
+  });
+  return first == RecordPart::kNotCompared ? nullptr
+                                           : kRecordPartNames[static_cast<std::size_t>(first)];
 }
 
 }  // namespace
@@ -63,43 +89,12 @@ std::uint64_t hash_of(const StepRecord& step, std::uint64_t state, std::uint64_t
   return hash.value();
 }
 
-const char* first_difference(const StepRecord& a, const StepRecord& b) {
-  if (a.step != b.step || a.finger != b.finger) return "step";
-  if (!same(a.tracked.X_WFt, b.tracked.X_WFt) || a.tracked.valid != b.tracked.valid)
-    return "tracked pose";
-  if (!same(a.X_WF, b.X_WF)) return "bone pose";
-  if (a.contact_count != b.contact_count || !same(a.contact_area, b.contact_area) ||
-      !same(a.normal_force, b.normal_force) || !same(a.tangential_force, b.tangential_force) ||
-      !same(a.slip_ratio, b.slip_ratio) || !same(a.stuck_fraction, b.stuck_fraction) ||
-      !same(a.centroid_F, b.centroid_F) || !same(a.mean_normal_F, b.mean_normal_F) ||
-      !same(a.least_gap, b.least_gap) ||
-      !same_or_not_recorded(a.normal_force_sum, b.normal_force_sum)) {
-    return "contact";
-  }
-  if (a.iterations != b.iterations || a.converged != b.converged || !same(a.residual, b.residual)) {
-    return "solution";
-  }
-  if (a.hash != b.hash) return "state, configuration or command";
-  return nullptr;
+const char* first_difference(const StepRecord& recorded, const StepRecord& replayed) {
+  return first_part(kStepFields, recorded, replayed);
 }
 
-const char* first_difference(const TickRecord& a, const TickRecord& b) {
-  if (a.step != b.step || a.finger != b.finger || a.tick != b.tick || a.tracked != b.tracked ||
-      a.emergency != b.emergency || !same(a.reading.configuration, b.reading.configuration) ||
-      !same(a.reading.normal_force, b.reading.normal_force)) {
-    return "device tick";
-  }
-  if (!same(a.wanted, b.wanted) || !same(a.deviation, b.deviation) ||
-      a.iterations != b.iterations || !same(a.travel_offset, b.travel_offset)) {
-    return "matching";
-  }
-  if (!same(a.command.configuration, b.command.configuration) ||
-      !same(a.command.joints, b.command.joints) || a.command.servos != b.command.servos ||
-      a.command.targets != b.command.targets || a.command.state != b.command.state) {
-    return "command";
-  }
-  if (a.hash != b.hash) return "configuration or command";
-  return nullptr;
+const char* first_difference(const TickRecord& recorded, const TickRecord& replayed) {
+  return first_part(kTickFields, recorded, replayed);
 }
 
 }  // namespace softfinger

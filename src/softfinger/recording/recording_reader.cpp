@@ -8,11 +8,12 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/recording/record_fields.hpp"
 #include "softfinger/recording/recording_layout.hpp"
 #include "softfinger/recording/sqlite_database.hpp"
 
@@ -33,29 +34,6 @@ std::vector<std::string> split(const std::string& text) {
   return words;
 }
 
-int read_pose(const SqliteStatement& row, int column, StoredPose& pose) {
-  for (int i = 0; i < 3; ++i) pose.translation[i] = row.number(column++);
-  pose.rotation.w() = row.number(column++);
-  pose.rotation.x() = row.number(column++);
-  pose.rotation.y() = row.number(column++);
-  pose.rotation.z() = row.number(column++);
-  return column;
-}
-
-int read_vector(const SqliteStatement& row, int column, Vector3& vector) {
-  for (int i = 0; i < 3; ++i) vector[i] = row.number(column++);
-  return column;
-}
-
-Configuration read_numbers(const SqliteStatement& row, int column) {
-  const std::string_view bytes = row.bytes(column);
-  const std::size_t count = bytes.size() / sizeof(double);
-  if (count > static_cast<std::size_t>(kMaxDegreesOfFreedom)) throw SqliteFailure{true};
-  Configuration numbers(static_cast<Eigen::Index>(count));
-  if (count > 0) std::memcpy(numbers.data(), bytes.data(), count * sizeof(double));
-  return numbers;
-}
-
 template <typename Row>
 void read_rows(std::string_view bytes, std::vector<Row>& rows) {
   rows.resize(bytes.size() / sizeof(Row));
@@ -72,12 +50,67 @@ DeviceState state_of(std::string_view name) {
   throw SqliteFailure{true};
 }
 
+/// Reads the fields of a record from the columns of a row, one after the other.
+struct RowReader {
+  const SqliteStatement& row;
+  double servo_step;  ///< of the record's finger
+  int column = 0;
+
+  void read(double& value) { value = row.number(column++); }
+  void read(bool& value) { value = row.integer(column++) != 0; }
+  void read(std::int64_t& value) { value = row.integer(column++); }
+  void read(std::uint64_t& value) { value = static_cast<std::uint64_t>(row.integer(column++)); }
+  void read(Vector3& vector) {
+    for (double& value : vector) read(value);
+  }
+  void read(StoredPose& pose) {
+    read(pose.translation);
+    for (double* value :
+         {&pose.rotation.w(), &pose.rotation.x(), &pose.rotation.y(), &pose.rotation.z()}) {
+      read(*value);
+    }
+  }
+  void read(Configuration& numbers) {
+    const std::string_view bytes = row.bytes(column++);
+    const std::size_t count = bytes.size() / sizeof(double);
+    if (count > static_cast<std::size_t>(kMaxDegreesOfFreedom)) throw SqliteFailure{true};
+    numbers.resize(static_cast<Eigen::Index>(count));
+    if (count > 0) std::memcpy(numbers.data(), bytes.data(), count * sizeof(double));
+  }
+  void read(Targets<FormedCommand> targets) {
+    Configuration set_points;
+    read(set_points);
+    if (set_points.size() > FormedCommand::kMaxServos) throw SqliteFailure{true};
+    targets.command.servos = static_cast<int>(set_points.size());
+    targets.command.targets.fill(0);
+    for (Eigen::Index i = 0; i < set_points.size(); ++i) {
+      if (!(std::abs(set_points[i] / servo_step) < kMostSteps)) throw SqliteFailure{true};
+      targets.command.targets[static_cast<std::size_t>(i)] =
+          static_cast<std::int32_t>(std::lround(set_points[i] / servo_step));
+    }
+  }
+  void read(DeviceState& state) { state = state_of(row.bytes(column++)); }
+};
+
 std::uint64_t hash_of(const std::string& hexadecimal) {
   std::uint64_t hash = 0;
   const char* end = hexadecimal.data() + hexadecimal.size();
   const auto [stopped, error] = std::from_chars(hexadecimal.data(), end, hash, 16);
   if (error != std::errc() || stopped != end) throw SqliteFailure{true};
   return hash;
+}
+
+/// The next row of `rows`; false at the end.
+template <typename Fields, typename Record>
+bool read_next(SqliteStatement& rows, Fields fields, const RecordingInfo& info, Record& record) {
+  if (!rows.next()) return false;
+  const std::int64_t finger = rows.integer(recording_layout::kFingerColumn);
+  if (finger < 0 || finger >= static_cast<std::int64_t>(info.fingers.size())) {
+    throw SqliteFailure{true};
+  }
+  RowReader reader{rows, info.fingers[static_cast<std::size_t>(finger)].servo_step};
+  for_each_field(fields, [&](const auto& field) { reader.read(field.of(record)); });
+  return true;
 }
 
 /// Whether a file is a database with a write-ahead log, by its header.
@@ -102,9 +135,17 @@ struct RecordingReader::Database {
   }
 
   void rewind() {
-    steps.emplace(connection, "select * from steps order by step, finger");
+    steps.emplace(connection, recording_layout::step_query(columns_of("steps")));
     states.emplace(connection, "select nodes, samples from states where step = ? and finger = ?");
-    ticks.emplace(connection, "select * from ticks order by step, finger, tick");
+    ticks.emplace(connection, recording_layout::tick_query(columns_of("ticks")));
+  }
+
+  [[nodiscard]] std::set<std::string> columns_of(const char* table) {
+    SqliteStatement query(connection,
+                          fmt::format("select name from pragma_table_info('{}')", table));
+    std::set<std::string> columns;
+    while (query.next()) columns.insert(query.text(0));
+    return columns;
   }
 
   [[nodiscard]] std::optional<std::int64_t> integer(std::string_view key) {
@@ -264,35 +305,7 @@ std::string RecordingReader::how_it_was_cut() {
 
 bool RecordingReader::next(StepRecord& r) {
   try {
-    SqliteStatement& row = *database_->steps;
-    if (!row.next()) return false;
-    int column = 0;
-    r.step = row.integer(column++);
-    r.finger = row.integer(column++);
-    r.time = row.number(column++);
-    column = read_pose(row, column, r.tracked.X_WFt);
-    r.tracked.time = row.number(column++);
-    r.tracked.valid = row.integer(column++) != 0;
-    column = read_pose(row, column, r.X_WF);
-    r.contact_count = row.integer(column++);
-    r.contact_area = row.number(column++);
-    r.normal_force = row.number(column++);
-    r.tangential_force = row.number(column++);
-    r.slip_ratio = row.number(column++);
-    r.stuck_fraction = row.number(column++);
-    column = read_vector(row, column, r.centroid_F);
-    column = read_vector(row, column, r.mean_normal_F);
-    r.least_gap = row.number(column++);
-    r.iterations = row.integer(column++);
-    r.converged = row.integer(column++) != 0;
-    r.residual = row.number(column++);
-    r.tick = row.integer(column++);
-    r.hash = static_cast<std::uint64_t>(row.integer(column++));
-    r.cpu_time = row.number(column++);
-    r.wall_time = row.number(column++);
-    r.normal_force_sum =
-        column < row.columns() ? row.number(column) : std::numeric_limits<double>::quiet_NaN();
-    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
+    if (!read_next(*database_->steps, kStepFields, info_, r)) return false;
     r.nodes_W.clear();
     r.samples.clear();
     if (database_->with_state) {
@@ -314,40 +327,7 @@ bool RecordingReader::next(StepRecord& r) {
 
 bool RecordingReader::next(TickRecord& r) {
   try {
-    SqliteStatement& row = *database_->ticks;
-    if (!row.next()) return false;
-    int column = 0;
-    r.step = row.integer(column++);
-    r.finger = row.integer(column++);
-    r.tick = row.integer(column++);
-    r.time = row.number(column++);
-    r.tracked = row.integer(column++) != 0;
-    r.emergency = row.integer(column++) != 0;
-    r.reading.normal_force = row.number(column++);
-    r.reading.configuration = read_numbers(row, column++);
-    r.wanted = read_numbers(row, column++);
-    r.deviation = row.number(column++);
-    r.iterations = row.integer(column++);
-    r.travel_offset = row.number(column++);
-    r.command.ceiling = row.number(column++);
-    r.command.configuration = read_numbers(row, column++);
-    r.command.joints = read_numbers(row, column++);
-    const Configuration servo_us = read_numbers(row, column++);
-    if (servo_us.size() > FormedCommand::kMaxServos) throw SqliteFailure{true};
-    r.command.servos = static_cast<int>(servo_us.size());
-    r.command.targets.fill(0);
-    if (r.finger < 0 || r.finger >= static_cast<std::int64_t>(info_.fingers.size())) fail();
-    const double step = info_.fingers[static_cast<std::size_t>(r.finger)].servo_step;
-    for (Eigen::Index i = 0; i < servo_us.size(); ++i) {
-      if (!(std::abs(servo_us[i] / step) < kMostSteps)) throw SqliteFailure{true};
-      r.command.targets[static_cast<std::size_t>(i)] =
-          static_cast<std::int32_t>(std::lround(servo_us[i] / step));
-    }
-    r.command.state = state_of(row.bytes(column++));
-    r.hash = static_cast<std::uint64_t>(row.integer(column++));
-    r.cpu_time = row.number(column++);
-    r.latency = row.number(column++);
-    return true;
+    return read_next(*database_->ticks, kTickFields, info_, r);
   } catch (const SqliteFailure&) {
     fail();
   }

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/recording/record_fields.hpp"
 #include "softfinger/recording/recording_layout.hpp"
 #include "softfinger/recording/sqlite_database.hpp"
 
@@ -34,23 +35,43 @@ void create_empty(const std::filesystem::path& file) {
   ::close(descriptor);
 }
 
-int bind_pose(SqliteStatement& statement, int column, const StoredPose& pose) {
-  for (int i = 0; i < 3; ++i) statement.bind(column++, pose.translation[i]);
-  statement.bind(column++, pose.rotation.w());
-  statement.bind(column++, pose.rotation.x());
-  statement.bind(column++, pose.rotation.y());
-  statement.bind(column++, pose.rotation.z());
-  return column;
-}
+/// Binds the fields of a record to the parameters of an insertion, one after the other.
+struct RowBinder {
+  SqliteStatement& row;
+  double servo_step;  ///< of the record's finger
+  int column = 0;
 
-int bind_vector(SqliteStatement& statement, int column, const Vector3& vector) {
-  for (int i = 0; i < 3; ++i) statement.bind(column++, vector[i]);
-  return column;
-}
+  void add(double value) { row.bind(column++, value); }
+  void add(bool value) { row.bind(column++, std::int64_t{value}); }
+  void add(std::int64_t value) { row.bind(column++, value); }
+  void add(std::uint64_t value) { row.bind(column++, static_cast<std::int64_t>(value)); }
+  void add(const Vector3& vector) {
+    for (const double value : vector) add(value);
+  }
+  void add(const StoredPose& pose) {
+    add(pose.translation);
+    add(pose.rotation.w());
+    add(Vector3(pose.rotation.vec()));
+  }
+  void add(const Configuration& numbers) {
+    row.bind_blob(column++, numbers.data(),
+                  static_cast<std::size_t>(numbers.size()) * sizeof(double));
+  }
+  void add(Targets<const FormedCommand> targets) {
+    Configuration set_points(targets.command.servos);
+    for (int i = 0; i < targets.command.servos; ++i) {
+      set_points[i] = targets.command.targets[static_cast<std::size_t>(i)] * servo_step;
+    }
+    add(set_points);
+  }
+  void add(DeviceState state) { row.bind(column++, state_name(state)); }
+};
 
-void bind_numbers(SqliteStatement& statement, int column, const Configuration& numbers) {
-  statement.bind_blob(column, numbers.data(),
-                      static_cast<std::size_t>(numbers.size()) * sizeof(double));
+template <typename Fields, typename Record>
+void insert(SqliteStatement& statement, Fields fields, const Record& record, double servo_step) {
+  RowBinder binder{statement, servo_step};
+  for_each_field(fields, [&](const auto& field) { binder.add(field.of(record)); });
+  statement.run();
 }
 
 }  // namespace
@@ -67,12 +88,11 @@ struct RecordingWriter::Database {
     connection.execute(
         fmt::format("pragma application_id = {};", recording_layout::kApplicationId).c_str());
     connection.execute("begin");
-    connection.execute(recording_layout::kTables);
-    using recording_layout::insert_into;
+    connection.execute(recording_layout::create_tables().c_str());
     insert_meta.emplace(connection, "insert or replace into meta values (?,?)");
-    insert_step.emplace(connection, insert_into("steps", recording_layout::kStepColumns));
-    insert_tick.emplace(connection, insert_into("ticks", recording_layout::kTickColumns));
-    insert_state.emplace(connection, insert_into("states", 4));
+    insert_step.emplace(connection, recording_layout::insert_step());
+    insert_tick.emplace(connection, recording_layout::insert_tick());
+    insert_state.emplace(connection, recording_layout::insert_into("states", 4));
   }
 
   /// One file and nothing beside it, so that it can be read where nothing can be written. Where
@@ -149,33 +169,7 @@ struct RecordingWriter::Database {
   }
 
   void write(const StepRecord& r) {
-    SqliteStatement& s = *insert_step;
-    int column = 0;
-    s.bind(column++, r.step);
-    s.bind(column++, r.finger);
-    s.bind(column++, r.time);
-    column = bind_pose(s, column, r.tracked.X_WFt);
-    s.bind(column++, r.tracked.time);
-    s.bind(column++, std::int64_t{r.tracked.valid});
-    column = bind_pose(s, column, r.X_WF);
-    s.bind(column++, r.contact_count);
-    s.bind(column++, r.contact_area);
-    s.bind(column++, r.normal_force);
-    s.bind(column++, r.tangential_force);
-    s.bind(column++, r.slip_ratio);
-    s.bind(column++, r.stuck_fraction);
-    column = bind_vector(s, column, r.centroid_F);
-    column = bind_vector(s, column, r.mean_normal_F);
-    s.bind(column++, r.least_gap);
-    s.bind(column++, r.iterations);
-    s.bind(column++, std::int64_t{r.converged});
-    s.bind(column++, r.residual);
-    s.bind(column++, r.tick);
-    s.bind(column++, static_cast<std::int64_t>(r.hash));
-    s.bind(column++, r.cpu_time);
-    s.bind(column++, r.wall_time);
-    s.bind(column++, r.normal_force_sum);
-    s.run();
+    insert(*insert_step, kStepFields, r, servo_step_of(r.finger));
     if (r.nodes_W.empty()) return;
     insert_state->bind(0, r.step);
     insert_state->bind(1, r.finger);
@@ -184,35 +178,10 @@ struct RecordingWriter::Database {
     insert_state->run();
   }
 
-  void write(const TickRecord& r) {
-    SqliteStatement& s = *insert_tick;
-    int column = 0;
-    s.bind(column++, r.step);
-    s.bind(column++, r.finger);
-    s.bind(column++, r.tick);
-    s.bind(column++, r.time);
-    s.bind(column++, std::int64_t{r.tracked});
-    s.bind(column++, std::int64_t{r.emergency});
-    s.bind(column++, r.reading.normal_force);
-    bind_numbers(s, column++, r.reading.configuration);
-    bind_numbers(s, column++, r.wanted);
-    s.bind(column++, r.deviation);
-    s.bind(column++, r.iterations);
-    s.bind(column++, r.travel_offset);
-    s.bind(column++, r.command.ceiling);
-    bind_numbers(s, column++, r.command.configuration);
-    bind_numbers(s, column++, r.command.joints);
-    Configuration servo_us(r.command.servos);
-    for (int i = 0; i < r.command.servos; ++i) {
-      servo_us[i] = r.command.targets[static_cast<std::size_t>(i)] *
-                    servo_steps[static_cast<std::size_t>(r.finger)];
-    }
-    bind_numbers(s, column++, servo_us);
-    s.bind(column++, state_name(r.command.state));
-    s.bind(column++, static_cast<std::int64_t>(r.hash));
-    s.bind(column++, r.cpu_time);
-    s.bind(column++, r.latency);
-    s.run();
+  void write(const TickRecord& r) { insert(*insert_tick, kTickFields, r, servo_step_of(r.finger)); }
+
+  [[nodiscard]] double servo_step_of(std::int64_t finger) const {
+    return servo_steps[static_cast<std::size_t>(finger)];
   }
 
   void commit() {

@@ -26,8 +26,11 @@ namespace softfinger {
 ///                                   simulation_rate_Hz, live, with_state, dropped, complete
 ///     files(path, content)          every file the run was built from
 ///     fingers(finger, name, model, device, tracker, configuration_names, joints, device_rate_Hz)
-///     steps(step, finger, ...)      one StepRecord a row; step 0 is the starting pose
-///     ticks(finger, tick, ...)      one TickRecord a row; vectors are float64 blobs, little-endian
+///     steps(step, finger, ...)      one StepRecord a row (kStepFields); step 0 is the starting
+///                                   pose
+///     ticks(step, finger, tick, ...)   one TickRecord a row (kTickFields); vectors are float64
+///     blobs,
+///                                   little-endian
 ///     states(step, finger, nodes, samples)   with_state only; float64 blobs, row by row:
 ///                                   nodes x y z in W; samples x y z gap fx fy fz in_contact in F
 class RecordingWriter {
