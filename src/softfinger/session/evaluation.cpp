@@ -8,8 +8,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/finger/element_loads.hpp"
-#include "softfinger/loop/device_loop.hpp"
-#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -116,8 +115,8 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
     answer.fingers.push_back(name);
   }
   SceneRun::Hooks hooks;
-  hooks.on_tick = [&](std::size_t finger, const FingerLoop& loop, const DeviceLoop& device) {
-    judges[finger].judge(loop, device, answer);
+  hooks.on_tick = [&](std::size_t finger, const FingerChain& chain) {
+    judges[finger].judge(chain.loop(), chain.device(), answer);
   };
   answer.run = run_headless(setup, run, stop, observer, std::move(hooks));
   return answer;

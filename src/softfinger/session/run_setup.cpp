@@ -156,9 +156,18 @@ bool is_registrable(const RunSetup& setup, std::size_t finger) {
          follows_body(setup.scene.fingers[finger]);
 }
 
-double device_rate(const Device& device) {
-  const auto& transport = device.settings().transport;
-  return transport ? transport->rate : TransportSettings{}.rate;
+FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger) {
+  FingerChainOptions options{.finger = static_cast<std::int64_t>(finger),
+                             .model = setup.models[finger],
+                             .objects = setup.scene.objects,
+                             .simulation_rate = setup.scene.simulation_rate,
+                             .device = setup.devices[finger]};
+  options.device_loop.wearer = setup.wearer;
+  options.device_loop.actuator.ceiling = setup.ceilings[finger];
+  if (const auto& file = setup.scene.fingers[finger].device) {
+    options.device_loop.actuator.device_file = *file;
+  }
+  return options;
 }
 
 RecordingInfo recording_info(const RunSetup& setup) {

@@ -11,6 +11,7 @@
 #include "softfinger/device/device.hpp"
 #include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/finger/finger_model.hpp"
+#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/matching/objective.hpp"
 #include "softfinger/person/person.hpp"
 #include "softfinger/recording/recording_info.hpp"
@@ -79,8 +80,8 @@ struct RunSetup {
 [[nodiscard]] std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup,
                                                           std::size_t finger);
 
-/// The device's ticks per second; 30 for a device file without a transport. Hz.
-[[nodiscard]] double device_rate(const Device& device);
+/// The chain of this finger, as far as the files say it; `setup` must outlive the chain.
+[[nodiscard]] FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger);
 
 /// Whether a registration of this finger has a person to be of and a tracked body: `script` and
 /// `page` move the finger itself.
