@@ -154,19 +154,13 @@ struct Rendering::Implementation {
       const double fraction = static_cast<double>(i) / static_cast<double>(steps);
       TrackedPose tracked = target;
       tracked.time = static_cast<double>(++done) / rate;
-      if (i < steps) tracked.X_WFt = between(start, target.X_WFt, fraction);
+      if (i < steps) tracked.X_WFt = interpolate(start, target.X_WFt, fraction);
       chain.step(done, TrackedInput(tracked));
       if (chain.tick_is_due()) tick(arrival);
       record(chain.seal());
     }
     if (steps > 0) from = target.X_WFt;
     return command;
-  }
-
-  static Pose between(const Pose& a, const Pose& b, double fraction) {
-    const Vector3 turn = log_rotation(a.rotation.transpose() * b.rotation);
-    return {a.rotation * exp_rotation(fraction * turn),
-            a.translation + fraction * (b.translation - a.translation)};
   }
 
   void tick(std::chrono::steady_clock::time_point arrival) {
