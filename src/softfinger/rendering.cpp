@@ -29,15 +29,15 @@ std::size_t finger_index(const Scene& scene, const std::string& name) {
 
 std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
                                      const RenderingOptions& options) {
-  RunOptions run;
-  run.scene = scene;
+  SetupOptions named;
+  named.scene = scene;
   if (!options.device.empty()) {
     const Scene read = load_scene(scene);
-    run.devices.push_back(read.fingers[finger_index(read, options.finger)].name + "=" +
-                          options.device.string());
+    named.devices.push_back(read.fingers[finger_index(read, options.finger)].name + "=" +
+                            options.device.string());
   }
-  if (!options.person.empty()) run.person = options.person;
-  return load_setup(run);
+  if (!options.person.empty()) named.person = options.person;
+  return load_setup(named);
 }
 
 /// Of the whole scene's files, so that a replay can load it, and of this finger.
@@ -66,14 +66,11 @@ void check_device(const RunSetup& setup) {
 }
 
 FingerChainOptions chain_of(const RunSetup& setup, const RenderingOptions& options) {
-  FingerChainOptions chain = chain_options(setup, 0);
+  if (options.open_device) check_device(setup);
+  ActuatorOptions actuator;
+  if (!options.open_device) actuator = {.port = "emulator", .simulated_time = true};
+  FingerChainOptions chain = chain_options(setup, 0, actuator);
   chain.with_state = options.record_state && !options.recording.empty();
-  if (options.open_device) {
-    check_device(setup);
-  } else {
-    chain.device_loop.actuator.port = "emulator";
-    chain.device_loop.actuator.simulated_time = true;
-  }
   return chain;
 }
 

@@ -96,7 +96,7 @@ class Matrix : public testing::Test {
     options.scene = write_scene(one, folder / "");
     options.as_fast_as_possible = true;
     if (!one.scene.empty()) options.duration = kExplored;
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     options.objective = objective_of(one.objective);
     const auto setup = load_setup(options);
     device_ = setup->devices.front();

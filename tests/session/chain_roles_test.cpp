@@ -29,9 +29,8 @@ TEST(ChainRoles, RunReplayAndStepsByHandAgree) {
   EXPECT_GT(summary.all.max_normal_force, 0.1) << "N, or nothing is rendered";
   EXPECT_TRUE(replay({.recording = directory / "run.db", .scene = {}}).agree);
 
-  FingerChainOptions chain_of = chain_options(*setup, 0);
+  FingerChainOptions chain_of = chain_options(*setup, 0, {.simulated_time = true});
   chain_of.with_state = true;
-  chain_of.device_loop.actuator.simulated_time = true;
   FingerChain chain(chain_of);
   RunTracker tracker(*setup, 0, options, false);
   RecordingReader reader(directory / "run.db");

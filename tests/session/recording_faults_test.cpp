@@ -220,7 +220,7 @@ double lost_by_a_killed_run(const std::filesystem::path& file) {
     RunOptions options;
     options.scene = scenes.scene("sphere");
     options.duration = 60.0;
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     options.recording = file;
     const std::atomic<bool> stop{false};
     SceneRun::Hooks hooks;

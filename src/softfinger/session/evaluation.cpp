@@ -99,7 +99,7 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
                     const RunObserver& observer) {
   RunOptions run = options.run;
   run.as_fast_as_possible = true;
-  run.port = "emulator";
+  run.actuator.port = "emulator";
   const std::shared_ptr<const RunSetup> setup = load_setup(run);
   std::vector<Judge> judges;
   Evaluation answer;

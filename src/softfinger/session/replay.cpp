@@ -29,10 +29,9 @@ class Replayer {
  public:
   Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
     for (std::size_t i = 0; i < setup_->models.size(); ++i) {
-      FingerChainOptions options = chain_options(*setup_, i);
+      FingerChainOptions options =
+          chain_options(*setup_, i, {.port = "emulator", .simulated_time = true});
       options.with_state = with_state;
-      options.device_loop.actuator.port = "emulator";
-      options.device_loop.actuator.simulated_time = true;
       options.device_loop.replay = true;
       fingers_.push_back({std::make_unique<FingerChain>(options), {}});
     }
@@ -99,15 +98,15 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
   RecordingReader reader(options.recording);
   const RecordingInfo& info = reader.info();
   std::unique_ptr<RecordedFiles> files;
-  RunOptions run;
+  SetupOptions original;
   if (options.scene) {
-    run.scene = *options.scene;
+    original.scene = *options.scene;
   } else {
     files = std::make_unique<RecordedFiles>(info, options.recording);
-    run = files->run_options();
+    original = files->setup_options();
   }
-  run.load_observer = options.load_observer;
-  std::shared_ptr<const RunSetup> setup = load_setup(run);
+  original.load_observer = options.load_observer;
+  std::shared_ptr<const RunSetup> setup = load_setup(original);
   // A program with a loop of its own runs and records one finger of a scene.
   if (info.fingers.size() == 1 && setup->scene.fingers.size() > 1) {
     for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {

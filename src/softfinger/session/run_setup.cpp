@@ -109,7 +109,7 @@ fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexical
 
 }  // namespace
 
-std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
+std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
   auto setup = std::make_shared<RunSetup>();
   setup->scene = load_scene(options.scene, !options.trackers.empty(), options.load_observer);
   Scene& scene = setup->scene;
@@ -156,17 +156,19 @@ bool is_registrable(const RunSetup& setup, std::size_t finger) {
          follows_body(setup.scene.fingers[finger]);
 }
 
-FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger) {
+FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,
+                                 const ActuatorOptions& actuator) {
   FingerChainOptions options{.finger = static_cast<std::int64_t>(finger),
                              .model = setup.models[finger],
                              .objects = setup.scene.objects,
                              .simulation_rate = setup.scene.simulation_rate,
                              .device = setup.devices[finger]};
-  options.device_loop.wearer = setup.wearer;
+  options.device_loop.actuator = actuator;
   options.device_loop.actuator.ceiling = setup.ceilings[finger];
   if (const auto& file = setup.scene.fingers[finger].device) {
     options.device_loop.actuator.device_file = *file;
   }
+  options.device_loop.wearer = setup.wearer;
   return options;
 }
 
