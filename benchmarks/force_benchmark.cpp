@@ -13,9 +13,9 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/matching/surface_following.hpp"
+#include "softfinger/objectives/twin_correction.hpp"
 #include "softfinger/threads/thread_clock.hpp"
-#include "softfinger/twin/force_rendering.hpp"
 
 namespace softfinger {
 namespace {
@@ -43,8 +43,8 @@ void force_aware(benchmark::State& state, const char* scene, const char* finger,
   std::vector<double> times;
   double iterations = 0.0;
   for ([[maybe_unused]] auto unused : state) {
-    SurfaceRendering surface(device, static_cast<int>(scenario.model->sample_nodes.size()));
-    ForceRendering force(scenario.model, device);
+    SurfaceFollowing surface(device, static_cast<int>(scenario.model->sample_nodes.size()));
+    TwinCorrection force(scenario.model, device);
     for (const ContactSet& contact : contacts) {
       const double start = thread_cpu_time();
       const RenderedSurface& rendered =

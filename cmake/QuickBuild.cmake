@@ -6,11 +6,13 @@ option(SOFTFINGER_QUICK_BUILD "Precompile headers and compile sources together" 
 # Most of what tests cost is to compile them.
 set(SOFTFINGER_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 
-# softfinger_quick_build(TARGET KIND): for modules (KIND library) or tests (KIND test). All of a kind share
-# one precompiled header, which therefore knows no definition that any of them lacks.
+# softfinger_quick_build(TARGET KIND): for modules (KIND library), tests (KIND test) or other programs (KIND program).
+# All modules, and all tests, share one precompiled header, which therefore knows no definition that any of them lacks.
 function(softfinger_quick_build target kind)
   if(SOFTFINGER_QUICK_BUILD)
-    target_precompile_headers(${target} REUSE_FROM softfinger_${kind}_headers)
+    if(NOT kind STREQUAL "program")
+      target_precompile_headers(${target} REUSE_FROM softfinger_${kind}_headers)
+    endif()
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   endif()
 endfunction()

@@ -43,7 +43,7 @@ void seal(std::vector<std::uint8_t>& bytes) {
 
 // Input: the bytes of damage done to a sound cache, five each: where (4), what (1). Half of them
 // fall among the sizes at its beginning.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int read_grid_cache(const std::uint8_t* data, std::size_t size) {
   static const std::vector<std::uint8_t> sound = sound_cache();
   static const ScratchFile file("damaged.grid");
   std::vector<std::uint8_t> damaged = sound;

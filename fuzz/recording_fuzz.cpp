@@ -27,7 +27,7 @@ std::vector<std::uint8_t> sound_recording() {
 
 // Input: the bytes of damage done to a sound recording, five each: where (4), what (1). A file of
 // noise alone would never get past SQLite's first page.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int read_recording(const std::uint8_t* data, std::size_t size) {
   static const std::vector<std::uint8_t> sound = sound_recording();
   static const ScratchFile file("damaged.sqlite");
   std::vector<std::uint8_t> damaged = sound;

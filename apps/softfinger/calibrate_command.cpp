@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/actuation/servo_calibration.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/device/servo_calibration.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/transport_file.hpp"
 #include "softfinger/motors/transport_text.hpp"

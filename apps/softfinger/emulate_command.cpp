@@ -17,6 +17,7 @@
 #include "softfinger/tracking/natnet_emulator.hpp"
 #include "softfinger/tracking/osc_pose.hpp"
 #include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 #include "stop_signal.hpp"
 
 namespace {
@@ -132,9 +133,9 @@ void emulate_osc(const EmulateFlags& flags) {
 }
 
 /// A subcommand with the flags that all have.
-CLI::App* add_peer(CLI::App& emulate, const char* name, const char* what,
+CLI::App* add_peer(CLI::App& emulate, TrackerKind tracker, const char* what,
                    const std::shared_ptr<EmulateFlags>& flags) {
-  CLI::App* command = emulate.add_subcommand(name, what);
+  CLI::App* command = emulate.add_subcommand(std::string(row_of(kTrackers, tracker).name), what);
   command->add_option("FILE", flags->file, "a recording, or a CSV file of poses")->required();
   command->add_option("--finger", flags->finger, "of a recording with several");
   command->add_option("--rate-Hz", flags->rate_Hz, "poses a second")->capture_default_str();
@@ -149,7 +150,7 @@ void add_emulate_command(CLI::App& app) {
   emulate->require_subcommand(1);
   const auto natnet_flags = std::make_shared<EmulateFlags>();
   natnet_flags->port = kNatNetCommandPort;
-  CLI::App* natnet = add_peer(*emulate, "natnet",
+  CLI::App* natnet = add_peer(*emulate, TrackerKind::kNatnet,
                               "An OptiTrack server with one rigid body that moves", natnet_flags);
   natnet->add_option("--address", natnet_flags->address, "own address")->capture_default_str();
   add_port_option(*natnet, "--port", natnet_flags->port, "of commands; 0: any free one");
@@ -161,16 +162,16 @@ void add_emulate_command(CLI::App& app) {
                    "frames by multicast, not to each client");
   natnet->callback([natnet_flags] { emulate_natnet(*natnet_flags); });
 
-  const auto add_sender = [&](const char* name, const char* what,
+  const auto add_sender = [&](TrackerKind tracker, const char* what,
                               void (*run)(const EmulateFlags&)) {
     const auto flags = std::make_shared<EmulateFlags>();
-    CLI::App* sender = add_peer(*emulate, name, what, flags);
+    CLI::App* sender = add_peer(*emulate, tracker, what, flags);
     sender->add_option("--address", flags->address, "of the tracker")->capture_default_str();
     add_port_option(*sender, "--port", flags->port, "that the tracker listens at", 1)
         ->default_str("")
         ->required();
     sender->callback([flags, run] { run(*flags); });
   };
-  add_sender("udp", "A sender of pose datagrams", emulate_udp);
-  add_sender("osc", "A sender of Open Sound Control", emulate_osc);
+  add_sender(TrackerKind::kUdp, "A sender of pose datagrams", emulate_udp);
+  add_sender(TrackerKind::kOsc, "A sender of Open Sound Control", emulate_osc);
 }

@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <memory>
@@ -10,7 +10,9 @@
 #include "evaluation_report.hpp"
 #include "progress_bar.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/evaluation.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 #include "stop_signal.hpp"
 
 namespace {
@@ -26,8 +28,22 @@ struct EvaluateFlags {
 
 std::vector<std::string> objective_names() {
   std::vector<std::string> names;
-  for (const ObjectiveName& each : kObjectiveNames) names.emplace_back(each.name);
+  for (const ObjectiveKind& kind : objective_kinds()) names.emplace_back(kind.name);
   return names;
+}
+
+std::string objective_help() {
+  std::vector<std::string> ours, baselines;
+  for (const ObjectiveKind& kind : objective_kinds()) {
+    if (kind.for_devices) {
+      ours.emplace_back(kind.name);
+    } else {
+      baselines.push_back(fmt::format("{} ({})", kind.name, kind.words));
+    }
+  }
+  return fmt::format(
+      "what matching aims at, instead of the device file's: {}; or, to compare with, {}",
+      fmt::join(ours, ", "), fmt::join(baselines, " or "));
 }
 
 void evaluate_scene(EvaluateFlags flags) {
@@ -38,7 +54,7 @@ void evaluate_scene(EvaluateFlags flags) {
   flags.options.run.duration = flags.duration_s;
   if (!flags.wearer.empty()) flags.options.run.wearer = flags.wearer;
   if (!flags.person.empty()) flags.options.run.person = flags.person;
-  if (!flags.objective.empty()) flags.options.run.objective = objective_of(flags.objective);
+  if (!flags.objective.empty()) flags.options.run.objective = objective_kind(flags.objective);
 
   ProgressBar bar;
   flags.options.run.load_observer = load_observer(bar);
@@ -72,20 +88,18 @@ void add_evaluate_command(CLI::App& app) {
                    "device file instead of the scene's; NAME=FILE for one of several fingers")
       ->allow_extra_args(false);
   command
-      ->add_option("--tracker", run.trackers,
-                   "tracker instead of the scene's: script or csv:FILE; NAME=SPEC for one of "
-                   "several fingers")
+      ->add_option(
+          "--tracker", run.trackers,
+          fmt::format(
+              "tracker instead of the scene's: {}; NAME=SPEC for one of several fingers",
+              trackers_in_brief(
+                  "or", [](const TrackerRow& row) { return row.origin == PoseOrigin::kMotion; })))
       ->allow_extra_args(false);
   command->add_option("--wearer", flags->wearer,
                       "finger file of who wears the device; the simulated finger where not given");
   command->add_option("--person", flags->person,
                       "person file: sizes of the fingers, and where tracked bodies sit on them");
-  command
-      ->add_option(
-          "--objective", flags->objective,
-          "what matching aims at, instead of the device file's: surface, "
-          "surface_and_force, stress; or, to compare with, published (Perez et al. 2015) or "
-          "contact_plane (a plane at the contact's centroid)")
+  command->add_option("--objective", flags->objective, objective_help())
       ->check(CLI::IsMember(objective_names()));
   command->add_option("--duration-s", flags->duration_s, "end after this time, s");
   command->add_flag("--json", flags->json, "one JSON object on stdout");

@@ -98,21 +98,6 @@ RegistrationTask task_of(const FingerRegisterFlags& flags) {
   return task;
 }
 
-/// What a person does for a posture.
-const char* instruction(Posture posture) {
-  switch (posture) {
-    case Posture::kPad:
-      return "rest the pad flat on the table";
-    case Posture::kLeftSide:
-      return "roll the finger onto its left side, as seen from above the nail";
-    case Posture::kRightSide:
-      return "roll it onto its right side";
-    case Posture::kTip:
-      break;
-  }
-  return "stand it on its tip, straight up";
-}
-
 /// Time of the tracker: a file's own where it comes from one, else the wall's.
 class TrackerTime {
  public:
@@ -129,13 +114,18 @@ class TrackerTime {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
+/// Whether its body can be registered on the terminal.
+bool is_registered_here(const TrackerRow& tracker) {
+  return tracker.of_body && tracker.origin != PoseOrigin::kPage;
+}
+
 RegistrationProcedure guide(const std::string& spec) {
   const TrackerKind kind = parse_tracker_spec(spec).kind;
-  if (kind != TrackerKind::kCsv && !is_network_tracker(kind)) {
-    throw InputError(fmt::format(
-        "--tracker {}: expected csv:FILE, udp:PORT, osc:PORT or natnet:HOST,body=NAME; a page or a "
-        "headset registers on the live page of run --person",
-        spec));
+  if (!is_registered_here(row_of(kTrackers, kind))) {
+    throw InputError(
+        fmt::format("--tracker {}: expected {}; a page or a headset registers on the live page of "
+                    "run --person",
+                    spec, trackers_in_brief("or", is_registered_here)));
   }
   const auto tracker = make_tracker(spec, {}, {});
   const std::atomic<bool>& stop = stop_on_signals();
@@ -149,7 +139,7 @@ RegistrationProcedure guide(const std::string& spec) {
       told = held;
       bar.clear();
       fmt::print(stderr, "{} of {}: {}, and hold still\n", held + 1,
-                 RegistrationProcedure::kOrder.size(), instruction(procedure.wanted()));
+                 RegistrationProcedure::kOrder.size(), row_of(kPostures, procedure.wanted()).words);
     }
     const double time = clock.next();
     if (tracker->end_time() && time > *tracker->end_time() + kPollInterval) {
@@ -250,8 +240,9 @@ void add_finger_register_command(CLI::App& finger) {
   command->add_option("--breadth-mm", flags->breadth_mm, "of the fingertip, measured");
   command->add_option("--depth-mm", flags->depth_mm, "of the fingertip, measured");
   command->add_option("--tracker", flags->tracker,
-                      "of the body on the finger: csv:FILE, udp:PORT, osc:PORT or "
-                      "natnet:HOST,body=NAME; guides through five postures on a table");
+                      fmt::format("of the body on the finger: {}; guides through five postures on "
+                                  "a table",
+                                  trackers_in_brief("or", is_registered_here)));
   command->add_option("--model", flags->model, "finger file whose shape is fitted");
   command->add_option("--table-mm", flags->table_mm,
                       "height of the table in the world; without sizes, the finger's is found");

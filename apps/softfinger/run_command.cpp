@@ -16,6 +16,7 @@
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/session/live_session.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "stop_signal.hpp"
 
@@ -161,9 +162,10 @@ void add_run_command(CLI::App& app) {
                    "device file instead of the scene's; NAME=FILE for one of several fingers")
       ->allow_extra_args(false);
   command
-      ->add_option("--tracker", options.trackers,
-                   "tracker instead of the scene's: script, csv:FILE, page, webxr, udp:PORT, "
-                   "osc:PORT or natnet:HOST,body=NAME; NAME=SPEC for one of several fingers")
+      ->add_option(
+          "--tracker", options.trackers,
+          fmt::format("tracker instead of the scene's: {}; NAME=SPEC for one of several fingers",
+                      trackers_in_brief("or", [](const TrackerRow&) { return true; })))
       ->allow_extra_args(false);
   command->add_flag("--filter", flags->filter,
                     "smooth tracked poses: little jitter at rest, little lag in motion");
@@ -197,7 +199,8 @@ void add_run_command(CLI::App& app) {
                     "live: do not press a second finger with the device's surface for the page");
   command->add_option("--threads", options.threads,
                       "that step several fingers side by side, or one with a large mesh");
-  command->add_option("--simd", flags->simd, "instruction set: baseline, avx2 or avx512");
+  command->add_option("--simd", flags->simd,
+                      fmt::format("instruction set: {}", listed(names_of(kInstructionSets), "or")));
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] { run(*flags); });
 }

@@ -38,7 +38,7 @@ Json coarse(const Histogram& times) {
 Json in_ms(const StageHistograms& stages) {
   Json result = Json::object();
   for (std::size_t i = 0; i < kLatencyStages; ++i) {
-    Json& stage = result[kLatencyStageNames[i]] = in_ms(stages.all()[i]);
+    Json& stage = result[std::string(kLatencyStageNames[i].name)] = in_ms(stages.all()[i]);
     if (!stage.is_null()) stage["histogram"] = coarse(stages.all()[i]);
   }
   return result;
@@ -113,7 +113,7 @@ std::string run_report_text(const RunSummary& summary) {
   text += line("match, CPU time", all.match_cpu_time);
   text += line("pose to command", all.latency);
   for (std::size_t i = 0; i < kLatencyStages; ++i) {
-    text += line(fmt::format("  {}", kLatencyStageNames[i]).c_str(), all.stages.all()[i]);
+    text += line(fmt::format("  {}", kLatencyStageNames[i].name).c_str(), all.stages.all()[i]);
   }
   text += fmt::format("  {:<22} {} / {} / {}\n", "iterations", all.iterations.percentile(50.0),
                       all.iterations.percentile(99.0), all.iterations.max());

@@ -14,6 +14,7 @@
 #include "run_report.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/geometry/shape_names.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/scene/scene_schema.hpp"
 #include "softfinger/session/run_setup.hpp"
@@ -32,26 +33,23 @@ struct SceneCheckFlags {
 /// mm, without the noise of having been metres.
 double in_mm(double metres) { return std::round(metres / mm * 1e9) / 1e9; }
 
-Json describe(const HalfSpace&) { return {{"shape", "plane"}}; }
-Json describe(const Ball& ball) { return {{"shape", "sphere"}, {"radius_mm", in_mm(ball.radius)}}; }
-Json describe(const RoundedBox& box) {
+Json sizes_of(const HalfSpace&) { return Json::object(); }
+Json sizes_of(const Ball& ball) { return {{"radius_mm", in_mm(ball.radius)}}; }
+Json sizes_of(const RoundedBox& box) {
   const Vector3 size = 2.0 * box.half_size;
-  return {{"shape", "box"},
-          {"size_mm", {in_mm(size.x()), in_mm(size.y()), in_mm(size.z())}},
+  return {{"size_mm", {in_mm(size.x()), in_mm(size.y()), in_mm(size.z())}},
           {"edge_radius_mm", in_mm(box.edge_radius)}};
 }
-Json describe(const RoundedCylinder& cylinder) {
-  return {{"shape", "cylinder"},
-          {"radius_mm", in_mm(cylinder.radius)},
+Json sizes_of(const RoundedCylinder& cylinder) {
+  return {{"radius_mm", in_mm(cylinder.radius)},
           {"length_mm", in_mm(2.0 * cylinder.half_length)},
           {"edge_radius_mm", in_mm(cylinder.edge_radius)}};
 }
 
-Json describe(const MeshShape& mesh) {
+Json sizes_of(const MeshShape& mesh) {
   const auto& content = mesh->content();
   const Vector3 size = content.bounds.sizes();
-  return {{"shape", "mesh"},
-          {"file", mesh->source().lexically_normal().string()},
+  return {{"file", mesh->source().lexically_normal().string()},
           {"triangles", content.triangle_count},
           {"size_mm", {in_mm(size.x()), in_mm(size.y()), in_mm(size.z())}},
           {"grid_spacing_mm", in_mm(content.levels.front().spacing)},
@@ -59,8 +57,8 @@ Json describe(const MeshShape& mesh) {
 }
 
 Json describe(const VirtualObject& object) {
-  Json json{{"name", object.name}};
-  json.update(std::visit([](const auto& shape) { return describe(shape); }, object.shape));
+  Json json{{"name", object.name}, {"shape", name_of(object.shape)}};
+  json.update(std::visit([](const auto& shape) { return sizes_of(shape); }, object.shape));
   json["friction_coefficient"] = nullptr;
   if (object.friction_coefficient) json["friction_coefficient"] = *object.friction_coefficient;
   json["moves"] = object.motion.moves();
@@ -115,21 +113,22 @@ Json check(const std::string& file) {
 
 std::string sizes(const Json& object) {
   const auto number = [&](const char* key) { return object.at(key).get<double>(); };
-  const std::string shape = object.at("shape");
-  if (shape == "sphere") return fmt::format(", radius {} mm", number("radius_mm"));
-  if (shape == "box") {
-    return fmt::format(", {} mm, edge radius {} mm",
-                       fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "),
-                       number("edge_radius_mm"));
-  }
-  if (shape == "mesh") {
-    return fmt::format(" {}, {} triangles, {:.4g} mm", object.at("file").get<std::string>(),
-                       object.at("triangles").get<std::uint64_t>(),
-                       fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "));
-  }
-  if (shape == "cylinder") {
-    return fmt::format(", radius {} mm, length {} mm, edge radius {} mm", number("radius_mm"),
-                       number("length_mm"), number("edge_radius_mm"));
+  switch (row_named(kShapes, object.at("shape").get<std::string>())->value) {
+    case ShapeKind::kPlane:
+      break;
+    case ShapeKind::kSphere:
+      return fmt::format(", radius {} mm", number("radius_mm"));
+    case ShapeKind::kBox:
+      return fmt::format(", {} mm, edge radius {} mm",
+                         fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "),
+                         number("edge_radius_mm"));
+    case ShapeKind::kCylinder:
+      return fmt::format(", radius {} mm, length {} mm, edge radius {} mm", number("radius_mm"),
+                         number("length_mm"), number("edge_radius_mm"));
+    case ShapeKind::kMesh:
+      return fmt::format(" {}, {} triangles, {:.4g} mm", object.at("file").get<std::string>(),
+                         object.at("triangles").get<std::uint64_t>(),
+                         fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "));
   }
   return "";
 }

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "lever_platform.hpp"
+#include "../support/lever_platform.hpp"
 #include "softfinger/actuation/actuator.hpp"
 
 extern "C" {

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "../support/lever_platform.hpp"
 #include "../support/maestro_terminal.hpp"
-#include "lever_platform.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/motors/servo_map.hpp"
 

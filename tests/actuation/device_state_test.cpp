@@ -79,12 +79,17 @@ TEST(DeviceState, GivesUpARetractionThatDoesNotArrive) {
   EXPECT_GT(time, kLongestRetraction);
 }
 
-TEST(DeviceState, NamesAreShort) {
+TEST(DeviceState, EachHasARowAndAShortNameOfItsOwn) {
   for (int i = 0; i <= static_cast<int>(DeviceState::kStopped); ++i) {
-    const auto name = state_name(static_cast<DeviceState>(i));
+    const auto state = static_cast<DeviceState>(i);
+    EXPECT_EQ(row_of(kDeviceStates, state).value, state);
+    const std::string_view name = state_name(state);
     EXPECT_FALSE(name.empty());
     EXPECT_LE(name.size(), 15u);
+    ASSERT_NE(row_named(kDeviceStates, name), nullptr);
+    EXPECT_EQ(row_named(kDeviceStates, name)->value, state);
   }
+  EXPECT_EQ(row_named(kDeviceStates, "asleep"), nullptr);
 }
 
 }  // namespace

@@ -12,9 +12,9 @@
 
 #include "../support/maestro_terminal.hpp"
 #include "softfinger/actuation/actuator.hpp"
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {

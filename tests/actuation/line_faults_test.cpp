@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "lever_platform.hpp"
+#include "../support/lever_platform.hpp"
 #include "simulated_line.hpp"
 
 namespace softfinger {

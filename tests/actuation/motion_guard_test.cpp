@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "lever_platform.hpp"
+#include "../support/lever_platform.hpp"
 
 namespace softfinger {
 namespace {

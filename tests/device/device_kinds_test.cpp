@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "../support/derivative_check.hpp"
 #include "kinds.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/kinds/cable_platform.hpp"
@@ -10,7 +11,6 @@
 #include "softfinger/device/kinds/membrane.hpp"
 #include "softfinger/device/kinds/pin_array.hpp"
 #include "softfinger/geometry/msh_file.hpp"
-#include "softfinger/numerics/derivative_check.hpp"
 
 namespace softfinger {
 namespace {

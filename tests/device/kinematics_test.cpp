@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "softfinger/numerics/derivative_check.hpp"
+#include "../support/derivative_check.hpp"
 #include "thimble.hpp"
 
 namespace softfinger {

@@ -4,8 +4,8 @@
 
 #include <thread>
 
+#include "../support/derivative_check.hpp"
 #include "mechanisms.hpp"
-#include "softfinger/numerics/derivative_check.hpp"
 #include "thimble.hpp"
 
 namespace softfinger {

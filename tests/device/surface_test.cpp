@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "../support/derivative_check.hpp"
 #include "softfinger/device/disk_surface.hpp"
-#include "softfinger/numerics/derivative_check.hpp"
 #include "thimble.hpp"
 
 namespace softfinger {

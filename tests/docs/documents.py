@@ -88,6 +88,13 @@ def flags(program, command):
     return set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", help_text, re.M)) - {"--help"}
 
 
+def choices(program, command):
+    """{flag: words} of the flags that take one of some words."""
+    help_text = run(program, *command, "--help").partition("Subcommands:\n")[0]
+    return {flag: set(words.split(",")) for flag, words in
+            re.findall(r"^  (?:-\w,)?(--[\w-]+) TEXT:\{([^}\s]*)\}", help_text, re.M)}
+
+
 def schemas(program):
     """All that the program prints, by the kind of file; those of devices by the kind of device."""
     every = json.loads(run(program, "device", "schema"))

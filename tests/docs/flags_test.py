@@ -43,6 +43,17 @@ class Flags(unittest.TestCase):
                 self.assertIn(leaf, found, "has no synopsis")
                 self.assertEqual(documents.flags(PROGRAM, leaf), found[leaf])
 
+    def test_every_choice_of_a_flag_is_named(self):
+        text = PAGE.read_text(encoding="utf-8")
+        code = documents.SPAN.findall(text) + re.findall(r"^ {4}.*", text, re.M)
+        named = set(re.findall(r"[\w-]+", " ".join(code)))
+        flags_with_choices = 0
+        for leaf in documents.leaf_commands(PROGRAM):
+            for flag, choices in documents.choices(PROGRAM, leaf).items():
+                flags_with_choices += 1
+                self.assertEqual(choices - named, set(), f"{leaf} {flag}")
+        self.assertGreater(flags_with_choices, 0)
+
     def test_every_flag_named_on_any_page_exists(self):
         known = {"--version", "--help"}
         for leaf in documents.leaf_commands(PROGRAM):

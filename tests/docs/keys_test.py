@@ -27,6 +27,17 @@ def keys_of(schema):
     return keys.union(*(keys_of(one) for one in inner)) if inner else keys
 
 
+def choices_of(schema):
+    """(key, word) for all words among which a key of a schema lets choose."""
+    found = set()
+    for name, inner in schema.get("properties", {}).items():
+        words = inner.get("enum", [inner["const"]] if "const" in inner else [])
+        found |= {(name, word) for word in words if isinstance(word, str)} | choices_of(inner)
+    inner = [*schema.get("anyOf", []), *schema.get("patternProperties", {}).values()]
+    inner += [schema[key] for key in ("items", "additionalProperties") if isinstance(schema.get(key), dict)]
+    return found.union(*(choices_of(one) for one in inner))
+
+
 def words_in(text):
     return {word for span in documents.SPAN.findall(text) for word in WORD.findall(span)}
 
@@ -57,6 +68,14 @@ class Keys(unittest.TestCase):
 
     def test_device(self):
         self.check("Device", self.schemas["device"].values(), r"height_(\d+|I)_(\d+|J)_mm$")
+
+    def test_every_choice_is_named(self):
+        text = PAGE.read_text(encoding="utf-8")
+        choices = set()
+        for schema in (*(self.schemas[kind] for kind in ("scene", "finger", "person")), *self.schemas["device"].values()):
+            choices |= choices_of(schema)
+        self.assertGreater(len(choices), 20)
+        self.assertEqual({one for one in choices if f'"{one[1]}"' not in text and f"`{one[1]}`" not in text}, set())
 
     @classmethod
     def setUpClass(cls):

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "pad.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/matching/surface_following.hpp"
 
 // Sanitizers bring their own malloc.
 #ifndef SOFTFINGER_SANITIZED
@@ -50,7 +50,7 @@ TEST(Allocation, SolvesAndTicksDoNotAllocate) {
     // Files that differ by their motors alone match as one.
     if (device->settings().transport && device->settings().transport->kind != "maestro") continue;
     ContactSurfaceMatching matching(device, 120);
-    SurfaceRendering rendering(device, 120);
+    SurfaceFollowing rendering(device, 120);
     const long before = allocations;
     int touched = 0;
     // Mechanisms take long where little closes.

@@ -11,13 +11,13 @@
 
 #include "../support/temporary_directory.hpp"
 #include "matrix_case.hpp"
+#include "softfinger/actuation/force_ceiling.hpp"
+#include "softfinger/actuation/force_limiter.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_size.hpp"
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/session/run_setup.hpp"
-#include "softfinger/twin/force_ceiling.hpp"
-#include "softfinger/twin/force_limiter.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -97,7 +97,7 @@ class Matrix : public testing::Test {
     options.as_fast_as_possible = true;
     if (!one.scene.empty()) options.duration = kExplored;
     options.actuator.port = "emulator";
-    options.objective = objective_of(one.objective);
+    options.objective = objective_kind(one.objective);
     const auto setup = load_setup(options);
     device_ = setup->devices.front();
     Wearers wearers(setup->models.front(), device_);

@@ -31,11 +31,6 @@ TEST(MaestroProtocol, GoldenBytes) {
   EXPECT_EQ(encode(MaestroCommand::kGetErrors), 0xA1);
   EXPECT_EQ(encode(MaestroCommand::kGoHome), 0xA2);
   EXPECT_EQ(decode_reply(0x70, 0x17), 6000);
-
-  const std::array<std::uint16_t, 2> targets{0, 6000};
-  std::array<std::uint8_t, 7> bytes{};
-  EXPECT_EQ(encode_set_multiple_targets(3, targets, bytes), 7u);
-  EXPECT_THAT(bytes, ElementsAre(0x9F, 0x02, 0x03, 0x00, 0x00, 0x70, 0x2E));
 }
 
 TEST(MaestroProtocol, DecodesWhatItEncodes) {

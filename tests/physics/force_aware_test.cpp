@@ -16,7 +16,7 @@
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
-#include "softfinger/twin/force_aware_matching.hpp"
+#include "softfinger/objectives/force_aware_matching.hpp"
 #include "softfinger/twin/rendering_measures.hpp"
 
 namespace softfinger {

@@ -8,11 +8,11 @@
 #include <random>
 
 #include "project.hpp"
+#include "softfinger/actuation/force_ceiling.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_size.hpp"
-#include "softfinger/twin/force_ceiling.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {

@@ -13,12 +13,12 @@
 
 #include "../support/temporary_directory.hpp"
 #include "project.hpp"
+#include "softfinger/actuation/force_ceiling.hpp"
+#include "softfinger/actuation/force_limiter.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/loop/device_loop.hpp"
-#include "softfinger/twin/force_ceiling.hpp"
-#include "softfinger/twin/force_limiter.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -103,7 +103,7 @@ TEST_P(ForceLimiterOf, KeepsWearersBelowTheLimit) {
   ASSERT_TRUE(ForceLimiter::needed(*device));
   const auto stiff = stiffest_wearer(*model);
   DeviceLoopOptions options;
-  options.objective = Objective::kSurface;
+  options.objective = objective_kind("surface");
   options.actuator.simulated_time = true;
   options.actuator.port = "emulator";
   if (GetParam().table) {

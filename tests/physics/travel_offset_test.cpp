@@ -13,9 +13,9 @@
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/loop/emulated_force_sensor.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
-#include "softfinger/twin/force_rendering.hpp"
-#include "softfinger/twin/travel_offset.hpp"
+#include "softfinger/loop/travel_offset.hpp"
+#include "softfinger/matching/surface_following.hpp"
+#include "softfinger/objectives/twin_correction.hpp"
 
 namespace softfinger {
 namespace {
@@ -75,8 +75,8 @@ std::vector<Frame> virtual_frames(const std::shared_ptr<const FingerModel>& mode
   object.motion = Trajectory({still});
   FingerSimulation simulation(model, {&object, 1}, kSimulationStep);
   simulation.reset(tracked_pose(*model, radius, 0.0));
-  SurfaceRendering surface(device, static_cast<int>(model->sample_nodes.size()));
-  ForceRendering force(model, device);
+  SurfaceFollowing surface(device, static_cast<int>(model->sample_nodes.size()));
+  TwinCorrection force(model, device);
   std::vector<Frame> frames;
   for (int frame = 0; frame < kFrames; ++frame) {
     for (int step = 1; step <= kStepsPerFrame; ++step) {

@@ -92,8 +92,8 @@ class RegisteringSession : public testing::Test {
     while (!reached()) {
       if (std::chrono::steady_clock::now() > end) return false;
       session_->refresh();
-      for (const Posture posture : kPostures) {
-        if (name_of(posture) == state().wanted) posture_ = posture;
+      for (const PostureRow& posture : kPostures) {
+        if (posture.name == state().wanted) posture_ = posture.value;
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }

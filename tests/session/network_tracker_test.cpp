@@ -114,7 +114,7 @@ TEST_F(NetworkTracker, UdpDrivesALiveRun) {
   // Every stage of the way was seen, and the way to the command is made of its three.
   const FingerSummary& finger = summary.all;
   for (std::size_t i = 0; i < kLatencyStages; ++i) {
-    EXPECT_GT(finger.stages.all()[i].count(), 0U) << kLatencyStageNames[i];
+    EXPECT_GT(finger.stages.all()[i].count(), 0U) << kLatencyStageNames[i].name;
   }
   double to_command = 0.0;
   for (const LatencyStage stage :

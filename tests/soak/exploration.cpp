@@ -17,7 +17,7 @@
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/loop/finger_loop.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/matching/surface_following.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 #include "violent_motion.hpp"
@@ -94,7 +94,7 @@ class RenderedDevice {
   }
 
   std::shared_ptr<const Device> device_;
-  SurfaceRendering rendering_;
+  SurfaceFollowing rendering_;
   Actuator actuator_;
   double period_;  // s
   long ticks_ = 0;

@@ -18,14 +18,23 @@ TABLE = """# Architecture
 | viewer | the page | engine, geometry |
 | rendering.hpp (beside the modules) | the door | all but viewer |
 | apps/softfinger | the command line | all |
+
+```house
+      | apps/softfinger |
+| viewer | rendering.hpp |   who looks on
+          | engine |
+          | device |
+         | geometry |
+           | base |
+```
 """
 
 
 class CheckLayers(unittest.TestCase):
-    def run_on(self, files):
+    def run_on(self, files, table=TABLE):
         """Output of the check on a tree that holds these files."""
         with tempfile.TemporaryDirectory() as folder:
-            for path, text in {"docs/architecture.md": TABLE, **files}.items():
+            for path, text in {"docs/architecture.md": table, **files}.items():
                 file = pathlib.Path(folder, path)
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_text(text)
@@ -79,6 +88,22 @@ class CheckLayers(unittest.TestCase):
     def test_links_follow_the_same_table(self):
         self.assertIn("geometry may not link device", self.run_on(
             {"src/softfinger/geometry/CMakeLists.txt": "softfinger_module(geometry MODULES device LIBRARIES fmt::fmt)\n"}))
+
+    def test_what_the_table_allows_somebody_needs(self):
+        self.assertIn("architecture.md:7: device includes nothing of geometry; take it off the line", self.run_on(
+            {"src/softfinger/device/device.cpp": '#include "softfinger/base/units.hpp"\n'}))
+
+    def test_a_house_that_stands_otherwise_than_the_table_says(self):
+        self.assertIn("device does not stand above geometry",
+                      self.run_on({}, TABLE.replace("| device |\n         | geometry |", "| device | geometry |")))
+        self.assertIn("viewer does not stand above engine", self.run_on({}, TABLE.replace("| engine |\n", "").replace(
+            "| viewer | rendering.hpp |", "| engine |\n| viewer | rendering.hpp |")))
+
+    def test_a_house_with_a_room_too_few_or_too_many(self):
+        self.assertIn("viewer is missing from the house", self.run_on({}, TABLE.replace("| viewer | rendering", "| rendering")))
+        self.assertIn("device stands twice", self.run_on({}, TABLE.replace("| engine |\n ", "| engine | device |\n ")))
+        self.assertIn("cellar has no line", self.run_on({}, TABLE.replace("| base |\n`", "| base | cellar |\n`")))
+        self.assertIn("no picture of the house", self.run_on({}, TABLE.replace("```house", "```")))
 
 
 if __name__ == "__main__":

@@ -82,8 +82,8 @@ std::vector<PostureCapture> captures(const Truth& truth, std::mt19937& random, d
                                      double noise = 0.0, double turn_noise = 0.0, int times = 1) {
   std::vector<PostureCapture> all;
   for (int k = 0; k < times; ++k) {
-    for (const Posture posture : kPostures) {
-      all.push_back(capture(truth, posture, random, lean, noise, turn_noise));
+    for (const PostureRow& posture : kPostures) {
+      all.push_back(capture(truth, posture.value, random, lean, noise, turn_noise));
     }
   }
   return all;
@@ -200,7 +200,7 @@ TEST(Registration, OnePostureThatIsAnotherIsNamed) {
     std::vector<PostureCapture> all = captures(truth, random);
     all.push_back(all[0]);
     all[wrong].up_Body = all[0].up_Body;  // still flat
-    EXPECT_THAT(refusal(all), HasSubstr(std::string(name_of(kPostures[wrong])))) << wrong;
+    EXPECT_THAT(refusal(all), HasSubstr(std::string(kPostures[wrong].name))) << wrong;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/viewer/page_request.hpp"
 #include "softfinger/viewer/scene_message.hpp"
@@ -128,6 +129,8 @@ TEST(SceneMessage, HasWhatThePageDraws) {
   EXPECT_EQ(finger["skin_triangles"].size(), 3 * model.skin_triangles.size());
   EXPECT_NEAR(finger["skin_positions_mm"][1].get<double>(), model.skin_rest_positions_F[0].y() / mm,
               1e-3);
+  EXPECT_EQ(finger["device_kind"], "platform_3rrs");
+  EXPECT_EQ(finger["device_kind_words"], "3-RRS thimble");
   EXPECT_EQ(finger["configuration_names"][0], "pitch_deg");
   EXPECT_NEAR(finger["disk_radius_mm"].get<double>(), 8.0, 1e-9);
 }
@@ -141,6 +144,20 @@ TEST(SceneMessage, TellsWhatIsWrongWithADevice) {
   EXPECT_EQ(json["notices"][1]["finger"], 4);
   EXPECT_EQ(json["notices"][1]["kind"], "approach");
   EXPECT_EQ(json["notices"][1]["text"], feed.description()->notices[1].text);
+}
+
+// The page has no names of its own.
+TEST(SceneMessage, NamesStatesAndStages) {
+  const auto json = nlohmann::json::parse(scene_message({}));
+  ASSERT_EQ(json["device_states"].size(), kDeviceStates.size());
+  EXPECT_EQ(json["device_states"].front()["name"], "disconnected");
+  EXPECT_EQ(json["device_states"].front()["tone"], "fault");
+  EXPECT_EQ(json["device_states"].back()["name"], "ready");
+  ASSERT_EQ(json["latency_stages"].size(), kLatencyStages);
+  for (std::size_t i = 0; i < kLatencyStages; ++i) {
+    EXPECT_EQ(json["latency_stages"][i]["name"], kLatencyStageNames[i].name);
+    EXPECT_EQ(json["latency_stages"][i]["words"], kLatencyStageNames[i].words);
+  }
 }
 
 TEST(SceneMessage, NamesEachShape) {

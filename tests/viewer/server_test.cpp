@@ -178,7 +178,8 @@ TEST_F(ServerTest, RegistrationIsToldToEveryPageOnceItIsAskedFor) {
   const auto running = client.read_frame(1);
   ASSERT_TRUE(running);
   EXPECT_NE(running->payload.find(R"("state":"running")"), std::string::npos) << running->payload;
-  EXPECT_NE(running->payload.find(R"("posture":"left side")"), std::string::npos);
+  EXPECT_NE(running->payload.find(R"("posture":"left side","words":"Roll it.")"),
+            std::string::npos);
   RawClient late(server.port());
   ASSERT_EQ(late.open_web_socket().status, 101);
   ASSERT_TRUE(late.read_frame(1));  // the scene

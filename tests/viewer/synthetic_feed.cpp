@@ -61,6 +61,7 @@ SceneDescription::Finger make_finger(const std::string& name) {
   finger.name = name;
   finger.registrable = true;
   finger.device_kind = "platform_3rrs";
+  finger.device_kind_words = "3-RRS thimble";
   finger.configuration_names = {"pitch_deg", "roll_deg", "travel_mm"};
   finger.disk_radius = 8 * mm;
   finger.legs = 3;
@@ -344,6 +345,7 @@ void SyntheticFeed::request(const LiveRequest& request) {
                        .held = 1,
                        .postures = 5,
                        .wanted = "left side",
+                       .words = "Roll it.",
                        .progress = 0.5,
                        .message = ""};
       break;

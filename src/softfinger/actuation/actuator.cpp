@@ -11,10 +11,10 @@
 #include "softfinger/actuation/guard_process.hpp"
 #include "softfinger/actuation/line_thread.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device.hpp"
-#include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/emulation/emulated_bus.hpp"
 

@@ -8,26 +8,6 @@ constexpr double kTimeRounding = 1e-9;
 
 }  // namespace
 
-std::string_view state_name(DeviceState state) {
-  switch (state) {
-    case DeviceState::kDisconnected:
-      return "disconnected";
-    case DeviceState::kHoming:
-      return "homing";
-    case DeviceState::kReady:
-      return "ready";
-    case DeviceState::kRendering:
-      return "rendering";
-    case DeviceState::kHolding:
-      return "holding";
-    case DeviceState::kRetracting:
-      return "retracting";
-    case DeviceState::kStopped:
-      break;
-  }
-  return "stopped";
-}
-
 DeviceState DeviceStateMachine::advance(const Tick& tick) {
   const double last_time = last_time_;
   last_time_ = tick.time;

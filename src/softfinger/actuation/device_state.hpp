@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
+
+#include "softfinger/base/name_table.hpp"
 
 namespace softfinger {
 
@@ -16,8 +19,38 @@ enum class DeviceState : std::uint8_t {
   kStopped,       ///< no command follows
 };
 
+/// How much a state asks of a person: nothing; to feel what is touched; to know that the device
+/// does not follow; to look after the device.
+enum class Tone { kPlain, kTouching, kWarning, kFault };
+inline constexpr std::array<std::string_view, 4> kToneNames{"plain", "touching", "warning",
+                                                            "fault"};
+
+struct DeviceStateRow {
+  DeviceState value;
+  std::string_view name;
+  Tone tone;
+  std::string_view words;
+};
+/// The most urgent first: what people are told of several devices.
+inline constexpr std::array<DeviceStateRow, 7> kDeviceStates{{
+    {DeviceState::kDisconnected, "disconnected", Tone::kFault,
+     "its port is not open; attempts to open it go on"},
+    {DeviceState::kStopped, "stopped", Tone::kPlain, "no command follows"},
+    {DeviceState::kRetracting, "retracting", Tone::kWarning,
+     "moves to the retracted pose, or is there and still told so"},
+    {DeviceState::kHolding, "holding", Tone::kWarning,
+     "tracking is lost for less than 200 ms: it keeps its last pose"},
+    {DeviceState::kHoming, "homing", Tone::kPlain,
+     "moves to where the loop wants it for the first time, or again after a gap"},
+    {DeviceState::kRendering, "rendering", Tone::kTouching,
+     "follows commands, something is touched"},
+    {DeviceState::kReady, "ready", Tone::kPlain, "follows commands, nothing is touched"},
+}};
+
 /// "ready", "rendering", ...
-[[nodiscard]] std::string_view state_name(DeviceState state);
+[[nodiscard]] constexpr std::string_view state_name(DeviceState state) {
+  return row_of(kDeviceStates, state).name;
+}
 
 /// Tracking lost for longer than this (s) retracts the device.
 inline constexpr double kHoldTime = 0.2;

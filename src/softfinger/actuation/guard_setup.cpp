@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/device/travel_ceiling.hpp"
 
 namespace softfinger {
 namespace {

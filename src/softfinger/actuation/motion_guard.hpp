@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/device/device.hpp"
-#include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {

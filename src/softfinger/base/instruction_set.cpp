@@ -1,20 +1,13 @@
 #include "softfinger/base/instruction_set.hpp"
 
-#include <array>
+#include <fmt/format.h>
+
 #include <atomic>
-#include <string>
-#include <utility>
 
 #include "softfinger/base/error.hpp"
 
 namespace softfinger {
 namespace {
-
-constexpr std::array<std::pair<InstructionSet, std::string_view>, 3> kNames{{
-    {InstructionSet::kBaseline, "baseline"},
-    {InstructionSet::kAvx2, "avx2"},
-    {InstructionSet::kAvx512, "avx512"},
-}};
 
 std::atomic<InstructionSet>& chosen() {
   static std::atomic<InstructionSet> set{best_instruction_set()};
@@ -22,13 +15,6 @@ std::atomic<InstructionSet>& chosen() {
 }
 
 }  // namespace
-
-std::string_view name_of(InstructionSet set) {
-  for (const auto& [value, name] : kNames) {
-    if (value == set) return name;
-  }
-  return "unknown";
-}
 
 InstructionSet best_instruction_set() {
 #if defined(__x86_64__)
@@ -44,18 +30,16 @@ InstructionSet best_instruction_set() {
 InstructionSet active_instruction_set() { return chosen().load(std::memory_order_relaxed); }
 
 void choose_instruction_set(std::string_view name) {
-  for (const auto& [value, known] : kNames) {
-    if (known != name) continue;
-    if (value > best_instruction_set()) {
-      throw InputError("--simd " + std::string(name) + ": this processor has no " +
-                       std::string(name) + "; its best is " +
-                       std::string(name_of(best_instruction_set())));
-    }
-    chosen().store(value, std::memory_order_relaxed);
-    return;
+  const auto* const row = row_named(kInstructionSets, name);
+  if (row == nullptr) {
+    throw InputError(fmt::format("--simd {}: unknown instruction set; known: {}", name,
+                                 fmt::join(names_of(kInstructionSets), ", ")));
   }
-  throw InputError("--simd " + std::string(name) +
-                   ": unknown instruction set; known: baseline, avx2, avx512");
+  if (row->value > best_instruction_set()) {
+    throw InputError(fmt::format("--simd {}: this processor has no {}; its best is {}", name, name,
+                                 name_of(best_instruction_set())));
+  }
+  chosen().store(row->value, std::memory_order_relaxed);
 }
 
 }  // namespace softfinger

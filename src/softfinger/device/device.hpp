@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "softfinger/device/configuration.hpp"
+#include "softfinger/device/device_objectives.hpp"
 #include "softfinger/device/surface_samples.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
@@ -30,7 +31,7 @@ struct ConfigurationAxis {
 struct MatchingSettings {
   double separation_tolerance = 2e-4;  ///< eps, m
   double approach = 3e-3;              ///< least gap below which the device follows the skin, m
-  std::string objective = "surface";
+  std::string objective{kDeviceObjectives.front()};
 };
 
 /// `[force_sensor]` of a device file: what tells the force on the wearer's finger.

@@ -42,8 +42,8 @@ MatchingSettings read_matching(const ConfigTable& table) {
   matching.separation_tolerance =
       table.number("separation_tolerance_mm", Range::at_least(0.0), matching.separation_tolerance);
   matching.approach = table.number("approach_mm", Range::at_least(0.0), matching.approach);
-  matching.objective =
-      table.choice("objective", {"surface", "surface_and_force", "stress"}, matching.objective);
+  matching.objective = table.choice(
+      "objective", {kDeviceObjectives.begin(), kDeviceObjectives.end()}, matching.objective);
   return matching;
 }
 

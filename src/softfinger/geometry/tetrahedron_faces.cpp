@@ -111,16 +111,6 @@ std::span<const TetrahedronFace> find_face(std::span<const TetrahedronFace> face
   return {first, last};
 }
 
-std::vector<Triangle> boundary_of(std::span<const TetrahedronFace> faces) {
-  std::vector<Triangle> boundary;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const bool as_previous = i > 0 && faces[i - 1].sorted == faces[i].sorted;
-    const bool as_next = i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted;
-    if (!as_previous && !as_next) boundary.push_back(faces[i].outward);
-  }
-  return boundary;
-}
-
 MeshDefect find_boundary_defect(std::span<const TetrahedronFace> faces) {
   for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
     const TetrahedronFace& face = faces[i];

@@ -25,8 +25,6 @@ struct TetrahedronFace {
 /// Of `faces` as from faces_of(), those with the nodes of `triangle`, in any order.
 [[nodiscard]] std::span<const TetrahedronFace> find_face(std::span<const TetrahedronFace> faces,
                                                          const Triangle& triangle);
-/// Faces of one tetrahedron only: the closed boundary of the mesh, outward.
-[[nodiscard]] std::vector<Triangle> boundary_of(std::span<const TetrahedronFace> faces);
 
 /// A place where tetrahedra do not form a solid with a clean surface.
 struct MeshDefect {

@@ -3,24 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/matching/contact_plane.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {
-
-MatchingOptions matching_options(Objective objective) {
-  MatchingOptions options;
-  if (objective == Objective::kPublished) {
-    options.limits = MatchingLimits::kClamp;
-    options.separation = Separation::kConstant;
-  }
-  return options;
-}
-
-ForceAwareOptions force_aware_options(Objective objective) {
-  return objective == Objective::kStress ? ForceAwareOptions::stress() : ForceAwareOptions{};
-}
 
 /// Of the emulated sensor's noise, beside the finger's number.
 constexpr std::uint64_t kNoiseSeed = 2015;
@@ -37,18 +23,12 @@ void note_way_here(const TrackedPose& tracked, double time, TickInput& input) {
 DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
                        const std::shared_ptr<const FingerModel>& model,
                        const DeviceLoopOptions& options)
-    : objective_(options.objective ? *options.objective
-                                   : objective_of(device->settings().matching.objective).value()),
-      rendering_(device, static_cast<int>(model->sample_nodes.size()),
-                 matching_options(objective_)),
+    : device_(device),
+      objective_((options.objective != nullptr ? *options.objective : objective_kind(*device))
+                     .make(model, device)),
       stands_(device->home()),
       actuator_(device, options.actuator) {
-  if (objective_ == Objective::kSurfaceAndForce || objective_ == Objective::kStress) {
-    force_ = std::make_unique<ForceRendering>(model, device, MatchingOptions{},
-                                              force_aware_options(objective_));
-  }
   if (ForceLimiter::needed(*device)) limiter_ = std::make_unique<ForceLimiter>(*model, device);
-  if (objective_ == Objective::kStress) nodes_F_.resize(model->mesh.nodes.size());
   if (const auto& sensor = device->settings().force_sensor) {
     offset_ = std::make_unique<TravelOffset>(model, device);
     if (!options.replay) {
@@ -69,13 +49,7 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   const double cpu_began = thread_cpu_time();
   const ContactSet& contact = finger.contact;
   const double elapsed = std::max(0.0, input.time - record_.time);
-  const RenderedSurface* rendered = &rendering_.tick(contact, elapsed);
-  if (wants_nodes()) transform(finger.X_WF.inverse(), finger.nodes_W, nodes_F_);
-  if (force_) rendered = &force_->tick(contact, nodes_F_, *rendered, elapsed);
-  RenderedSurface surface = *rendered;
-  if (objective_ == Objective::kContactPlane && contact.contact_count > 0) {
-    surface.configuration = contact_plane(rendering_.device(), contact, surface.configuration);
-  }
+  const RenderedSurface& surface = objective_->tick(finger, elapsed);
   Configuration corrected = surface.configuration;
   if (offset_) {
     if (reading_.configuration.size() > 0) {
@@ -116,7 +90,7 @@ void DeviceLoop::follow() {
   const double cpu_began = thread_cpu_time();
   const Configuration& went = record_.command.configuration;
   if (limiter_) limiter_->follow(went);
-  if (force_) force_->follow(offset_ ? offset_->felt(went) : went);
+  objective_->follow(offset_ ? offset_->felt(went) : went);
   record_.cpu_time += thread_cpu_time() - cpu_began;
 }
 

@@ -4,19 +4,15 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "softfinger/actuation/actuator.hpp"
+#include "softfinger/actuation/force_limiter.hpp"
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/loop/emulated_force_sensor.hpp"
-#include "softfinger/matching/objective.hpp"
-#include "softfinger/matching/surface_rendering.hpp"
+#include "softfinger/loop/travel_offset.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/recording/record.hpp"
 #include "softfinger/tracking/tracker.hpp"
-#include "softfinger/twin/force_limiter.hpp"
-#include "softfinger/twin/force_rendering.hpp"
 
 namespace softfinger {
 
@@ -36,16 +32,9 @@ struct TickInput {
 /// As far as `tracked` tells, of the step that takes it at run time `time` (s).
 void note_way_here(const TrackedPose& tracked, double time, TickInput& input);
 
-/// The virtual finger at that step.
-struct VirtualFinger {
-  const ContactSet& contact;
-  std::span<const Vector3> nodes_W;  ///< all, m; only looked at where the loop wants_nodes()
-  const Pose& X_WF;
-};
-
 struct DeviceLoopOptions {
   ActuatorOptions actuator;
-  std::optional<Objective> objective;  ///< instead of the device file's
+  const ObjectiveKind* objective = nullptr;  ///< null: the device file's
   /// Whom an emulated force sensor presses; null: the simulated finger.
   std::shared_ptr<const FingerModel> wearer = nullptr;
   /// There is no sensor: replay_reading() says what one said.
@@ -65,10 +54,10 @@ class DeviceLoop {
   const TickRecord& tick(const TickInput& input, const VirtualFinger& finger);
   /// Before a tick that is replayed.
   void replay_reading(const ForceReading& reading) { reading_ = reading; }
-  [[nodiscard]] bool wants_nodes() const { return !nodes_F_.empty(); }
+  [[nodiscard]] bool wants_nodes() const { return objective_->wants_nodes(); }
   /// The last tick; tick -1 before the first.
   [[nodiscard]] const TickRecord& record() const { return record_; }
-  [[nodiscard]] const Device& device() const { return rendering_.device(); }
+  [[nodiscard]] const Device& device() const { return *device_; }
   [[nodiscard]] Actuator& actuator() { return actuator_; }
   [[nodiscard]] const Actuator& actuator() const { return actuator_; }
 
@@ -77,15 +66,13 @@ class DeviceLoop {
   void follow();
   void note_latency(const TickInput& input);
 
-  Objective objective_;
-  SurfaceRendering rendering_;
-  std::unique_ptr<ForceRendering> force_;        ///< null: another objective
+  std::shared_ptr<const Device> device_;
+  std::unique_ptr<Objective> objective_;
   std::unique_ptr<TravelOffset> offset_;         ///< null: force is not measured
   std::unique_ptr<ForceLimiter> limiter_;        ///< null: no limit that hangs on the way
   std::unique_ptr<EmulatedForceSensor> sensor_;  ///< null: none
   ForceReading reading_;                         ///< newest; no configuration: none yet
   Configuration stands_;                         ///< where the device is, as far as known
-  std::vector<Vector3> nodes_F_;                 ///< empty: not wanted
   Actuator actuator_;
   TickRecord record_;
 };

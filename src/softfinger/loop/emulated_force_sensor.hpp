@@ -4,7 +4,8 @@
 #include <memory>
 #include <random>
 
-#include "softfinger/twin/travel_offset.hpp"
+#include "softfinger/device/force_reading.hpp"
+#include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
 

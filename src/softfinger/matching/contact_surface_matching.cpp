@@ -9,6 +9,7 @@
 
 #include "softfinger/matching/deviation_minimiser.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
+#include "softfinger/matching/packed_samples.hpp"
 #include "softfinger/matching/pin_minimiser.hpp"
 
 namespace softfinger {
@@ -44,8 +45,8 @@ std::string_view to_string(Termination termination) {
 }
 
 struct ContactSurfaceMatching::Implementation {
-  Implementation(std::shared_ptr<const Device> the_device, int the_capacity)
-      : device(std::move(the_device)), capacity(the_capacity) {
+  Implementation(std::shared_ptr<const Device> the_device, int capacity)
+      : device(std::move(the_device)), packed(capacity) {
     if (device->pin_field() != nullptr) {
       pins.emplace(*device, capacity);
     } else {
@@ -57,24 +58,22 @@ struct ContactSurfaceMatching::Implementation {
       gauss_newton.resize(n, n);
       hessian.resize(n, n);
     }
-    for (auto* array : {&x, &y, &z, &weight, &margin}) {
-      array->resize(static_cast<std::size_t>(capacity));
-    }
   }
 
   std::shared_ptr<const Device> device;
-  int capacity;
   // One of the two.
   std::optional<DeviationMinimiser> minimiser;
   std::optional<PinMinimiser> pins;
-  std::vector<double> x, y, z, weight, margin;
+  PackedSamples packed;
   bool limited = false;  ///< a limit was in the way of some start of this solve
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
   Eigen::VectorXd gradient;
   Eigen::MatrixXd gauss_newton, hessian;
 
-  SurfaceSamples pack(const ContactPoints& points, const MatchingOptions& options);
+  SurfaceSamples pack(const ContactPoints& points, const MatchingOptions& options) {
+    return packed.pack(points, options, device->settings().matching.separation_tolerance);
+  }
   void consider(MatchingResult& best, const DeviationMinimiser::Outcome& outcome);
   void look_around(const SurfaceSamples& samples, const MatchingOptions& options,
                    const Configuration& centre, double tilt, bool turned, MatchingResult& best);
@@ -89,40 +88,6 @@ struct ContactSurfaceMatching::Implementation {
   [[nodiscard]] ConstraintSet active_limits(const Configuration& q);
   void finish(MatchingResult& result, MatchingLimits limits);
 };
-
-/// Samples in contact first, in their order; then the others.
-SurfaceSamples ContactSurfaceMatching::Implementation::pack(const ContactPoints& points,
-                                                            const MatchingOptions& options) {
-  const std::size_t count = std::min(points.points_F.size(), static_cast<std::size_t>(capacity));
-  const double eps =
-      options.separation_tolerance.value_or(device->settings().matching.separation_tolerance);
-  double per_area = 0.0;
-  if (options.weights == MatchingWeights::kArea) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < count; ++i) sum += points.areas[i];
-    per_area = sum > 0.0 ? static_cast<double>(count) / sum : 0.0;
-  }
-  std::size_t packed = 0;
-  int contacts = 0;
-  for (const bool touching : {true, false}) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if ((points.in_contact[i] != 0) != touching) continue;
-      x[packed] = points.points_F[i].x();
-      y[packed] = points.points_F[i].y();
-      z[packed] = points.points_F[i].z();
-      weight[packed] = options.weights == MatchingWeights::kArea ? points.areas[i] * per_area : 1.0;
-      margin[packed] = options.separation == Separation::kScene && !points.gaps.empty()
-                           ? std::max(0.0, std::min(eps, points.gaps[i]))
-                           : eps;
-      ++packed;
-    }
-    if (touching) contacts = static_cast<int>(packed);
-  }
-  const auto view = [&](const std::vector<double>& array) {
-    return std::span<const double>(array.data(), packed);
-  };
-  return {view(x), view(y), view(z), view(weight), view(margin), contacts};
-}
 
 /// Keeps the better of two; of equals the one nearer home.
 void ContactSurfaceMatching::Implementation::consider(MatchingResult& best,

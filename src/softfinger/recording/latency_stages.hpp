@@ -6,21 +6,30 @@
 #include <limits>
 
 #include "softfinger/base/histogram.hpp"
+#include "softfinger/base/name_table.hpp"
 
 namespace softfinger {
 
 /// Stages on the way from a finger to the servos, in order.
 enum class LatencyStage {
-  kExposure,  ///< the pose is true until it reaches this program, by the sender's clock
-  kArrival,   ///< until a step takes it; longer where several steps share a pose
-  kStep,      ///< until that step's contact is handed on
-  kMatch,     ///< until the command is formed
-  kSend,      ///< until it is written to the port
-  kServo      ///< how long ago the servos were told to be where they are, see ServoLag
+  kExposure,
+  kArrival,  ///< longer where several steps share a pose
+  kStep,
+  kMatch,
+  kSend,
+  kServo  ///< see ServoLag
 };
 inline constexpr std::size_t kLatencyStages = 6;
-inline constexpr std::array<const char*, kLatencyStages> kLatencyStageNames = {
-    "exposure", "arrival", "step", "match", "send", "servo"};
+/// In the order of the enumerators.
+inline constexpr std::array<NameRow<LatencyStage>, kLatencyStages> kLatencyStageNames{{
+    {LatencyStage::kExposure, "exposure",
+     "the pose is true until it reaches the program, by the sender's clock"},
+    {LatencyStage::kArrival, "arrival", "until a step takes it"},
+    {LatencyStage::kStep, "step", "until that step's contact is handed on"},
+    {LatencyStage::kMatch, "match", "until the command is formed"},
+    {LatencyStage::kSend, "send", "until it is written to the port"},
+    {LatencyStage::kServo, "servo", "how long ago the servos were told to be where they are"},
+}};
 
 /// What the stages of one command took, s; NaN where it is not known.
 class StageTimes {

@@ -7,10 +7,10 @@
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/device/configuration.hpp"
+#include "softfinger/device/force_reading.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/recording/latency_stages.hpp"
 #include "softfinger/tracking/tracker.hpp"
-#include "softfinger/twin/travel_offset.hpp"
 
 namespace softfinger {
 

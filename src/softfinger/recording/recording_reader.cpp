@@ -43,11 +43,9 @@ void read_rows(std::string_view bytes, std::vector<Row>& rows) {
 }
 
 DeviceState state_of(std::string_view name) {
-  for (int i = 0; i <= static_cast<int>(DeviceState::kStopped); ++i) {
-    const auto state = static_cast<DeviceState>(i);
-    if (state_name(state) == name) return state;
-  }
-  throw SqliteFailure{true};
+  const DeviceStateRow* row = row_named(kDeviceStates, name);
+  if (row == nullptr) throw SqliteFailure{true};
+  return row->value;
 }
 
 /// Reads the fields of a record from the columns of a row, one after the other.

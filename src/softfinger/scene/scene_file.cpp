@@ -10,6 +10,8 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/geometry/mesh_import.hpp"
+#include "softfinger/geometry/mesh_units.hpp"
+#include "softfinger/geometry/shape_names.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
@@ -30,8 +32,6 @@ constexpr double kDefaultEdgeRadius = 1.0 * mm;
 
 const Range kEdgeRounding = Range::between(0.02, 10.0);  // mm
 constexpr double kDefaultEdgeRounding = 0.25 * mm;
-
-const std::vector<std::string> kShapes{"plane", "sphere", "box", "cylinder", "mesh"};
 
 /// rotation_vector_deg may be left out, and position_mm where `fallback` has one.
 Pose read_pose(const ConfigTable& table, const Pose* fallback) {
@@ -103,11 +103,7 @@ double read_unit(const ConfigTable& table, const std::filesystem::path& file) {
     return 1.0;
   }
   table.matches("file", kOtherMeshName);
-  const std::string unit = table.choice("unit", {"mm", "cm", "m", "inch"});
-  if (unit == "mm") return mm;
-  if (unit == "cm") return 10.0 * mm;
-  if (unit == "inch") return 25.4 * mm;
-  return 1.0;
+  return row_named(kMeshUnits, table.choice("unit", names_of(kMeshUnits)))->value;
 }
 
 NamedMesh read_mesh(const ConfigTable& table, std::size_t object) {
@@ -143,12 +139,15 @@ void load_meshes(const std::vector<NamedMesh>& meshes, Scene& scene, const LoadO
   }
 }
 
+ShapeKind read_shape_kind(const ConfigTable& table) {
+  return row_named(kShapes, table.choice("shape", names_of(kShapes)))->value;
+}
+
 /// A mesh is loaded later; until then its object is a plane.
-Shape read_shape(const ConfigTable& table, const std::string& shape) {
-  if (shape == "mesh") return HalfSpace{};
-  if (shape == "plane") return HalfSpace{};
-  if (shape == "sphere") return Ball{table.number("radius_mm", kSize)};
-  if (shape == "box") {
+Shape read_shape(const ConfigTable& table, ShapeKind kind) {
+  if (kind == ShapeKind::kPlane || kind == ShapeKind::kMesh) return HalfSpace{};
+  if (kind == ShapeKind::kSphere) return Ball{table.number("radius_mm", kSize)};
+  if (kind == ShapeKind::kBox) {
     const Vector3 half_size = 0.5 * table.numbers("size_mm", 3, kSize);
     return RoundedBox{half_size, read_edge_radius(table, half_size.minCoeff())};
   }
@@ -159,16 +158,16 @@ Shape read_shape(const ConfigTable& table, const std::string& shape) {
 }
 
 /// shape, shape_2, shape_3, ... whichever is free.
-std::string free_name(const std::string& shape, const std::set<std::string>& taken) {
-  std::string name = shape;
+std::string free_name(std::string_view shape, const std::set<std::string>& taken) {
+  std::string name(shape);
   for (int k = 2; taken.contains(name); ++k) name = fmt::format("{}_{}", shape, k);
   return name;
 }
 
 VirtualObject read_object(const ConfigTable& table, const std::string& default_name) {
-  const std::string shape = table.choice("shape", kShapes);
+  const ShapeKind kind = read_shape_kind(table);
   VirtualObject object{.name = table.text("name", default_name),
-                       .shape = read_shape(table, shape),
+                       .shape = read_shape(table, kind),
                        .motion = Trajectory(),
                        .friction_coefficient = {}};
   const Pose origin;
@@ -189,6 +188,7 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
   finger.model = table.path("model");
   finger.device = table.optional_path("device");
   finger.tracker = table.text("tracker", "script");
+  table.matches("tracker", fmt::format("^({})(:|$)", fmt::join(names_of(kTrackers), "|")));
   TrackerSpec tracker;
   try {
     tracker = parse_tracker_spec(finger.tracker);
@@ -238,10 +238,10 @@ ReadScene read_scene(const ConfigFile& config, bool trackers_given) {
     }
   }
   for (const ConfigTable& table : objects) {
-    const std::string shape = table.choice("shape", kShapes);
+    const ShapeKind kind = read_shape_kind(table);
     table.decides("shape");
-    if (shape == "mesh") read.meshes.push_back(read_mesh(table, scene.objects.size()));
-    scene.objects.push_back(read_object(table, free_name(shape, names)));
+    if (kind == ShapeKind::kMesh) read.meshes.push_back(read_mesh(table, scene.objects.size()));
+    scene.objects.push_back(read_object(table, free_name(row_of(kShapes, kind).name, names)));
     names.insert(scene.objects.back().name);
   }
   root.finish();  // first: a misspelt key may be the reason that there is no finger

@@ -32,6 +32,8 @@ struct SceneDescription {
     std::vector<std::array<int, 3>> bone_triangles;  ///< indices into rigid_positions_F
     std::vector<std::array<int, 3>> nail_triangles;  ///< indices into rigid_positions_F
     std::string device_kind;                         ///< empty: no device
+    std::string device_kind_words;                   ///< what people call it
+    bool cables = false;                             ///< its linkage is of cables
     std::vector<std::string> configuration_names;    ///< with unit: pitch_deg, ...
     bool linear_joints = false;                      ///< joints are lengths
     double disk_radius = 0.0;                        ///< of devices that have one
@@ -156,6 +158,7 @@ struct RegistrationState {
   std::size_t held = 0;      ///< postures that were held
   std::size_t postures = 0;  ///< that there are
   std::string_view wanted;   ///< name of the posture to hold now
+  std::string_view words;    ///< how, one sentence
   double progress = 0.0;     ///< of holding it, 0 to 1
   std::string message;       ///< what was found, or why nothing was saved
 };

@@ -23,9 +23,15 @@ bool LiveRegistration::begin(const LiveRequest& request, const RunSetup& setup,
   procedure_ = {};
   state_ = {.phase = Phase::kRunning,
             .finger = request.finger,
-            .postures = RegistrationProcedure::kOrder.size(),
-            .wanted = name_of(procedure_.wanted())};
+            .postures = RegistrationProcedure::kOrder.size()};
+  tell_wanted();
   return true;
+}
+
+void LiveRegistration::tell_wanted() {
+  const PostureRow& posture = row_of(kPostures, procedure_.wanted());
+  state_.wanted = posture.name;
+  state_.words = posture.sentence;
 }
 
 void LiveRegistration::cancel() { state_ = {}; }
@@ -41,7 +47,7 @@ bool LiveRegistration::take(const Snapshot& snapshot) {
       {.time = finger.tracked_time, .X_WFt = finger.X_WFt * X_FtBody_, .valid = finger.tracked});
   if (procedure_.done()) return conclude();
   state_.held = procedure_.captures().size();
-  state_.wanted = name_of(procedure_.wanted());
+  tell_wanted();
   state_.progress = procedure_.progress();
   return false;
 }

@@ -24,6 +24,7 @@ class LiveRegistration {
   [[nodiscard]] const RegistrationState& state() const { return state_; }
 
  private:
+  void tell_wanted();
   bool conclude();
 
   std::filesystem::path person_;

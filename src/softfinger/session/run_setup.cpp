@@ -101,8 +101,7 @@ void check_names(const Person& person, const Scene& scene) {
 
 /// Waypoints and the live page move the finger itself.
 bool follows_body(const SceneFinger& finger) {
-  const TrackerKind kind = parse_tracker_spec(finger.tracker).kind;
-  return kind != TrackerKind::kScript && kind != TrackerKind::kPage;
+  return row_of(kTrackers, parse_tracker_spec(finger.tracker).kind).of_body;
 }
 
 fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }

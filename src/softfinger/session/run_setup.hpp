@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/device/device.hpp"
-#include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/loop/finger_chain.hpp"
-#include "softfinger/matching/objective.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/person/person.hpp"
 #include "softfinger/recording/recording_info.hpp"
 #include "softfinger/scene/scene.hpp"
@@ -41,8 +41,8 @@ struct RunOptions : SetupOptions {
   PoseConditioning conditioning;     ///< of all tracked poses
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
-  /// Of the matching, instead of the device files'; recordings do not know of it.
-  std::optional<Objective> objective;
+  /// Instead of the device files' (null); recordings do not know of it.
+  const ObjectiveKind* objective = nullptr;
   /// Of every device: its port, its guard, whether it may be absent. The run knows the rest.
   ActuatorOptions actuator;
   /// That step several fingers side by side, or one with a large mesh; the bits do not depend on

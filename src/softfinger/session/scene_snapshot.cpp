@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "softfinger/device/kinds/device_kinds.hpp"
 #include "softfinger/tracking/make_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
@@ -87,7 +88,10 @@ SceneDescription describe(const RunSetup& setup) {
     finger.bone_triangles = surfaces.collect("bone");
     finger.nail_triangles = surfaces.collect("nail");
     if (const Device* device = setup.devices[i].get()) {
-      finger.device_kind = device->kind();
+      const DeviceKind& kind = device_kind(device->kind());
+      finger.device_kind = kind.name;
+      finger.device_kind_words = kind.words;
+      finger.cables = kind.cables;
       for (const ConfigurationAxis& axis : device->axes()) {
         finger.configuration_names.push_back(axis.name);
       }

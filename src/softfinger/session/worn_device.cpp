@@ -8,13 +8,13 @@
 #include <random>
 #include <span>
 
+#include "softfinger/actuation/force_ceiling.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/finger/bone.hpp"
 #include "softfinger/finger/rest_skin.hpp"
-#include "softfinger/twin/force_ceiling.hpp"
 
 namespace softfinger {
 namespace {

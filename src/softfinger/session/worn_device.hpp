@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/device/device.hpp"
-#include "softfinger/device/travel_ceiling.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace softfinger {

@@ -176,7 +176,6 @@ void NatNetEmulator::send_to_clients(std::span<const std::uint8_t> datagram, dou
       data_.send({client.place.address, port}, datagram);
     }
   }
-  sent_.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace softfinger

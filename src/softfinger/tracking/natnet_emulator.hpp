@@ -55,7 +55,6 @@ class NatNetEmulator {
   [[nodiscard]] const Endpoint& address() const { return command_.local(); }
   /// Time of its motion, s; 0 until a client connects.
   [[nodiscard]] double time() const { return time_.load(std::memory_order_relaxed); }
-  [[nodiscard]] std::int64_t frames_sent() const { return sent_.load(std::memory_order_relaxed); }
 
  private:
   struct Client {
@@ -85,7 +84,6 @@ class NatNetEmulator {
   std::vector<NatNetDatagram> held_back_;
   std::mt19937 random_;
   std::atomic<double> time_{0.0};
-  std::atomic<std::int64_t> sent_{0};
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

@@ -21,11 +21,11 @@ constexpr double kLeastBreadth = 8.0 * mm;
 constexpr double kGreatestBreadth = 30.0 * mm;
 
 void check_complete(std::span<const PostureCapture> captures) {
-  for (const Posture posture : kPostures) {
-    if (std::ranges::find(captures, posture, &PostureCapture::posture) == captures.end()) {
+  for (const PostureRow& posture : kPostures) {
+    if (std::ranges::find(captures, posture.value, &PostureCapture::posture) == captures.end()) {
       throw InputError(fmt::format(
           "registration: posture '{}' was not captured; rest the fingertip so and hold still",
-          name_of(posture)));
+          posture.name));
     }
   }
 }
@@ -54,12 +54,6 @@ double reach(std::span<const Vector3> skin_F, const Vector3& direction_F) {
 }
 
 }  // namespace
-
-std::string_view name_of(Posture posture) {
-  constexpr std::array<std::string_view, kPostures.size()> kNames{"pad", "left side", "right side",
-                                                                  "tip"};
-  return kNames.at(static_cast<std::size_t>(posture));
-}
 
 Vector3 up_in_finger(Posture posture) {
   switch (posture) {

@@ -6,17 +6,34 @@
 #include <string>
 #include <string_view>
 
+#include "softfinger/base/name_table.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {
 
 /// How the fingertip rests on a horizontal table.
 enum class Posture { kPad, kLeftSide, kRightSide, kTip };
-inline constexpr std::array kPostures{Posture::kPad, Posture::kLeftSide, Posture::kRightSide,
-                                      Posture::kTip};
+
+struct PostureRow {
+  Posture value;
+  std::string_view name;      ///< in messages and on the wire
+  std::string_view words;     ///< what a person does, within a line of the terminal
+  std::string_view sentence;  ///< the same on the page
+};
+inline constexpr std::array<PostureRow, 4> kPostures{{
+    {Posture::kPad, "pad", "rest the pad flat on the table", "Rest the pad flat on the table."},
+    {Posture::kLeftSide, "left side",
+     "roll the finger onto its left side, as seen from above the nail",
+     "Roll the finger onto its left side, as seen from above the nail."},
+    {Posture::kRightSide, "right side", "roll it onto its right side",
+     "Roll it over onto its right side."},
+    {Posture::kTip, "tip", "stand it on its tip, straight up", "Stand it on its tip, straight up."},
+}};
 
 /// "pad", "left side", "right side", "tip".
-[[nodiscard]] std::string_view name_of(Posture posture);
+[[nodiscard]] constexpr std::string_view name_of(Posture posture) {
+  return row_of(kPostures, posture).name;
+}
 /// The table's upward direction in F.
 [[nodiscard]] Vector3 up_in_finger(Posture posture);
 

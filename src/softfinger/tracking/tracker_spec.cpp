@@ -39,7 +39,7 @@ void read_listener(std::string_view text, std::string_view argument, TrackerSpec
   const std::string_view port =
       colon == std::string_view::npos ? argument : argument.substr(colon + 1);
   if (!is_ipv4_address(spec.address) || !parse_port(port, spec.port)) {
-    const std::string_view kind = text.substr(0, 3);
+    const std::string_view kind = row_of(kTrackers, spec.kind).name;
     throw InputError(
         fmt::format("tracker '{}': expected {}:PORT or {}:ADDRESS:PORT with a port of 1 to 65535 "
                     "and an IPv4 address of this machine",
@@ -115,37 +115,49 @@ void read_natnet(std::string_view text, std::string_view argument, TrackerSpec& 
 
 }  // namespace
 
+std::string trackers_in_brief(std::string_view last, bool (*wanted)(const TrackerRow&)) {
+  std::vector<std::string> briefs;
+  for (const TrackerRow& row : kTrackers) {
+    if (wanted(row)) briefs.emplace_back(row.brief);
+  }
+  return listed(briefs, last);
+}
+
 TrackerSpec parse_tracker_spec(std::string_view text) {
   const std::size_t colon = text.find(':');
-  const std::string_view kind = text.substr(0, colon);
+  const std::string_view name = text.substr(0, colon);
   const std::string_view argument =
       colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
+  const TrackerRow* const row = row_named(kTrackers, name);
+  if (row == nullptr) {
+    const std::string nearest = nearest_word(name, names_of(kTrackers));
+    throw InputError(fmt::format("unknown tracker '{}'; {}known are {}", text,
+                                 nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest),
+                                 trackers_in_brief("and", [](const TrackerRow&) { return true; })));
+  }
   TrackerSpec spec;
-  if (kind == "script" || kind == "page") {
-    if (colon != std::string_view::npos) {
-      throw InputError(fmt::format("tracker {} takes nothing after it, found '{}'", kind, text));
-    }
-    spec.kind = kind == "page" ? TrackerKind::kPage : TrackerKind::kScript;
-  } else if (kind == "csv") {
-    if (argument.empty()) throw InputError("tracker csv needs a file, as in csv:poses.csv");
-    spec.kind = TrackerKind::kCsv;
-    spec.file = argument;
-  } else if (kind == "webxr") {
-    spec.kind = TrackerKind::kWebXr;
-    if (colon != std::string_view::npos) spec.hand = read_hand(text, argument);
-  } else if (kind == "udp" || kind == "osc") {
-    spec.kind = kind == "udp" ? TrackerKind::kUdp : TrackerKind::kOsc;
-    read_listener(text, argument, spec);
-  } else if (kind == "natnet") {
-    spec.kind = TrackerKind::kNatnet;
-    read_natnet(text, argument, spec);
-  } else {
-    const std::string nearest =
-        nearest_word(kind, {"script", "csv", "page", "webxr", "udp", "osc", "natnet"});
-    throw InputError(
-        fmt::format("unknown tracker '{}'; {}known are script, csv:FILE, page, webxr, udp:PORT, "
-                    "osc:PORT and natnet:HOST,body=NAME",
-                    text, nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)));
+  spec.kind = row->value;
+  switch (spec.kind) {
+    case TrackerKind::kScript:
+    case TrackerKind::kPage:
+      if (colon != std::string_view::npos) {
+        throw InputError(fmt::format("tracker {} takes nothing after it, found '{}'", name, text));
+      }
+      break;
+    case TrackerKind::kCsv:
+      if (argument.empty()) throw InputError("tracker csv needs a file, as in csv:poses.csv");
+      spec.file = argument;
+      break;
+    case TrackerKind::kWebXr:
+      if (colon != std::string_view::npos) spec.hand = read_hand(text, argument);
+      break;
+    case TrackerKind::kUdp:
+    case TrackerKind::kOsc:
+      read_listener(text, argument, spec);
+      break;
+    case TrackerKind::kNatnet:
+      read_natnet(text, argument, spec);
+      break;
   }
   return spec;
 }
@@ -162,7 +174,7 @@ std::string tracker_of_finger(std::string_view text, std::string_view finger_nam
 }
 
 bool is_network_tracker(TrackerKind kind) {
-  return kind == TrackerKind::kUdp || kind == TrackerKind::kOsc || kind == TrackerKind::kNatnet;
+  return row_of(kTrackers, kind).origin == PoseOrigin::kNetwork;
 }
 
 }  // namespace softfinger

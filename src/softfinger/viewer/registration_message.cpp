@@ -16,6 +16,7 @@ std::string registration_message(const RegistrationState& state) {
       {"held", state.held},
       {"of", state.postures},
       {"posture", state.wanted},
+      {"words", state.words},
       // Coarse, so that a message goes out only where something can be seen.
       {"progress", std::round(state.progress * 20.0) / 20.0},
       {"message", state.message}};

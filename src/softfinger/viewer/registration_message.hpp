@@ -7,8 +7,8 @@
 namespace softfinger {
 
 /// A registration as the page reads it (page/src/wire.ts), JSON: type "registration", state
-/// ("idle", "running", "saved", "refused"), finger, held, of, posture, progress in twentieths,
-/// message.
+/// ("idle", "running", "saved", "refused"), finger, held, of, posture, words (how to hold it),
+/// progress in twentieths, message.
 [[nodiscard]] std::string registration_message(const RegistrationState& state);
 
 }  // namespace softfinger

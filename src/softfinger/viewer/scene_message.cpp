@@ -3,8 +3,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/geometry/shape_names.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
+#include "softfinger/recording/latency_stages.hpp"
 
 namespace softfinger {
 namespace {
@@ -30,36 +33,36 @@ Json flat(const std::vector<std::array<int, 3>>& triangles) {
   return array;
 }
 
-struct ShapeToJson {
-  Json operator()(const HalfSpace&) const { return {{"kind", "plane"}}; }
-  Json operator()(const Ball& ball) const {
-    return {{"kind", "sphere"}, {"radius_mm", ball.radius / mm}};
-  }
+struct SizesToJson {
+  Json operator()(const HalfSpace&) const { return Json::object(); }
+  Json operator()(const Ball& ball) const { return {{"radius_mm", ball.radius / mm}}; }
   Json operator()(const RoundedBox& box) const {
-    return {{"kind", "box"},
-            {"size_mm",
+    return {{"size_mm",
              {2 * box.half_size.x() / mm, 2 * box.half_size.y() / mm, 2 * box.half_size.z() / mm}},
             {"edge_radius_mm", box.edge_radius / mm}};
   }
   Json operator()(const RoundedCylinder& cylinder) const {
-    return {{"kind", "cylinder"},
-            {"radius_mm", cylinder.radius / mm},
+    return {{"radius_mm", cylinder.radius / mm},
             {"length_mm", 2 * cylinder.half_length / mm},
             {"edge_radius_mm", cylinder.edge_radius / mm}};
   }
   Json operator()(const MeshShape& mesh) const {
     const TriangleMesh& drawing = mesh->content().drawing;
-    return {{"kind", "mesh"},
-            {"positions_mm", flat(drawing.positions)},
-            {"triangles", flat(drawing.triangles)}};
+    return {{"positions_mm", flat(drawing.positions)}, {"triangles", flat(drawing.triangles)}};
   }
 };
+
+Json to_json(const Shape& shape) {
+  Json json{{"kind", name_of(shape)}};
+  json.update(std::visit(SizesToJson{}, shape));
+  return json;
+}
 
 /// Alike shapes in a row are told once.
 Json pieces_json(const std::vector<Shape>& pieces) {
   Json runs = Json::array();
   for (const Shape& piece : pieces) {
-    Json shape = std::visit(ShapeToJson{}, piece);
+    Json shape = to_json(piece);
     if (!runs.empty() && runs.back()["shape"] == shape) {
       runs.back()["count"] = runs.back()["count"].get<int>() + 1;
     } else {
@@ -98,6 +101,24 @@ Json headset_json(const SceneDescription::Finger& finger) {
           {"start", {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}}};
 }
 
+/// The most urgent first.
+Json device_states_json() {
+  Json states = Json::array();
+  for (const DeviceStateRow& state : kDeviceStates) {
+    states.push_back(
+        {{"name", state.name}, {"tone", kToneNames.at(static_cast<std::size_t>(state.tone))}});
+  }
+  return states;
+}
+
+Json latency_stages_json() {
+  Json stages = Json::array();
+  for (const auto& stage : kLatencyStageNames) {
+    stages.push_back({{"name", stage.name}, {"words", stage.words}});
+  }
+  return stages;
+}
+
 Json to_json(const SceneDescription::Finger& finger) {
   return {{"name", finger.name},
           {"skin_positions_mm", flat(finger.skin_rest_positions_F)},
@@ -106,6 +127,8 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"bone_triangles", flat(finger.bone_triangles)},
           {"nail_triangles", flat(finger.nail_triangles)},
           {"device_kind", finger.device_kind},
+          {"device_kind_words", finger.device_kind_words},
+          {"cables", finger.cables},
           {"configuration_names", finger.configuration_names},
           {"joint_unit", finger.linear_joints ? "mm" : "deg"},
           {"disk_radius_mm", finger.disk_radius / mm},
@@ -129,10 +152,11 @@ std::string scene_message(const SceneDescription& scene) {
                   {"duration_s", scene.duration},
                   {"objects", Json::array()},
                   {"fingers", Json::array()},
-                  {"notices", Json::array()}};
+                  {"notices", Json::array()},
+                  {"device_states", device_states_json()},
+                  {"latency_stages", latency_stages_json()}};
   for (const auto& object : scene.objects) {
-    message["objects"].push_back(
-        {{"name", object.name}, {"shape", std::visit(ShapeToJson{}, object.shape)}});
+    message["objects"].push_back({{"name", object.name}, {"shape", to_json(object.shape)}});
   }
   for (const auto& finger : scene.fingers) message["fingers"].push_back(to_json(finger));
   for (const auto& notice : scene.notices) {

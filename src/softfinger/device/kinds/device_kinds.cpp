@@ -47,7 +47,8 @@ disk_radius_mm = 8.0
 [limits]
 joint_deg = [-120.0, 150.0]
 joint_rate_deg_per_s = 400.0
-)toml"},
+)toml",
+               nullptr, true},
     DeviceKind{"pin_array", "pin array", read_pin_array, R"toml(
 [geometry]
 rows = 16

@@ -22,6 +22,7 @@ struct DeviceKind {
   const char* example;
   /// Of a kind whose files may describe what cannot be built: asks for the same keys.
   DeviceSettings (*read_keys)(const ConfigFile& file, DeviceSettings settings) = nullptr;
+  bool cables = false;  ///< its linkage is of cables, and drawn so
 };
 
 /// Every kind of device, in the order in which people read of them.

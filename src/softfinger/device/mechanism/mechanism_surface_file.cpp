@@ -8,6 +8,7 @@
 #include "softfinger/device/mechanism/mechanism_tables.hpp"
 #include "softfinger/geometry/mesh_import.hpp"
 #include "softfinger/geometry/mesh_shape.hpp"
+#include "softfinger/geometry/mesh_units.hpp"
 
 namespace softfinger {
 namespace {
@@ -34,9 +35,9 @@ constexpr const char* kOtherMeshName = "\\.([oO][bB][jJ]|[sS][tT][lL]|[pP][lL][y
 /// A ball in its place where it is not to be loaded.
 Shape read_mesh(const ConfigTable& table, bool load) {
   const std::filesystem::path file = table.path("file");
-  const std::string unit = table.choice("unit", {"mm", "cm", "m", "inch"});
+  const std::string unit = table.choice("unit", names_of(kMeshUnits));
   MeshShapeOptions options;
-  options.unit = unit == "mm" ? mm : unit == "cm" ? 10.0 * mm : unit == "inch" ? 25.4 * mm : 1.0;
+  options.unit = row_named(kMeshUnits, unit)->value;
   options.edge_rounding = table.number("edge_rounding_mm", kEdgeRounding, options.edge_rounding);
   try {
     const MeshFormat format = mesh_format(file);

@@ -1,6 +1,7 @@
 #include "softfinger/motors/maestro/maestro_protocol.hpp"
 
 #include <cassert>
+#include <cstddef>
 
 namespace softfinger {
 namespace {
@@ -29,22 +30,6 @@ std::array<std::uint8_t, 4> encode_set_speed(int channel, std::uint16_t speed) {
 
 std::array<std::uint8_t, 4> encode_set_acceleration(int channel, std::uint16_t acceleration) {
   return encode_value(MaestroCommand::kSetAcceleration, channel, acceleration);
-}
-
-std::size_t encode_set_multiple_targets(int first_channel, std::span<const std::uint16_t> targets,
-                                        std::span<std::uint8_t> out) {
-  const std::size_t size = 3 + 2 * targets.size();
-  assert(out.size() >= size);
-  assert(first_channel >= 0 &&
-         first_channel + static_cast<int>(targets.size()) <= kMaestroChannels);
-  out[0] = encode(MaestroCommand::kSetMultipleTargets);
-  out[1] = static_cast<std::uint8_t>(targets.size());
-  out[2] = static_cast<std::uint8_t>(first_channel);
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    out[3 + 2 * i] = low7(targets[i]);
-    out[4 + 2 * i] = high7(targets[i]);
-  }
-  return size;
 }
 
 std::array<std::uint8_t, 2> encode_get_position(int channel) {

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 
 namespace softfinger {
 
@@ -43,10 +41,6 @@ inline constexpr double kQuarterMicrosecond = 0.25e-6;
 [[nodiscard]] std::array<std::uint8_t, 4> encode_set_speed(int channel, std::uint16_t speed);
 [[nodiscard]] std::array<std::uint8_t, 4> encode_set_acceleration(int channel,
                                                                   std::uint16_t acceleration);
-/// Several targets in one command, for channels first, first + 1, ...: 9F count first (low7
-/// high7)*. Writes 3 + 2 count bytes to the front of `out` and returns how many.
-std::size_t encode_set_multiple_targets(int first_channel, std::span<const std::uint16_t> targets,
-                                        std::span<std::uint8_t> out);
 [[nodiscard]] std::array<std::uint8_t, 2> encode_get_position(int channel);
 /// A command without data: kGetMovingState, kGetErrors, kGoHome.
 [[nodiscard]] constexpr std::uint8_t encode(MaestroCommand command) {

@@ -12,7 +12,7 @@ export interface Listener {
 /** The WebSocket to the program; comes back by itself when the program does. */
 export class Connection {
   private socket: WebSocket | null = null;
-  private generation = -1;
+  private scene: Scene | null = null;
 
   constructor(private readonly listener: Listener) {
     listener.onState("connecting");
@@ -36,7 +36,7 @@ export class Connection {
     socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data);
     socket.onclose = () => {
       this.listener.onState("lost");
-      this.generation = -1;
+      this.scene = null;
       setTimeout(() => this.open(), 1000);
     };
     this.socket = socket;
@@ -48,11 +48,11 @@ export class Connection {
       if (message.type === "registration") return this.listener.onRegistration(message);
       if (message.type === "notifications") return this.listener.onNotifications(message.lines);
       if (message.type === "loading") return this.listener.onLoading(message.scene);
-      this.generation = message.generation;
+      this.scene = message;
       this.listener.onScene(message);
       return;
     }
-    const snapshot = readSnapshot(data);
-    if (snapshot && snapshot.generation === this.generation) this.listener.onSnapshot(snapshot);
+    const snapshot = this.scene && readSnapshot(data, this.scene);
+    if (snapshot && snapshot.generation === this.scene?.generation) this.listener.onSnapshot(snapshot);
   }
 }

@@ -2,11 +2,6 @@ import type { Notice, Scene, Snapshot } from "./wire";
 
 const kHeld = 600; // ms that a mark stays after what it tells has ended: long enough to be read
 
-const kKinds: Record<string, string> = {
-  force_limit: "force limit",
-  approach: "approach",
-};
-
 /** What a person must know beside a device's state: what is wrong with it, and what holds it back now. */
 export class DeviceMarks {
   private notices: Notice[] = [];
@@ -38,7 +33,7 @@ export function noticeLines(notices: Notice[], whose: (finger: number) => string
     const item = document.createElement("li");
     item.dataset.kind = kind;
     const title = document.createElement("b");
-    const words = [whose(finger), kKinds[kind] ?? kind.replaceAll("_", " ")].filter((part) => part !== "").join(", ");
+    const words = [whose(finger), kind.replaceAll("_", " ")].filter((part) => part !== "").join(", ");
     title.textContent = words.charAt(0).toUpperCase() + words.slice(1);
     item.append(title, `: ${text}`);
     return item;

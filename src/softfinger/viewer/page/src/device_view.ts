@@ -26,8 +26,7 @@ export class DeviceView {
   constructor(private readonly description: FingerDescription) {
     this.group.visible = false;
     this.pieces = pieceViews(description.pieces, description.cap_radius_mm);
-    const cables = description.device_kind === "cable_platform";
-    this.legs = Array.from({ length: description.legs }, () => new Leg(cables));
+    this.legs = Array.from({ length: description.legs }, () => new Leg(description.cables));
     this.group.add(...this.pieces.map((view) => view.group), this.grip,
       ...this.legs.map((leg) => leg.group));
   }

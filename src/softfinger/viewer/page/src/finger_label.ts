@@ -2,9 +2,7 @@ import { CanvasTexture, LinearFilter, Sprite, SpriteMaterial } from "three";
 
 const kSize = [256, 96] as const; // px of the drawing
 const kScale = 0.042; // of the height of the view
-const kColors: Record<string, string> = {
-  rendering: "#35d0bf", holding: "#f2b84b", retracting: "#f2b84b", disconnected: "#ff8a84",
-};
+const kColors: Record<string, string> = { touching: "#35d0bf", warning: "#f2b84b", fault: "#ff8a84" }; // by tone
 
 /** A finger's name and its device's state over its nail, always as large. */
 export class FingerLabel {
@@ -26,7 +24,7 @@ export class FingerLabel {
     this.sprite.renderOrder = 9;
   }
 
-  write(state: string, marked: boolean): void {
+  write(state: string, tone: string, marked: boolean): void {
     const text = `${state}${marked ? " ⚠" : ""}`;
     if (text === this.written) return;
     this.written = text;
@@ -47,7 +45,7 @@ export class FingerLabel {
     context.fillStyle = "#e8edf4";
     context.fillText(this.name, width / 2 + 8, 38);
     context.font = "500 26px Inter Variable, sans-serif";
-    context.fillStyle = marked ? "#f2b84b" : kColors[state] ?? "#97a3b4";
+    context.fillStyle = marked ? "#f2b84b" : kColors[tone] ?? "#97a3b4";
     context.fillText(text, width / 2, 76);
     this.texture.needsUpdate = true;
   }

@@ -13,6 +13,7 @@ interface Row {
 export class HandTable {
   private rows: Row[] = [];
   private told = ""; // what the rows stand for
+  private scene: Scene | null = null;
 
   constructor(
     private readonly body: HTMLElement, private readonly notices: HTMLElement,
@@ -21,6 +22,7 @@ export class HandTable {
 
   /** The same fingers keep their rows, and with them the focus. */
   begin(scene: Scene, marks: DeviceMarks): void {
+    this.scene = scene;
     const told = JSON.stringify([scene.fingers.map(({ name }) => name), scene.notices]);
     if (told === this.told) return;
     this.told = told;
@@ -37,7 +39,7 @@ export class HandTable {
       row.force.textContent = finger.normal_force_N.toFixed(2);
       row.contacts.textContent = `${contactCount(finger)} of ${finger.in_contact.length}`;
       row.state.textContent = stateOf(finger);
-      row.state.dataset.device = finger.device_state;
+      row.state.dataset.tone = toneOf(finger.device_state, this.scene);
       row.limited.hidden = !marks.isLimited(i, now);
     });
   }
@@ -85,14 +87,16 @@ export function stateOf(finger: FingerSnapshot): string {
   return finger.device_state || "no device";
 }
 
-const kByUrgency = ["disconnected", "stopped", "retracting", "holding", "homing", "rendering", "ready"];
+/** How much a state asks of a person; "" of a finger without a device. */
+export function toneOf(state: string, scene: Scene | null): string {
+  return scene?.device_states.find(({ name }) => name === state)?.tone ?? "";
+}
 
 /** Of several devices the state to know first, and how many are in it. */
-export function commonState(fingers: FingerSnapshot[]): { state: string; text: string } {
+export function commonState(fingers: FingerSnapshot[], scene: Scene | null): { state: string; text: string } {
   const states = fingers.map((finger) => finger.device_state).filter((state) => state !== "");
   if (states.length === 0) return { state: "", text: "no device" };
-  const rank = (state: string) => (kByUrgency.includes(state) ? kByUrgency.indexOf(state) : kByUrgency.length);
-  const state = [...states].sort((a, b) => rank(a) - rank(b))[0]!;
+  const state = scene?.device_states.find(({ name }) => states.includes(name))?.name ?? states[0]!;
   const count = states.filter((other) => other === state).length;
   return { state, text: states.length > 1 ? `${count} of ${states.length} ${state}` : state };
 }

@@ -1,6 +1,6 @@
 import { palette } from "./palette";
 import { clearedContext, redrawOnResize } from "./sharp_canvas";
-import { type FingerSnapshot, kStages } from "./wire";
+import type { FingerSnapshot, LatencyStage } from "./wire";
 
 const kKept = 600; // device ticks
 const kLeast = 0.01; // ms, of the axis
@@ -10,23 +10,15 @@ const kLabelWidth = 58; // px
 const kValueWidth = 62;
 const kAxisHeight = 15;
 
-const kMeanings: Record<(typeof kStages)[number], string> = {
-  exposure: "the pose is true until it reaches the program, by the sender's clock",
-  arrival: "until a step takes it",
-  step: "until that step's contact is handed on",
-  match: "until the command is formed",
-  send: "until it is written to the port",
-  servo: "how long ago the servos were told to be where they are",
-};
-
 /** A plot's other side: how long each stage takes from the finger to the servos, as histograms of the last ticks. */
 export class LatencyView {
   private static shown = false; // kept from scene to scene
   private readonly canvas = document.createElement("canvas");
-  private readonly times: number[][] = kStages.map(() => []);
+  private readonly times: number[][];
   private tick = -1;
 
-  constructor(private readonly plot: HTMLElement) {
+  constructor(private readonly plot: HTMLElement, private readonly stages: LatencyStage[]) {
+    this.times = stages.map(() => []);
     const title = plot.querySelector("h2")!;
     const turn = document.createElement("button");
     turn.className = "turn";
@@ -35,7 +27,7 @@ export class LatencyView {
       plot.dataset.shows = latency ? "latency" : "time";
       turn.textContent = latency ? "Latency by stage" : "Computing time";
       turn.title = latency
-        ? kStages.map((stage) => `${stage}: ${kMeanings[stage]}`).join("\n") : "Show latency by stage";
+        ? stages.map(({ name, words }) => `${name}: ${words}`).join("\n") : "Show latency by stage";
     };
     turn.onclick = () => show(!LatencyView.shown);
     title.replaceChildren(turn);
@@ -54,7 +46,7 @@ export class LatencyView {
       kept.push(time);
       if (kept.length > kKept) kept.shift();
     });
-    this.plot.dataset.stages = kStages.filter((_, i) => this.times[i]!.length > 0).join(" ");
+    this.plot.dataset.stages = this.stages.filter((_, i) => this.times[i]!.length > 0).map(({ name }) => name).join(" ");
   }
 
   draw(): void {
@@ -62,13 +54,13 @@ export class LatencyView {
     const context = clearedContext(this.canvas);
     if (!context) return;
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const row = (height - kAxisHeight) / kStages.length;
+    const row = (height - kAxisHeight) / this.stages.length;
     const left = kLabelWidth;
     const span = width - kLabelWidth - kValueWidth;
     context.font = "11px Inter Variable, sans-serif";
     context.textBaseline = "middle";
     this.drawAxis(context, left, span, height);
-    kStages.forEach((stage, i) => {
+    this.stages.forEach(({ name: stage }, i) => {
       const bottom = (i + 1) * row;
       const times = [...this.times[i]!].sort((a, b) => a - b);
       context.fillStyle = palette.text;

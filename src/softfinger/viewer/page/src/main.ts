@@ -7,7 +7,7 @@ import { emulateHeadset } from "./emulated_headset";
 import { FingerLabel } from "./finger_label";
 import { FingerView, place } from "./finger_view";
 import { Hand } from "./hand";
-import { fingerColor, stateOf } from "./hand_table";
+import { fingerColor, stateOf, toneOf } from "./hand_table";
 import { Headset } from "./headset";
 import { Notifications } from "./notifications";
 import { ObjectView } from "./object_view";
@@ -96,7 +96,8 @@ function show(snapshot: Snapshot): void {
   });
   labels.forEach((label, i) => {
     const finger = snapshot.fingers[i];
-    if (finger) label.write(stateOf(finger), marks.of(i).length > 0 || marks.isLimited(i, performance.now()));
+    if (!finger) return;
+    label.write(stateOf(finger), toneOf(finger.device_state, scene), marks.of(i).length > 0 || marks.isLimited(i, performance.now()));
   });
   const finger = shown === kHand ? undefined : snapshot.fingers[shown];
   if (!finger) return;

@@ -1,20 +1,10 @@
 import { type DeviceMarks, noticeLines, showWarning } from "./device_marks";
-import { commonState, contactCount, HandTable, stateOf } from "./hand_table";
+import { commonState, contactCount, HandTable, stateOf, toneOf } from "./hand_table";
 import { RadioGroup } from "./radio_group";
 import { kHand, type Shown } from "./shown";
 import type { FingerSnapshot, Request, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
-const kDeviceNames: Record<string, string> = {
-  platform_3rrs: "3-RRS thimble",
-  plate_2dof: "2-DoF plate",
-  cable_platform: "cable-driven platform",
-  pin_array: "pin array",
-  delta_tactor: "delta tactor",
-  membrane: "membrane",
-  roller: "roller",
-  mechanism: "mechanism",
-};
 const kSoon = 250; // ms; what is loaded sooner is not told
 
 /** Everything on the page that is neither a drawing nor a plot. */
@@ -123,7 +113,7 @@ export class Panel {
     element("virtual-what").textContent =
       `${whole ? `${scene.fingers.length} fingers` : finger?.name ?? "finger"} · ${objects}`;
     element("rendered-what").textContent = finger?.device_kind
-      ? `${finger.name} · ${kDeviceNames[finger.device_kind] ?? finger.device_kind}`
+      ? `${finger.name} · ${finger.device_kind_words}`
       : "no device";
     const notices = whole ? scene.notices : this.marks.of(shown);
     showWarning(element("device-warning"), notices);
@@ -167,7 +157,7 @@ export class Panel {
   }
 
   private showHand(snapshot: Snapshot, now: number): void {
-    const { state, text } = commonState(snapshot.fingers);
+    const { state, text } = commonState(snapshot.fingers, this.scene);
     this.showDevice(state, text, snapshot.fingers.some((_, i) => this.marks.isLimited(i, now)));
     this.table.show(snapshot, this.marks, now);
     const counts = snapshot.fingers.map(contactCount);
@@ -207,7 +197,7 @@ export class Panel {
   private tellDevice(): void {
     const known = this.connection !== "lost";
     element("device-state").textContent = known ? this.device.text : "unknown";
-    element("device-state").dataset.device = known ? this.device.state : "";
+    element("device-state").dataset.tone = known ? toneOf(this.device.state, this.scene) : "";
     element("device-limited").hidden = !known || !this.device.limited;
   }
 

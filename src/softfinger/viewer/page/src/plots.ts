@@ -4,6 +4,7 @@ import { LatencyView } from "./latency_view";
 import { palette } from "./palette";
 import { fingerColor } from "./hand_table";
 import { kHand, type Shown } from "./shown";
+import { behindNumber, quantityOf } from "./units";
 import type { FingerDescription, FingerSnapshot, Scene, Snapshot, Twin } from "./wire";
 
 const kWindow = 10; // s of simulated time shown
@@ -51,12 +52,12 @@ function configurationPlot({ configuration_names: names, workspace }: FingerDesc
   }
   const told = [workspace.pitch_axis, workspace.roll_axis, workspace.travel_axis].filter((k) => k >= 0);
   const axes = told.length > 0 ? told : names.slice(0, 3).map((_, k) => k);
-  const hasAngles = axes.some((k) => names[k]!.endsWith("_deg"));
+  const hasAngles = axes.some((k) => quantityOf(names[k]!).unit === "°");
   const curves = axes.flatMap((k, i): Curve[] => {
-    const [, label, unit] = /^(.*?)_(deg|mm)$/.exec(names[k]!) ?? [names[k], names[k], ""];
+    const { label, unit } = quantityOf(names[k]!);
     const commanded: Curve = {
-      label: label!, unit: unit === "deg" ? "°" : unit!, color: kCurveColors[i]!,
-      digits: unit === "deg" ? 1 : 2, scale: hasAngles && unit === "mm" ? "right" : undefined, value: q(k),
+      label, unit, color: kCurveColors[i]!,
+      digits: unit === "°" ? 1 : 2, scale: hasAngles && unit === "mm" ? "right" : undefined, value: q(k),
     };
     return [commanded, { ...commanded, dashed: true, value: actual(k) }];
   });
@@ -168,7 +169,7 @@ export class Plots {
     }
     this.plots = loopPlots(finger).map((d) => new LivePlot(this.strip, d));
     const last = this.plots[this.plots.length - 1]!;
-    this.latency = finger.device_kind ? new LatencyView(last.element) : null;
+    this.latency = finger.device_kind ? new LatencyView(last.element, scene.latency_stages) : null;
     if (finger.twin) this.plots.push(...measurePlots().map((d) => new LivePlot(this.measures, d)));
   }
   add(snapshot: Snapshot): void {
@@ -258,7 +259,7 @@ class LivePlot {
       this.values.push(value);
       if (!this.description.small) item.title = `${curve.label || this.description.title} (${curve.unit})`;
       item.append(key, span("label", curve.label && `${curve.label} `), value,
-        span("unit", curve.unit === "°" || curve.unit === "" ? curve.unit : ` ${curve.unit}`));
+        span("unit", behindNumber(curve.unit)));
       header.append(item);
     }
     return header;

@@ -4,12 +4,6 @@ import type { Registration, Request, Scene } from "./wire";
 const element = (id: string) => document.getElementById(id)!;
 const input = (id: string) => element(id) as HTMLInputElement;
 
-const kPostures: Record<string, string> = {
-  pad: "Rest the pad flat on the table.",
-  "left side": "Roll the finger onto its left side, as seen from above the nail.",
-  "right side": "Roll it over onto its right side.",
-  tip: "Stand it on its tip, straight up.",
-};
 type Step = "ask" | "run" | "end";
 const kFirst: Record<Step, string> = { ask: "register-length", run: "register-cancel", end: "register-done" };
 
@@ -48,7 +42,7 @@ export class RegistrationDialog {
       this.show("run");
       this.dialog.dataset.posture = state.posture;
       setText("register-step", `${Math.min(state.held + 1, state.of)} of ${state.of}`);
-      setText("register-posture", `${kPostures[state.posture] ?? ""} Hold still.`);
+      setText("register-posture", `${state.words} Hold still.`);
       element("register-progress").style.transform = `scaleX(${state.progress})`;
     } else if (state.state === "idle") {
       this.hide();

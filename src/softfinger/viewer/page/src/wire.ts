@@ -31,7 +31,9 @@ export interface FingerDescription {
   rigid_positions_mm: number[];
   bone_triangles: number[];
   nail_triangles: number[];
-  device_kind: string;
+  device_kind: string; // "": no device
+  device_kind_words: string; // what people call it
+  cables: boolean; // its linkage is of cables
   configuration_names: string[];
   joint_unit: "deg" | "mm";
   disk_radius_mm: number;
@@ -54,6 +56,20 @@ export interface Scene {
   objects: { name: string; shape: Shape }[];
   fingers: FingerDescription[];
   notices: Notice[];
+  device_states: DeviceState[]; // the most urgent first
+  latency_stages: LatencyStage[];
+}
+
+/** What a device may be doing, and how much that asks of a person. */
+export interface DeviceState {
+  name: string;
+  tone: string; // plain, touching, warning, fault
+}
+
+/** A stage on the way from a finger to the servos. */
+export interface LatencyStage {
+  name: string;
+  words: string;
 }
 
 /** What a person should know of a finger's device before it moves. */
@@ -77,6 +93,7 @@ export interface Registration {
   held: number; // postures, of so many
   of: number;
   posture: string; // to hold now
+  words: string; // how, one sentence
   progress: number; // 0 to 1
   message: string; // what was found, or why nothing was saved
 }
@@ -110,9 +127,6 @@ export interface Twin extends Skin {
   normal_force_sum_N: number;
 }
 
-/** The way from a finger to the servos. */
-export const kStages = ["exposure", "arrival", "step", "match", "send", "servo"] as const;
-
 export interface FingerSnapshot extends Skin {
   X_WFt: PoseArray;
   X_WF: PoseArray;
@@ -125,7 +139,7 @@ export interface FingerSnapshot extends Skin {
   stuck_fraction: number; // of the contact area
   normal_force_sum_N: number; // sum of magnitudes; normal_force_N is the magnitude of the sum
   tick: number; // of the device
-  stages_ms: Float32Array; // of that tick, one each of kStages; NaN: unknown
+  stages_ms: Float32Array; // of that tick, one each of latency_stages; NaN: unknown
   device_state: string;
   force_limited: boolean; // the device would advance further but for its limit of force
   configuration: Float32Array; // in the units of configuration_names
@@ -154,8 +168,8 @@ export interface Snapshot {
 
 const kMagic = 0x36534653;
 
-/** Reads a binary frame; null where it is none. The arrays are views into it. */
-export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
+/** Reads a binary frame of a scene; null where it is none. The arrays are views into it. */
+export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null {
   const view = new DataView(frame);
   let at = 0;
   const u32 = () => view.getUint32((at += 4) - 4, true);
@@ -207,7 +221,7 @@ export function readSnapshot(frame: ArrayBuffer): Snapshot | null {
     const stuck_fraction = f32();
     const normal_force_sum_N = f32();
     const tick = u32();
-    const stages_ms = floats(kStages.length);
+    const stages_ms = floats(scene.latency_stages.length);
     const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
     const known = u32();
     const flags = u32();

@@ -1,5 +1,6 @@
 import { mixed, palette } from "./palette";
 import { clearedContext, redrawOnResize } from "./sharp_canvas";
+import { behindNumber, quantityOf } from "./units";
 import type { FingerDescription, Workspace } from "./wire";
 
 const kTrail = 45; // past configurations shown
@@ -147,8 +148,8 @@ interface Bar {
 function drawBar(
   context: CanvasRenderingContext2D, bar: Bar, q: Float32Array, trail: Float32Array[], box: Box,
 ): void {
-  const [, name, unit] = /^(.*?)_(deg|mm)$/.exec(bar.name) ?? [bar.name, bar.name, ""];
-  const suffix = unit === "deg" ? "°" : ` ${unit}`;
+  const quantity = quantityOf(bar.name);
+  const suffix = behindNumber(quantity.unit);
   const values = bar.axes.map((k) => q[k]!);
   const [low, high] = [Math.min(...values), Math.max(...values)];
   const thick = 7;
@@ -156,7 +157,7 @@ function drawBar(
   const x = (value: number) =>
     box.left + 3 + (Math.max(0, Math.min(1, (value - bar.min) / (bar.max - bar.min || 1)))) * (box.width - 6);
   const text = values.length > 1 ? `${low.toFixed(1)} to ${high.toFixed(1)}${suffix}` : `${low.toFixed(1)}${suffix}`;
-  label(context, values.length > 1 ? `${name}, ${values.length}` : name!, [box.left, y - 5], "left");
+  label(context, values.length > 1 ? `${quantity.label}, ${values.length}` : quantity.label, [box.left, y - 5], "left");
   label(context, text, [box.left + box.width, y - 5], "right", "#e8edf4");
   context.fillStyle = `${palette.device}30`;
   context.strokeStyle = `${palette.device}90`;

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "softfinger/motors/motor_kind.hpp"
+
+namespace softfinger {
+
+[[nodiscard]] const MotorKind& text_line_kind();
+
+}  // namespace softfinger

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <variant>
+
+#include "softfinger/base/name_table.hpp"
+#include "softfinger/geometry/signed_distance.hpp"
+
+namespace softfinger {
+
+/// The alternatives of Shape, in their order.
+enum class ShapeKind { kPlane, kSphere, kBox, kCylinder, kMesh };
+
+inline constexpr std::array<NameRow<ShapeKind>, std::variant_size_v<Shape>> kShapes{{
+    {ShapeKind::kPlane, "plane"},
+    {ShapeKind::kSphere, "sphere"},
+    {ShapeKind::kBox, "box"},
+    {ShapeKind::kCylinder, "cylinder"},
+    {ShapeKind::kMesh, "mesh"},
+}};
+
+/// "plane", "sphere", ...
+[[nodiscard]] inline std::string_view name_of(const Shape& shape) {
+  return row_of(kShapes, static_cast<ShapeKind>(shape.index())).name;
+}
+
+}  // namespace softfinger

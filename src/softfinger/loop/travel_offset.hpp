@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+
+#include "softfinger/device/force_reading.hpp"
+#include "softfinger/twin/twin.hpp"
+
+namespace softfinger {
+
+struct TravelOffsetOptions {
+  double gain = 0.7;               ///< part of the error that is corrected in one frame
+  double max_change = 0.3e-3;      ///< a frame, m
+  double max_offset = 3e-3;        ///< m
+  double least_force = 0.05;       ///< N; less on both sides tells nothing
+  double least_stiffness = 300.0;  ///< N/m
+};
+
+/// How much nearer to the device the wearer's skin is than the model's, estimated from measured
+/// force: a finger of another size is another travel. A twin is pressed as the device presses the
+/// wearer by the present estimate; what it feels less than was measured, divided by how its force
+/// grows with advance, is the estimate's next change. Stiffness is corrected for as well, with the
+/// delay of the measurement. update() does not allocate.
+class TravelOffset {
+ public:
+  /// `model`: the simulated finger.
+  TravelOffset(std::shared_ptr<const FingerModel> model, std::shared_ptr<const Device> device,
+               TravelOffsetOptions options = {});
+
+  /// No estimate.
+  void reset();
+  /// One frame, `elapsed` s after the last (relaxing skin only).
+  void update(const ForceReading& reading, double friction_coefficient, double elapsed);
+  /// m; above zero: the wearer is nearer.
+  [[nodiscard]] double value() const { return value_; }
+  /// The configuration for the wearer that does what q does for the model; limits are not looked
+  /// at.
+  [[nodiscard]] Configuration corrected(const Configuration& q) const;
+  /// The configuration that does for the model what q does for the wearer.
+  [[nodiscard]] Configuration felt(const Configuration& q) const;
+
+ private:
+  TravelOffsetOptions options_;
+  Twin twin_;
+  double value_ = 0.0;
+  double stiffness_;  ///< last known, N/m
+};
+
+}  // namespace softfinger

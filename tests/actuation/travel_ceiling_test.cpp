@@ -1,0 +1,102 @@
+#include "softfinger/actuation/travel_ceiling.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+#include <vector>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
+
+namespace softfinger {
+namespace {
+
+std::shared_ptr<const Device> device_of(const std::string& name) {
+  return load_device(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / (name + ".toml"));
+}
+
+/// One point 2 mm from the thimble's disk at travel 0, on its axis.
+std::vector<Vector3> point_below(const Device& device) {
+  return {device.surface_pose(device.home()) * Vector3(0.0, 0.0, 2.0 * mm)};
+}
+
+class ThimbleCeiling : public ::testing::Test {
+ protected:
+  std::shared_ptr<const Device> device = device_of("thimble-3rrs");
+  // Depth 0.5 mm at the least pitch, 1.5 mm at the largest.
+  TravelCeiling ceiling{device, point_below(*device), {{0, -0.4, 0.4, 2}}, {0.5 * mm, 1.5 * mm}};
+
+  static Configuration q_of(double pitch, double travel) {
+    Configuration q(3);
+    q << pitch, 0.0, travel;
+    return q;
+  }
+};
+
+TEST_F(ThimbleCeiling, DepthIsWhatTheDeviceReachesIntoTheSkin) {
+  const Configuration home = device->home();
+  EXPECT_NEAR(ceiling.depth(home), -2.0 * mm, 1e-9);
+  EXPECT_NEAR(ceiling.depth(q_of(0.0, home[2] + 2.7 * mm)), 0.7 * mm, 1e-9);
+}
+
+TEST_F(ThimbleCeiling, IsLinearBetweenNodesAndConstantBeyond) {
+  for (const double pitch : {-0.4, -0.3, 0.0, 0.1, 0.4}) {
+    const Configuration q = q_of(pitch, ceiling.travel(q_of(pitch, 2.0 * mm)));
+    EXPECT_NEAR(ceiling.depth(q), 1.0 * mm + pitch / 0.8 * mm, 1e-6);
+    EXPECT_NEAR(ceiling.excess(q), 0.0, 1e-6);
+  }
+  const Configuration beyond = q_of(0.7, ceiling.travel(q_of(0.7, 2.0 * mm)));
+  EXPECT_NEAR(ceiling.depth(beyond), 1.5 * mm, 1e-6);
+}
+
+// A tip that is through the skin reaches no deeper into it, and is as far above the ceiling as
+// ever.
+TEST(TravelCeiling, HoldsATipThatWouldGoThroughTheSkin) {
+  const auto device = device_of("delta-schorr");
+  const Configuration home = device->home();
+  const int axis = device->approach_axis();
+  // A point that the tip meets 2 mm above home, its middle 3 mm later.
+  const std::vector<Vector3> skin = {device->surface_pose(home) * Vector3(0.0, 0.0, 2.0 * mm)};
+  const TravelCeiling ceiling(device, skin, {}, {0.5 * mm});
+  for (const double above : {3.0, 5.0, 8.0, 9.5, 12.0}) {
+    Configuration q = home;
+    q[axis] += above * mm;
+    EXPECT_NEAR(ceiling.travel(q), home[axis] + 2.5 * mm, 1e-6) << above;
+    EXPECT_NEAR(ceiling.excess(q), (above - 2.5) * mm, 1e-6) << above;
+    ceiling.lower(q);
+    EXPECT_NEAR(q[axis], home[axis] + 2.5 * mm, 1e-6) << above;
+  }
+}
+
+TEST_F(ThimbleCeiling, LowersAlongTravelWhatIsAboveOnly) {
+  for (const double pitch : {-0.4, -0.1, 0.0, 0.25}) {
+    Configuration q = q_of(pitch, 6.0 * mm);
+    const double travel = ceiling.travel(q);
+    ceiling.lower(q);
+    EXPECT_LE(ceiling.excess(q), 0.0);
+    EXPECT_NEAR(q[2], travel, 2e-6);
+    EXPECT_EQ(q[0], pitch);
+    Configuration margin = q_of(pitch, 6.0 * mm);
+    ceiling.lower(margin, 0.1 * mm);
+    EXPECT_NEAR(ceiling.excess(margin), -0.1 * mm, 2e-6);
+    const Configuration below = q_of(pitch, travel - 0.3 * mm);
+    Configuration kept = below;
+    ceiling.lower(kept);
+    EXPECT_EQ(kept, below);
+  }
+}
+
+TEST(TravelCeiling, HoldsEveryPin) {
+  const auto device = device_of("pins-sarakoglou-4x4");
+  const TravelCeiling ceiling(device, {}, {}, {1.0 * mm});
+  Configuration q = Configuration::Constant(16, 0.5 * mm);
+  q[3] = 1.5 * mm;
+  EXPECT_NEAR(ceiling.excess(q), 0.5 * mm, 1e-12);
+  ceiling.lower(q);
+  EXPECT_EQ(q[3], 1.0 * mm);
+  EXPECT_EQ(q[2], 0.5 * mm);
+}
+
+}  // namespace
+}  // namespace softfinger

@@ -1,0 +1,65 @@
+#include "softfinger/motors/servo_table/servo_table_bus.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <string_view>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
+#include "softfinger/motors/emulation/emulator_terminal.hpp"
+#include "softfinger/motors/servo_bus.hpp"
+#include "softfinger/motors/servo_table/servo_table_emulator.hpp"
+
+namespace softfinger {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ServoTableBus, RefusesMoreThanTheLineCarries) {
+  TransportSettings transport;
+  transport.kind = "dynamixel";
+  transport.baud = 9600;
+  transport.rate = 100.0;
+  transport.servos.push_back({.channel = 1, .step = 1.0});
+  try {
+    static_cast<void>(make_servo_bus(transport));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("rate_Hz"), HasSubstr("9600 baud")));
+  }
+}
+
+TEST(DynamixelBus, WritesLimitsIntoTheServos) {
+  TransportSettings transport;
+  transport.kind = "dynamixel";
+  transport.baud = 1000000;
+  transport.servos.push_back(
+      {.channel = 7, .min = 1000.0, .max = 3000.0, .step = 1.0, .current_limit = 120});
+  const std::array<EmulatedServo, 1> servos{
+      EmulatedServo{.channel = 7, .initial_setpoint = 2000.0, .rate = 4000.0, .step = 1.0}};
+  ServoTableEmulator emulator(std::make_unique<DynamixelProtocol>(), servos);
+  auto terminal = std::make_unique<EmulatorTerminal>(emulator);
+  const auto bus = make_servo_bus(transport);
+  ASSERT_EQ(bus->open(terminal->port()), "");
+  bus->close();
+  terminal->vanish();  // now the servo is still
+  EXPECT_EQ(emulator.value(0, dynamixel::kOperatingMode), dynamixel::kCurrentBasedPositionMode);
+  EXPECT_EQ(emulator.value(0, dynamixel::kMinPosition), 1000u);
+  EXPECT_EQ(emulator.value(0, dynamixel::kMaxPosition), 3000u);
+  EXPECT_EQ(emulator.value(0, dynamixel::kCurrentLimit), 120u);
+  EXPECT_EQ(emulator.value(0, dynamixel::kGoalCurrent), 120u);
+  EXPECT_EQ(emulator.goal(0), 2000);
+  EXPECT_TRUE(emulator.torque(0));
+  // What is right already is not written again: that memory wears out.
+  const auto writes = emulator.lasting_writes();
+  EXPECT_GT(writes, 0u);
+  terminal = std::make_unique<EmulatorTerminal>(emulator);
+  ASSERT_EQ(bus->open(terminal->port()), "");
+  EXPECT_EQ(emulator.lasting_writes(), writes);
+}
+
+}  // namespace
+}  // namespace softfinger
