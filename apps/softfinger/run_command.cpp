@@ -120,7 +120,7 @@ void run(RunFlags flags) {
   flags.options.person_may_be_new = !flags.headless;  // the page may register a finger
   flags.options.twin = !flags.no_twin;
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
-  flags.options.guard_program = guard_program();
+  flags.options.actuator.guard_program = guard_program();
   const std::atomic<bool>& stop = stop_on_signals();
   flags.options.emergency_stop = &emergency_stop_on_signal();
 
@@ -192,7 +192,7 @@ void add_run_command(CLI::App& app) {
   add_port_option(*command, "--port", flags->port, "port of the page; 0: any free one");
   command->add_flag("--as-fast-as-possible", options.as_fast_as_possible,
                     "headless: do not keep to the wall clock");
-  command->add_flag("--wait-for-device", options.wait_for_device,
+  command->add_flag("--wait-for-device", options.actuator.wait_for_device,
                     "start although a device's port is absent, and connect when it appears");
   command->add_flag("--repeat", flags->repeat, "live: a script that ends starts over");
   command->add_flag("--no-twin", flags->no_twin,

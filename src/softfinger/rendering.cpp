@@ -7,9 +7,7 @@
 #include <optional>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/loop/device_clock.hpp"
-#include "softfinger/loop/device_loop.hpp"
-#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/tracking/conditioned_tracker.hpp"
@@ -31,15 +29,15 @@ std::size_t finger_index(const Scene& scene, const std::string& name) {
 
 std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
                                      const RenderingOptions& options) {
-  RunOptions run;
-  run.scene = scene;
+  SetupOptions named;
+  named.scene = scene;
   if (!options.device.empty()) {
     const Scene read = load_scene(scene);
-    run.devices.push_back(read.fingers[finger_index(read, options.finger)].name + "=" +
-                          options.device.string());
+    named.devices.push_back(read.fingers[finger_index(read, options.finger)].name + "=" +
+                            options.device.string());
   }
-  if (!options.person.empty()) run.person = options.person;
-  return load_setup(run);
+  if (!options.person.empty()) named.person = options.person;
+  return load_setup(named);
 }
 
 /// Of the whole scene's files, so that a replay can load it, and of this finger.
@@ -67,6 +65,15 @@ void check_device(const RunSetup& setup) {
   }
 }
 
+FingerChainOptions chain_of(const RunSetup& setup, const RenderingOptions& options) {
+  if (options.open_device) check_device(setup);
+  ActuatorOptions actuator;
+  if (!options.open_device) actuator = {.port = "emulator", .simulated_time = true};
+  FingerChainOptions chain = chain_options(setup, 0, actuator);
+  chain.with_state = options.record_state && !options.recording.empty();
+  return chain;
+}
+
 PoseConditioning conditioning_of(const RenderingOptions& options) {
   PoseConditioning conditioning;
   if (options.filter) conditioning.filter.emplace();
@@ -84,9 +91,10 @@ PoseConditioning conditioning_of(const RenderingOptions& options) {
 struct Rendering::Implementation {
   /// What the caller hands over, as a tracker.
   struct HandedPose final : Tracker {
-    TrackedPose pose;
+    explicit HandedPose(const TrackedPose& newest) : pose(newest) {}
     TrackedPose sample(double) override { return pose; }
     [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
+    const TrackedPose& pose;
   };
 
   Implementation(const std::filesystem::path& scene, const RenderingOptions& options)
@@ -95,38 +103,24 @@ struct Rendering::Implementation {
   Implementation(const std::shared_ptr<const RunSetup>& whole, const RenderingOptions& options)
       : setup(only_finger(*whole, finger_index(whole->scene, options.finger))),
         rate(setup->scene.simulation_rate),
-        loop(0, setup->models.front(), setup->scene.objects, rate,
-             options.record_state && !options.recording.empty()),
-        clock(rate, rate) {
-    auto source = std::make_unique<HandedPose>();
-    handed = source.get();
-    conditioned = softfinger::conditioned(std::move(source), conditioning_of(options), false);
-    if (options.open_device) check_device(*setup);
-    if (setup->devices.front()) make_device(options);
+        conditioned(softfinger::conditioned(std::make_unique<HandedPose>(handed),
+                                            conditioning_of(options), false)),
+        chain(chain_of(*setup, options)) {
+    if (chain.has_device()) describe_device();
     if (options.recording.empty()) return;
     recording = std::make_unique<RecordingWriter>(
         options.recording, info_of(*whole, finger_index(whole->scene, options.finger), options),
         options.open_device ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
-        loop.record());
+        chain.loop().record());
   }
 
-  void make_device(const RenderingOptions& options) {
-    DeviceLoopOptions device_options;
-    if (!options.open_device) {
-      device_options.actuator.port = "emulator";
-      device_options.actuator.simulated_time = true;
-    }
-    device_options.actuator.ceiling = setup->ceilings.front();
-    const Device& description = *setup->devices.front();
-    clock = DeviceClock(rate, softfinger::device_rate(description));
-    device = std::make_unique<DeviceLoop>(0, setup->devices.front(), setup->models.front(),
-                                          device_options);
-    command.configuration = device->record().command.configuration;
-    command.joints = device->record().command.joints;
-    if (description.settings().transport) {
-      servo_step = description.settings().transport->servos.front().step;
-      command.set_points.setZero(
-          static_cast<Eigen::Index>(description.settings().transport->servos.size()));
+  void describe_device() {
+    const DeviceLoop& device = chain.device();
+    command.configuration = device.record().command.configuration;
+    command.joints = device.record().command.joints;
+    if (const auto& transport = device.device().settings().transport) {
+      servo_step = transport->servos.front().step;
+      command.set_points.setZero(static_cast<Eigen::Index>(transport->servos.size()));
       command.pulse_widths = command.set_points;
     }
     command.state = state_name(DeviceState::kHoming);
@@ -135,7 +129,7 @@ struct Rendering::Implementation {
   const RenderingCommand& advance(const TrackedPose& given, double time) {
     const auto arrival = std::chrono::steady_clock::now();
     if (!std::isfinite(time)) return command;
-    handed->pose = given;
+    handed = given;
     const TrackedPose target = conditioned->sample(given.time);
     // Nobody was anywhere before the first pose.
     if (!seen) from = target.X_WFt;
@@ -143,8 +137,7 @@ struct Rendering::Implementation {
     if (!begun) {
       begun = true;
       origin = time;
-      loop.start(TrackedInput(target));
-      record(loop.seal(command.tick, 0));
+      record(chain.start(TrackedInput(target)));
       return command;
     }
     const auto due = static_cast<std::int64_t>(std::floor((time - origin) * rate + 1e-6));
@@ -158,30 +151,17 @@ struct Rendering::Implementation {
       const double fraction = static_cast<double>(i) / static_cast<double>(steps);
       TrackedPose tracked = target;
       tracked.time = static_cast<double>(++done) / rate;
-      if (i < steps) tracked.X_WFt = between(start, target.X_WFt, fraction);
-      loop.step(done, TrackedInput(tracked));
-      if (device && clock.ticks(done)) tick(tracked, arrival);
-      record(loop.seal(command.tick, device && command.tick >= 0 ? device->record().hash : 0));
+      if (i < steps) tracked.X_WFt = interpolate(start, target.X_WFt, fraction);
+      chain.step(done, TrackedInput(tracked));
+      if (chain.tick_is_due()) tick(arrival);
+      record(chain.seal());
     }
     if (steps > 0) from = target.X_WFt;
     return command;
   }
 
-  static Pose between(const Pose& a, const Pose& b, double fraction) {
-    const Vector3 turn = log_rotation(a.rotation.transpose() * b.rotation);
-    return {a.rotation * exp_rotation(fraction * turn),
-            a.translation + fraction * (b.translation - a.translation)};
-  }
-
-  void tick(const TrackedPose& tracked, std::chrono::steady_clock::time_point arrival) {
-    const FingerSimulation& simulation = loop.simulation();
-    const TickRecord& tick =
-        device->tick({.step = done,
-                      .time = tracked.time,
-                      .tracked = tracked.valid,
-                      .taken = arrival,
-                      .handed = std::chrono::steady_clock::now()},
-                     {loop.contact(), simulation.positions(), simulation.bone_pose()});
+  void tick(std::chrono::steady_clock::time_point arrival) {
+    const TickRecord& tick = chain.tick(chain.tick_input(arrival));
     record(tick);
     command.tick = tick.tick;
     command.time = origin + tick.time;
@@ -202,11 +182,9 @@ struct Rendering::Implementation {
 
   std::shared_ptr<const RunSetup> setup;  // of the one finger
   double rate;
-  HandedPose* handed = nullptr;
+  TrackedPose handed;                    // by the caller
   std::unique_ptr<Tracker> conditioned;  // what is made of it
-  FingerLoop loop;
-  DeviceClock clock;
-  std::unique_ptr<DeviceLoop> device;          // null: none
+  FingerChain chain;
   std::unique_ptr<RecordingWriter> recording;  // null: none
   RenderingCommand command;
   double servo_step = 0.0;  // set point of one step of the wire
@@ -234,7 +212,7 @@ const RenderingCommand& Rendering::lost(double time) {
 }
 
 RenderingSnapshot Rendering::snapshot() const {
-  const FingerLoop& loop = implementation_->loop;
+  const FingerLoop& loop = implementation_->chain.loop();
   const ContactSet& contact = loop.contact();
   RenderingSnapshot snapshot;
   snapshot.time = implementation_->origin + loop.record().time;
@@ -261,13 +239,14 @@ RenderingSnapshot Rendering::snapshot() const {
 double Rendering::simulation_rate() const { return implementation_->rate; }
 
 double Rendering::device_rate() const {
-  return implementation_->device ? softfinger::device_rate(implementation_->device->device()) : 0.0;
+  const FingerChain& chain = implementation_->chain;
+  return chain.has_device() ? softfinger::device_rate(chain.device().device()) : 0.0;
 }
 
 std::vector<std::string> Rendering::configuration_names() const {
   std::vector<std::string> names;
-  if (!implementation_->device) return names;
-  for (const ConfigurationAxis& axis : implementation_->device->device().axes()) {
+  if (!implementation_->chain.has_device()) return names;
+  for (const ConfigurationAxis& axis : implementation_->chain.device().device().axes()) {
     names.push_back(axis.name);
   }
   return names;

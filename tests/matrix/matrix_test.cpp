@@ -15,8 +15,7 @@
 #include "softfinger/actuation/force_limiter.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_size.hpp"
-#include "softfinger/loop/device_loop.hpp"
-#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/twin/twin.hpp"
@@ -97,7 +96,7 @@ class Matrix : public testing::Test {
     options.scene = write_scene(one, folder / "");
     options.as_fast_as_possible = true;
     if (!one.scene.empty()) options.duration = kExplored;
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     options.objective = objective_kind(one.objective);
     const auto setup = load_setup(options);
     device_ = setup->devices.front();
@@ -113,8 +112,9 @@ class Matrix : public testing::Test {
     unconverged_ = 0;
     double before = 0.0;
     SceneRun::Hooks hooks;
-    hooks.on_tick = [&](std::size_t, const FingerLoop& loop, const DeviceLoop& ticked) {
-      const TickRecord& tick = ticked.record();
+    hooks.on_tick = [&](std::size_t, const FingerChain& chain) {
+      const FingerLoop& loop = chain.loop();
+      const TickRecord& tick = chain.device().record();
       const double friction = loop.contact().friction_coefficient;
       const double elapsed = std::max(0.0, tick.time - before);
       before = tick.time;

@@ -53,7 +53,7 @@ class RegisteringSession : public testing::Test {
     RunOptions options;
     options.scene = scenes_.scene("sphere");
     options.trackers = {"udp:" + std::to_string(port)};
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     options.twin = false;
     options.person = person_;
     options.person_may_be_new = true;

@@ -86,7 +86,7 @@ class LiveTwinSeen : public testing::Test {
   Snapshot::Finger first(bool twin, const Wanted& wanted) {
     RunOptions options;
     options.scene = scenes_.scene("sphere");
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     options.twin = twin;
     LiveSession session(options, true);
     described_ = session.description()->fingers[0].twin;

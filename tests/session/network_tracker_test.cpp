@@ -41,7 +41,7 @@ class NetworkTracker : public testing::Test {
     options.scene = scenes_.scene("sphere");
     options.trackers = {tracker};
     options.duration = 2.5;
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     options.twin = false;
     options.recording = directory_ / "run.db";
     std::atomic<double> reached{0.0};

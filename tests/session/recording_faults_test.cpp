@@ -19,7 +19,6 @@
 #include "../support/temporary_directory.hpp"
 #include "largest_file.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/loop/finger_loop.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/live_session.hpp"
@@ -221,12 +220,12 @@ double lost_by_a_killed_run(const std::filesystem::path& file) {
     RunOptions options;
     options.scene = scenes.scene("sphere");
     options.duration = 60.0;
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     options.recording = file;
     const std::atomic<bool> stop{false};
     SceneRun::Hooks hooks;
-    hooks.on_tick = [&](std::size_t, const FingerLoop& loop, const DeviceLoop&) {
-      reached = loop.record().time;
+    hooks.on_tick = [&](std::size_t, const FingerChain& chain) {
+      reached = chain.loop().record().time;
     };
     (void)run_headless(options, stop, {}, hooks);
     ::_exit(1);  // too early

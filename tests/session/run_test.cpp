@@ -8,7 +8,6 @@
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/loop/device_loop.hpp"
 #include "softfinger/recording/csv_export.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/recording/sqlite_database.hpp"
@@ -347,8 +346,8 @@ TEST(Run, EmergencyStopRetractsFromTheNextTickOn) {
   options.recording = directory / "run.db";
   options.emergency_stop = &emergency;
   SceneRun::Hooks hooks;
-  hooks.on_tick = [&](std::size_t, const FingerLoop&, const DeviceLoop& device) {
-    if (device.record().time > 2.0) emergency = true;
+  hooks.on_tick = [&](std::size_t, const FingerChain& chain) {
+    if (chain.device().record().time > 2.0) emergency = true;
   };
   const std::atomic<bool> stop{false};
   (void)run_headless(options, stop, {}, hooks);

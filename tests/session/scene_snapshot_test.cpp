@@ -24,7 +24,7 @@ class EveryDevice : public testing::TestWithParam<std::string> {
     RunOptions options;
     options.scene = scenes_.scene("edge");
     options.devices = {scenes_.device(GetParam()).string()};
-    options.port = "emulator";
+    options.actuator.port = "emulator";
     setup_ = load_setup(options);
     DeviceLoopOptions device_options;
     device_options.actuator.port = "emulator";

@@ -27,7 +27,7 @@ class Untracked : public testing::Test {
  protected:
   Untracked() {
     options_.scene = directory_ / "scene.toml";
-    options_.port = "emulator";
+    options_.actuator.port = "emulator";
     options_.twin = false;
     options_.recording = directory_ / "run.db";
     std::ofstream poses(directory_ / "poses.csv");

@@ -85,8 +85,8 @@ RunOptions options_for(const LiveFault& fault, double seconds,
   RunOptions options;
   options.scene = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes/sphere.toml";
   options.duration = seconds;
-  options.guard_program = SOFTFINGER_GUARD;
-  options.port = (directory / "board").string();
+  options.actuator.guard_program = SOFTFINGER_GUARD;
+  options.actuator.port = (directory / "board").string();
   options.recording = directory / "run.db";
   options.record_state = fault.disk_fills;
   return options;
@@ -111,7 +111,7 @@ LiveOutcome run_live(const LiveFault& fault, double seconds) {
   const TemporaryDirectory directory;
   RunOptions options = options_for(fault, seconds, directory);
   const std::shared_ptr<const Device> device = load_setup(options)->devices.at(0);
-  TroubledBoard board(device, options.port);
+  TroubledBoard board(device, options.actuator.port);
 
   std::unique_ptr<NatNetEmulator> natnet;
   std::unique_ptr<PoseSender> sender;

@@ -36,6 +36,23 @@ Vector3 log_rotation(const Matrix3& rotation) {
   return factor * q.vec();
 }
 
+Pose interpolate(const Pose& from, const Pose& to, double fraction) {
+  const Vector3 turn = log_rotation(from.rotation.transpose() * to.rotation);
+  return {from.rotation * exp_rotation(fraction * turn),
+          from.translation + fraction * (to.translation - from.translation)};
+}
+
+Pose moved_towards(const Pose& from, const Pose& to, double distance, double angle) {
+  Pose result = to;
+  const Vector3 shift = to.translation - from.translation;
+  const double length = shift.norm();
+  if (length > distance) result.translation = from.translation + shift * (distance / length);
+  const Vector3 turn = log_rotation(from.rotation.transpose() * to.rotation);
+  const double turned = turn.norm();
+  if (turned > angle) result.rotation = from.rotation * exp_rotation(turn * (angle / turned));
+  return result;
+}
+
 Matrix3 orthonormalised(const Matrix3& rotation) {
   return Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
 }

@@ -33,6 +33,12 @@ void transform(const Pose& X_AB, std::span<const Vector3> points_B, std::span<Ve
 [[nodiscard]] Matrix3 exp_rotation(const Vector3& rotation_vector);
 /// Rotation vector of a rotation matrix, angle in [0, pi].
 [[nodiscard]] Vector3 log_rotation(const Matrix3& rotation);
+/// On the way from `from` to `to`, the straight line and the shortest turn: `from` at fraction 0,
+/// `to` at 1, both up to rounding.
+[[nodiscard]] Pose interpolate(const Pose& from, const Pose& to, double fraction);
+/// `from` moved towards `to` by at most `distance` (m) and `angle` (rad); `to` itself, to the bit,
+/// where it is that near.
+[[nodiscard]] Pose moved_towards(const Pose& from, const Pose& to, double distance, double angle);
 /// Nearest rotation to a matrix that is one up to rounding.
 [[nodiscard]] Matrix3 orthonormalised(const Matrix3& rotation);
 

@@ -4,6 +4,11 @@
 
 namespace softfinger {
 
+class Device;
+
+/// The device's ticks per second; 30 for a device file without a transport. Hz.
+[[nodiscard]] double device_rate(const Device& device);
+
 /// Device ticks on simulated time: tick k falls in the first step that ends at or after
 /// k / device_rate. Step n ends at n / simulation_rate; steps count from 1, so tick 0 falls in
 /// step 1. Ticks that fall in the same step are one.

@@ -7,17 +7,6 @@
 
 namespace softfinger {
 
-Pose moved_towards(const Pose& from, const Pose& to, double distance, double angle) {
-  Pose result = to;
-  const Vector3 shift = to.translation - from.translation;
-  const double length = shift.norm();
-  if (length > distance) result.translation = from.translation + shift * (distance / length);
-  const Vector3 turn = log_rotation(from.rotation.transpose() * to.rotation);
-  const double turned = turn.norm();
-  if (turned > angle) result.rotation = from.rotation * exp_rotation(turn * (angle / turned));
-  return result;
-}
-
 FingerLoop::FingerLoop(std::int64_t finger, std::shared_ptr<const FingerModel> model,
                        std::span<const VirtualObject> objects, double simulation_rate,
                        bool with_state, ThreadTeam* team)

@@ -50,8 +50,4 @@ class FingerLoop {
   StepRecord record_;
 };
 
-/// `from` moved towards `to` by at most `distance` (m) and `angle` (rad); `to` itself, to the bit,
-/// where it is that near.
-[[nodiscard]] Pose moved_towards(const Pose& from, const Pose& to, double distance, double angle);
-
 }  // namespace softfinger

@@ -8,8 +8,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/finger/element_loads.hpp"
-#include "softfinger/loop/device_loop.hpp"
-#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -100,7 +99,7 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
                     const RunObserver& observer) {
   RunOptions run = options.run;
   run.as_fast_as_possible = true;
-  run.port = "emulator";
+  run.actuator.port = "emulator";
   const std::shared_ptr<const RunSetup> setup = load_setup(run);
   std::vector<Judge> judges;
   Evaluation answer;
@@ -116,8 +115,8 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
     answer.fingers.push_back(name);
   }
   SceneRun::Hooks hooks;
-  hooks.on_tick = [&](std::size_t finger, const FingerLoop& loop, const DeviceLoop& device) {
-    judges[finger].judge(loop, device, answer);
+  hooks.on_tick = [&](std::size_t finger, const FingerChain& chain) {
+    judges[finger].judge(chain.loop(), chain.device(), answer);
   };
   answer.run = run_headless(setup, run, stop, observer, std::move(hooks));
   return answer;

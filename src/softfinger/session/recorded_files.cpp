@@ -70,8 +70,8 @@ fs::path RecordedFiles::copy_of(const fs::path& file) const {
   return directory_ / file.relative_path();
 }
 
-RunOptions RecordedFiles::run_options() const {
-  RunOptions options;
+SetupOptions RecordedFiles::setup_options() const {
+  SetupOptions options;
   options.scene = copy_of(info_.scene);
   if (!info_.person.empty()) options.person = copy_of(info_.person);
   for (const RecordingInfo::Finger& finger : info_.fingers) {

@@ -18,7 +18,7 @@ class RecordedFiles {
   RecordedFiles& operator=(const RecordedFiles&) = delete;
 
   /// What load_setup() needs to build the recorded run again.
-  [[nodiscard]] RunOptions run_options() const;
+  [[nodiscard]] SetupOptions setup_options() const;
 
  private:
   /// A mesh stays where it is, if it is still the same.

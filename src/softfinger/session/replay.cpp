@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/loop/device_loop.hpp"
-#include "softfinger/loop/finger_loop.hpp"
+#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/recorded_files.hpp"
 #include "softfinger/session/run_setup.hpp"
@@ -25,60 +24,50 @@ bool same_bytes(const std::vector<Row>& a, const std::vector<Row>& b) {
                                                            a.size() * sizeof(Row)) == 0);
 }
 
-/// Runs the loops of a recording again, row by row.
+/// Runs the chains of a recording again, row by row.
 class Replayer {
  public:
   Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
-    DeviceLoopOptions options;
-    options.actuator.port = "emulator";
-    options.actuator.simulated_time = true;
-    options.replay = true;
     for (std::size_t i = 0; i < setup_->models.size(); ++i) {
-      const auto index = static_cast<std::int64_t>(i);
-      Finger& finger = fingers_.emplace_back();
-      finger.loop = std::make_unique<FingerLoop>(index, setup_->models[i], setup_->scene.objects,
-                                                 setup_->scene.simulation_rate, with_state);
-      if (!setup_->devices[i]) continue;
-      options.actuator.ceiling = setup_->ceilings[i];
-      finger.device =
-          std::make_unique<DeviceLoop>(index, setup_->devices[i], setup_->models[i], options);
+      FingerChainOptions options =
+          chain_options(*setup_, i, {.port = "emulator", .simulated_time = true});
+      options.with_state = with_state;
+      options.device_loop.replay = true;
+      fingers_.push_back({std::make_unique<FingerChain>(options), {}});
     }
   }
 
   /// The part of a row that only needs the recorded pose.
   void simulate(const StepRecord& recorded) {
-    FingerLoop& loop = *finger_of(recorded).loop;
+    FingerChain& chain = *finger_of(recorded).chain;
     if (recorded.step == 0) {
-      loop.start(recorded.tracked);
+      chain.start(recorded.tracked);
     } else {
-      loop.step(recorded.step, recorded.tracked);
+      chain.step(recorded.step, recorded.tracked);
     }
   }
 
   /// What differs in a tick of the step just simulated; null: nothing.
   const char* tick(const TickRecord& recorded) {
     Finger& finger = finger_of(recorded);
-    if (!finger.device) return "device tick";
-    finger.device->replay_reading(recorded.reading);
-    const FingerSimulation& simulation = finger.loop->simulation();
-    const auto now = std::chrono::steady_clock::now();
-    const TickRecord& tick = finger.device->tick(
-        {.step = recorded.step,
-         .time = recorded.time,
-         .tracked = recorded.tracked,
-         .emergency = recorded.emergency,
-         .taken = now,
-         .handed = now},
-        {finger.loop->contact(), simulation.positions(), simulation.bone_pose()});
+    if (!finger.chain->has_device()) return "device tick";
+    finger.chain->device().replay_reading(recorded.reading);
+    TickInput input = finger.chain->tick_input(std::chrono::steady_clock::now());
+    input.step = recorded.step;
+    input.time = recorded.time;
+    input.tracked = recorded.tracked;
+    input.emergency = recorded.emergency;
+    const TickRecord& tick = finger.chain->tick(input);
     finger.tick_hashes[tick.tick] = tick.hash;
     return first_difference(recorded, tick);
   }
 
   const char* finish(const StepRecord& recorded) {
     Finger& finger = finger_of(recorded);
+    // In a live run steps learn of ticks some steps later.
     const auto tick = finger.tick_hashes.find(recorded.tick);
-    const StepRecord& record =
-        finger.loop->seal(recorded.tick, tick == finger.tick_hashes.end() ? 0 : tick->second);
+    finger.chain->know(recorded.tick, tick == finger.tick_hashes.end() ? 0 : tick->second);
+    const StepRecord& record = finger.chain->seal();
     // Later steps know this tick or newer ones.
     finger.tick_hashes.erase(finger.tick_hashes.begin(),
                              finger.tick_hashes.lower_bound(recorded.tick));
@@ -90,8 +79,7 @@ class Replayer {
 
  private:
   struct Finger {
-    std::unique_ptr<FingerLoop> loop;
-    std::unique_ptr<DeviceLoop> device;
+    std::unique_ptr<FingerChain> chain;
     std::map<std::int64_t, std::uint64_t> tick_hashes;
   };
 
@@ -110,15 +98,15 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
   RecordingReader reader(options.recording);
   const RecordingInfo& info = reader.info();
   std::unique_ptr<RecordedFiles> files;
-  RunOptions run;
+  SetupOptions original;
   if (options.scene) {
-    run.scene = *options.scene;
+    original.scene = *options.scene;
   } else {
     files = std::make_unique<RecordedFiles>(info, options.recording);
-    run = files->run_options();
+    original = files->setup_options();
   }
-  run.load_observer = options.load_observer;
-  std::shared_ptr<const RunSetup> setup = load_setup(run);
+  original.load_observer = options.load_observer;
+  std::shared_ptr<const RunSetup> setup = load_setup(original);
   // A program with a loop of its own runs and records one finger of a scene.
   if (info.fingers.size() == 1 && setup->scene.fingers.size() > 1) {
     for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {

@@ -108,7 +108,7 @@ fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexical
 
 }  // namespace
 
-std::shared_ptr<const RunSetup> load_setup(const RunOptions& options) {
+std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
   auto setup = std::make_shared<RunSetup>();
   setup->scene = load_scene(options.scene, !options.trackers.empty(), options.load_observer);
   Scene& scene = setup->scene;
@@ -155,9 +155,20 @@ bool is_registrable(const RunSetup& setup, std::size_t finger) {
          follows_body(setup.scene.fingers[finger]);
 }
 
-double device_rate(const Device& device) {
-  const auto& transport = device.settings().transport;
-  return transport ? transport->rate : TransportSettings{}.rate;
+FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,
+                                 const ActuatorOptions& actuator) {
+  FingerChainOptions options{.finger = static_cast<std::int64_t>(finger),
+                             .model = setup.models[finger],
+                             .objects = setup.scene.objects,
+                             .simulation_rate = setup.scene.simulation_rate,
+                             .device = setup.devices[finger]};
+  options.device_loop.actuator = actuator;
+  options.device_loop.actuator.ceiling = setup.ceilings[finger];
+  if (const auto& file = setup.scene.fingers[finger].device) {
+    options.device_loop.actuator.device_file = *file;
+  }
+  options.device_loop.wearer = setup.wearer;
+  return options;
 }
 
 RecordingInfo recording_info(const RunSetup& setup) {

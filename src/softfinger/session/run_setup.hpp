@@ -11,6 +11,7 @@
 #include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/device/device.hpp"
 #include "softfinger/finger/finger_model.hpp"
+#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/person/person.hpp"
 #include "softfinger/recording/recording_info.hpp"
@@ -20,8 +21,8 @@
 
 namespace softfinger {
 
-/// What to run, as a user says it.
-struct RunOptions {
+/// Which scene, with what instead of what its file names.
+struct SetupOptions {
   std::filesystem::path scene;
   /// Device files and trackers instead of the scene's: "FILE" for the only finger, "NAME=FILE"
   /// where the text before the first = is the name of a finger in the scene.
@@ -29,18 +30,21 @@ struct RunOptions {
   std::vector<std::string> trackers;
   /// Person file: sizes of the fingers, and where the bodies that trackers follow sit on them.
   std::optional<std::filesystem::path> person;
-  bool person_may_be_new = false;    ///< no such file yet: nothing is known of the person
+  bool person_may_be_new = false;  ///< no such file yet: nothing is known of the person
+  /// Finger file of whom the device is on, as far as it is emulated; empty: the simulated finger.
+  std::optional<std::filesystem::path> wearer;
+  LoadObserver load_observer;
+};
+
+/// What to run, as a user says it.
+struct RunOptions : SetupOptions {
   PoseConditioning conditioning;     ///< of all tracked poses
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
-  bool wait_for_device = false;      ///< an absent port is no error
   /// Instead of the device files' (null); recordings do not know of it.
   const ObjectiveKind* objective = nullptr;
-  /// Finger file of whom the device is on, as far as it is emulated; empty: the simulated finger.
-  std::optional<std::filesystem::path> wearer;
-  /// Owns each device's port in a process of its own, see ActuatorOptions; empty: a thread does.
-  std::filesystem::path guard_program;
-  std::string port;  ///< of every device, instead of its file's; empty: the file's
+  /// Of every device: its port, its guard, whether it may be absent. The run knows the rest.
+  ActuatorOptions actuator;
   /// That step several fingers side by side, or one with a large mesh; the bits do not depend on
   /// it.
   int threads = 1;
@@ -51,7 +55,6 @@ struct RunOptions {
   const std::atomic<bool>* emergency_stop = nullptr;
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
-  LoadObserver load_observer;
 };
 
 /// A scene with all it names loaded; what a run, a replay and the library start from.
@@ -73,14 +76,16 @@ struct RunSetup {
 };
 
 /// Reads the scene and every file it names. Throws InputError.
-[[nodiscard]] std::shared_ptr<const RunSetup> load_setup(const RunOptions& options);
+[[nodiscard]] std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options);
 
 /// The same with this finger alone.
 [[nodiscard]] std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup,
                                                           std::size_t finger);
 
-/// The device's ticks per second; 30 for a device file without a transport. Hz.
-[[nodiscard]] double device_rate(const Device& device);
+/// The chain of this finger, as far as the files say it, with its device driven as `actuator` says;
+/// `setup` must outlive the chain.
+[[nodiscard]] FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,
+                                               const ActuatorOptions& actuator);
 
 /// Whether a registration of this finger has a person to be of and a tracked body: `script` and
 /// `page` move the finger itself.

@@ -10,17 +10,15 @@
 #include <vector>
 
 #include "softfinger/recording/recording_writer.hpp"
-#include "softfinger/session/live_feed.hpp"
+#include "softfinger/session/run_finger.hpp"
+#include "softfinger/session/run_messages.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/session/run_summary.hpp"
-#include "softfinger/threads/mailbox.hpp"
+#include "softfinger/session/snapshot_publisher.hpp"
 
 namespace softfinger {
 
-class DeviceLoop;
-class FingerLoop;
 class ThreadTeam;
-struct TickInput;
 
 /// One run of one scene from start to end: the simulation thread and, in a live run, one device
 /// thread a finger. Headless, a device tick is computed in the step it falls in; live, the step
@@ -35,7 +33,7 @@ class SceneRun {
     std::function<void()> on_loop_thread;
     /// Headless: after each device tick, on the simulation thread, with the finger's number. May
     /// take its time; simulated time stands still.
-    std::function<void(std::size_t finger, const FingerLoop&, const DeviceLoop&)> on_tick;
+    std::function<void(std::size_t finger, const FingerChain&)> on_tick;
     /// After each step, when its time is over as well, on the simulation thread. For measurements.
     std::function<void()> on_step;
   };
@@ -75,25 +73,19 @@ class SceneRun {
   RunSummary finish();
 
   /// Live only; one reader thread.
-  [[nodiscard]] Mailbox<Snapshot>& snapshots() { return *snapshots_; }
-  /// What a person should know while the run goes on: a tracker or a device lost or back, rows not
-  /// recorded;
-  /// one line, each told once. One thread.
+  [[nodiscard]] Mailbox<Snapshot>& snapshots() { return snapshots_->snapshots(); }
+  /// See RunMessages. One thread.
   [[nodiscard]] std::optional<std::string> take_message();
 
  private:
-  struct Finger;
-
   void open_recording();
   void simulate();
   void simulate_step(std::int64_t step);
-  void step_finger(Finger& finger, std::int64_t step);
-  void conclude_step(Finger& finger, std::int64_t step);
-  void tick_here(Finger& finger, const TickInput& context);
-  void send_to_device(Finger& finger, const TickInput& context);
+  void step_finger(RunFinger& finger, std::int64_t step);
+  void conclude_step(RunFinger& finger, std::int64_t step);
+  void tick_here(RunFinger& finger, const TickInput& input);
   [[nodiscard]] bool emergency() const noexcept;
   void keep_devices_alive();
-  void serve_device(Finger& finger);
   void publish_snapshot(std::int64_t step, bool finished);
   void end_threads();
   void retract_devices();
@@ -105,12 +97,12 @@ class SceneRun {
   Hooks hooks_;
   std::optional<std::int64_t> total_steps_;
   std::unique_ptr<ThreadTeam> team_;  ///< null: one thread
-  std::vector<std::unique_ptr<Finger>> fingers_;
+  std::vector<std::unique_ptr<RunFinger>> fingers_;
   std::filesystem::path recording_file_;  ///< empty: none
   bool record_state_ = false;
   std::unique_ptr<RecordingWriter> recording_;
-  std::optional<Mailbox<Snapshot>> snapshots_;
-  std::uint64_t generation_;
+  std::unique_ptr<SnapshotPublisher> snapshots_;
+  RunMessages messages_;
   std::int64_t snapshot_interval_;  ///< steps
 
   std::thread thread_;
@@ -119,14 +111,8 @@ class SceneRun {
   std::atomic<bool> emergency_{false};
   const std::atomic<bool>* emergency_stop_;  ///< see RunOptions
   std::atomic<bool> ended_{false};
-  std::atomic<bool> devices_ending_{false};
   std::atomic<std::int64_t> step_{0};
   std::atomic<std::uint64_t> deadline_misses_{0};
-  struct {
-    std::size_t finger = 0, notice = 0;
-  } notices_told_;  ///< the next one to tell
-  bool told_dropped_ = false;
-  bool told_failed_ = false;
 };
 
 }  // namespace softfinger

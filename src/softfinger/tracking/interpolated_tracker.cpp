@@ -43,9 +43,7 @@ TrackedPose InterpolatedTracker::between(double moment) const {
   TrackedPose pose = b;
   pose.time = moment;
   pose.arrival = a.arrival + share * (b.arrival - a.arrival);
-  pose.X_WFt.translation += (1.0 - share) * (a.X_WFt.translation - b.X_WFt.translation);
-  const Vector3 turn = log_rotation(a.X_WFt.rotation.transpose() * b.X_WFt.rotation);
-  pose.X_WFt.rotation = a.X_WFt.rotation * exp_rotation(share * turn);
+  pose.X_WFt = interpolate(a.X_WFt, b.X_WFt, share);
   return pose;
 }
 

@@ -1,0 +1,30 @@
+#include "softfinger/session/run_finger.hpp"
+
+namespace softfinger {
+
+RunFinger::RunFinger(const RunSetup& setup, std::size_t finger, const RunOptions& options,
+                     bool is_live, ThreadTeam* team)
+    : tracker(setup, finger, options, is_live) {
+  ActuatorOptions actuator = options.actuator;
+  actuator.simulated_time = !is_live && options.as_fast_as_possible;
+  FingerChainOptions chain_of = chain_options(setup, finger, actuator);
+  chain_of.with_state = options.record_state && options.recording;
+  chain_of.team = team;
+  chain_of.device_loop.objective = options.objective;
+  chain = std::make_unique<FingerChain>(chain_of);
+  if (!is_live || !chain->has_device()) return;
+  std::unique_ptr<LiveTwin> twin;
+  if (options.twin && finger == 0) {
+    twin = std::make_unique<LiveTwin>(setup.wearer ? setup.wearer : setup.models[finger],
+                                      setup.devices[finger]);
+  }
+  live = std::make_unique<LiveDevice>(*chain, *setup.models[finger], std::move(twin));
+}
+
+void RunFinger::close() {
+  live.reset();
+  chain.reset();
+  tracker.close();
+}
+
+}  // namespace softfinger

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+
+#include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/session/live_device.hpp"
+#include "softfinger/session/run_setup.hpp"
+#include "softfinger/session/run_summary.hpp"
+#include "softfinger/session/run_tracker.hpp"
+
+namespace softfinger {
+
+/// One finger of a run: where it is, its chain, and in a live run the thread of its device.
+struct RunFinger {
+  /// Opens tracker and device. Throws InputError.
+  RunFinger(const RunSetup& setup, std::size_t finger, const RunOptions& options, bool live,
+            ThreadTeam* team);
+
+  /// After the last step: frees ports for the next run, where a viewer keeps this one a little
+  /// longer.
+  void close();
+
+  RunTracker tracker;
+  std::unique_ptr<FingerChain> chain;           ///< null: closed
+  std::unique_ptr<LiveDevice> live;             ///< null: headless, or no device
+  std::chrono::steady_clock::time_point taken;  ///< when the last step took its pose
+  TrackedPose tracked;                          ///< that pose
+  FingerSummary summary;                        ///< simulation thread
+};
+
+}  // namespace softfinger
