@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 #include <vector>
 
+#include "geometry/generated_mesh.hpp"
 #include "softfinger/base/hash.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/grid_cache.hpp"
 #include "softfinger/geometry/grid_sampling.hpp"
-#include "softfinger/geometry/vertex_weld.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 
 // Signed distance of 120 skin samples to a mesh of a million triangles; thread CPU time. The
@@ -25,39 +24,12 @@ constexpr int kFrames = 1000;
 
 /// A sphere of radius 30 mm with bumps of 0.6 mm: an icosahedron, each edge divided by 224.
 TriangleMesh bumpy_sphere() {
-  constexpr int kDivisions = 224;
-  const double g = std::numbers::phi;
-  const Vector3 corners[12] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
-                               {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
-                               {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  const int faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                            {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                            {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                            {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
-  TriangleMesh soup;
-  for (const auto& face : faces) {
-    const auto at = [&](int i, int j) -> Vector3 {
-      const Vector3 d =
-          (corners[face[0]] * (kDivisions - i - j) + corners[face[1]] * i + corners[face[2]] * j)
-              .normalized();
-      return d *
-             (30.0 +
-              0.6 * std::sin(14.0 * d.x()) * std::sin(14.0 * d.y()) * std::sin(14.0 * d.z())) *
-             mm;
-    };
-    const auto add = [&](const Vector3& a, const Vector3& b, const Vector3& c) {
-      const auto first = static_cast<int>(soup.positions.size());
-      soup.positions.insert(soup.positions.end(), {a, b, c});
-      soup.triangles.push_back({first, first + 1, first + 2});
-    };
-    for (int i = 0; i < kDivisions; ++i) {
-      for (int j = 0; i + j < kDivisions; ++j) {
-        add(at(i, j), at(i + 1, j), at(i, j + 1));
-        if (i + j + 1 < kDivisions) add(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-      }
-    }
+  TriangleMesh mesh = sphere_mesh(1.0, 224);
+  for (Vector3& p : mesh.positions) {
+    const Vector3 bumps = (14.0 * p).array().sin();
+    p *= (30.0 + 0.6 * bumps.prod()) * mm;
   }
-  return welded(soup, 1e-6 * mm);
+  return mesh;
 }
 
 /// The mesh with its tree and its grid; the grid is kept in the temporary folder for the next run.

@@ -1,6 +1,4 @@
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <vector>
 
 #include "scratch_file.hpp"
@@ -26,8 +24,7 @@ std::vector<std::uint8_t> sound_cache() {
   content.drawing = mesh;
   const ScratchFile file("sound.grid");
   if (!write_grid_cache(file.path(), kKey, content)) __builtin_trap();
-  std::ifstream in(file.path(), std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  return file.read();
 }
 
 /// As if whoever damaged the file had hashed it anew.
@@ -41,23 +38,13 @@ void seal(std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
-// Input: the bytes of damage done to a sound cache, five each: where (4), what (1). Half of them
-// fall among the sizes at its beginning.
+// Input: damage done to a sound cache, half of it among the sizes at its beginning.
 extern "C" int read_grid_cache(const std::uint8_t* data, std::size_t size) {
   static const std::vector<std::uint8_t> sound = sound_cache();
   static const ScratchFile file("damaged.grid");
-  std::vector<std::uint8_t> damaged = sound;
-  for (; size >= 5; data += 5, size -= 5) {
-    const std::size_t where = data[0] | std::size_t{data[1]} << 8 | std::size_t{data[2]} << 16;
-    if (data[3] == 0xFF) {
-      damaged.resize(where % (sound.size() + 1));
-    } else if (!damaged.empty()) {
-      damaged[where % (data[3] % 2 == 0 ? std::min<std::size_t>(256, damaged.size())
-                                        : damaged.size())] = data[4];
-    }
-  }
-  seal(damaged);
-  file.write(damaged);
+  std::vector<std::uint8_t> bytes = damaged(sound, {data, size}, 256);
+  seal(bytes);
+  file.write(bytes);
   if (auto content = read_grid_cache(file.path(), kKey)) {
     const SignedDistanceGrid grid(std::move(*content), "mesh", 1);
     for (const double x : {-3.0, -0.4, 0.0, 0.9, 2.0, 1e9})

@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 namespace softfinger {
@@ -21,6 +23,27 @@ ScratchFile::~ScratchFile() {
 void ScratchFile::write(std::span<const std::uint8_t> bytes) const {
   std::ofstream out(path_, std::ios::binary | std::ios::trunc);
   for (const std::uint8_t byte : bytes) out.put(static_cast<char>(byte));
+}
+
+std::vector<std::uint8_t> ScratchFile::read() const {
+  std::ifstream in(path_, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::uint8_t> damaged(std::vector<std::uint8_t> sound,
+                                  std::span<const std::uint8_t> damage, std::size_t head) {
+  const std::size_t whole = sound.size();
+  for (; damage.size() >= 5; damage = damage.subspan(5)) {
+    const std::size_t where =
+        damage[0] | std::size_t{damage[1]} << 8 | std::size_t{damage[2]} << 16;
+    if (damage[3] == 0xFF) {
+      sound.resize(where % (whole + 1));
+    } else if (!sound.empty()) {
+      const std::size_t size = sound.size();
+      sound[where % (damage[3] % 2 == 0 ? std::min(head, size) : size)] = damage[4];
+    }
+  }
+  return sound;
 }
 
 }  // namespace softfinger
