@@ -242,6 +242,20 @@ TEST(RecordField, PartsAreToldInOrder) {
   EXPECT_STREQ(first_difference(step, changed), "contact");
 }
 
+TEST(RecordField, EachLiveOneIsSentInItsUnit) {
+  std::map<std::string_view, double> expected;
+  const StepRecord step = filled_step();
+  for_each_field(kStepFields, [&](const auto& field) {
+    if (field.use.live.empty()) return;
+    const std::vector<double> values = numbers(field.of(step));
+    ASSERT_EQ(values.size(), 1U) << field.use.live;
+    expected[field.use.live] = values[0] / unit_scale(field.use.live);
+  });
+  std::map<std::string_view, double> sent;
+  for_each_live_field(step, [&](std::string_view name, double value) { sent[name] = value; });
+  EXPECT_EQ(sent, expected);
+}
+
 /// Stands for a member of any type.
 struct Anything {
   template <typename Member>
@@ -271,7 +285,8 @@ std::size_t members_in(Fields fields) {
 }
 
 TEST(RecordField, NoMemberIsLeftOut) {
-  EXPECT_EQ(members_in<StepRecord>(kStepFields) + 2, member_count<StepRecord>())
+  EXPECT_EQ(members_in<StepRecord>(kStepFields) + 2,
+            member_count<StepRecord>() - 1 + member_count<ContactSums>())
       << "all but nodes_W and samples, which have a table of their own";
   EXPECT_EQ(members_in<TickRecord>(kTickFields) + 1, member_count<TickRecord>())
       << "all but stages, which belong to what was sent last";

@@ -65,6 +65,8 @@ struct FieldUse {
   std::string_view columns = {};
   RecordPart part = RecordPart::kNotCompared;
   CsvPlace<Record> csv = {};
+  /// Its name and unit in what the live page gets; for numbers of ContactSums.
+  std::string_view live = {};
   /// A better name for its one SQL column, which keeps the old one too.
   std::string_view alias = {};
   /// There are recordings that lack it: a number, read from them as NaN, which compares as equal.
