@@ -220,16 +220,10 @@ RenderingSnapshot Rendering::snapshot() const {
   snapshot.X_WF = loop.simulation().bone_pose();
   for (const ContactSample& sample : contact.samples) {
     snapshot.sample_positions_F.push_back(sample.position_F);
-    snapshot.sample_pressures.push_back(sample.area > 0.0 ? sample.normal_force / sample.area
-                                                          : 0.0);
+    snapshot.sample_pressures.push_back(sample.pressure());
     snapshot.in_contact.push_back(sample.touched() > 0.0);
   }
-  snapshot.contact_area = contact.contact_area;
-  snapshot.normal_force = contact.normal_force;
-  snapshot.normal_force_sum = contact.normal_force_sum;
-  snapshot.tangential_force = contact.tangential_force;
-  snapshot.centroid_F = contact.centroid_F;
-  snapshot.mean_normal_F = contact.mean_normal_F;
+  snapshot.sums() = contact.sums();
   for (const VirtualObject& object : implementation_->setup->scene.objects) {
     snapshot.X_WO.push_back(object.motion.sample(loop.record().time));
   }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "softfinger/contact/contact_sums.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {
@@ -47,20 +48,15 @@ struct RenderingCommand {
   std::string_view state;        ///< homing, ready, rendering, holding, retracting, ...
 };
 
-/// The finger as simulated. F is the simulated distal phalanx, W the world.
-struct RenderingSnapshot {
+/// The finger as simulated, with the sums of its contact: contact_area, normal_force, centroid_F,
+/// and so on. F is the simulated distal phalanx, W the world.
+struct RenderingSnapshot : ContactSums {
   double time = 0.0;                        ///< s, end of the last step
   Pose X_WFt;                               ///< tracked
   Pose X_WF;                                ///< simulated; stays behind the tracked pose in contact
   std::vector<Vector3> sample_positions_F;  ///< m, deformed skin
   std::vector<double> sample_pressures;     ///< Pa
   std::vector<bool> in_contact;             ///< whether skin around each sample touches
-  double contact_area = 0.0;                ///< m^2
-  double normal_force = 0.0;                ///< N, magnitude of the vector sum
-  double normal_force_sum = 0.0;            ///< N, sum of the magnitudes
-  double tangential_force = 0.0;            ///< N, magnitude of the sum
-  Vector3 centroid_F = Vector3::Zero();     ///< m, weighted by force; zero without contact
-  Vector3 mean_normal_F = Vector3::Zero();  ///< out of the object; zero without contact
   std::vector<Pose> X_WO;                   ///< where each object is
 };
 

@@ -2,6 +2,7 @@
 // record is in its table.
 #include "softfinger/recording/record_fields.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -126,11 +127,15 @@ class RecordFields : public testing::Test {
   /// As a program that did not know the newer fields wrote it.
   void forget_newer_fields() {
     SqliteDatabase database(file_, SqliteDatabase::Mode::kCreate);
-    for_each_field(kStepFields, [&](const auto& field) {
-      if (!field.use.newer) return;
-      const std::string sql = "alter table steps drop column " + std::string(field.use.columns);
-      database.execute(sql.c_str());
-    });
+    const auto forget_in = [&](const char* table, auto fields) {
+      for_each_field(fields, [&](const auto& field) {
+        if (!field.use.newer) return;
+        database.execute(
+            fmt::format("alter table {} drop column {}", table, field.use.columns).c_str());
+      });
+    };
+    forget_in("steps", kStepFields);
+    forget_in("ticks", kTickFields);
   }
 
   /// The one row of an exported file, by the names of its columns.
@@ -242,6 +247,20 @@ TEST(RecordField, PartsAreToldInOrder) {
   EXPECT_STREQ(first_difference(step, changed), "contact");
 }
 
+TEST(RecordField, EachLiveOneIsSentInItsUnit) {
+  std::map<std::string_view, double> expected;
+  const StepRecord step = filled_step();
+  for_each_field(kStepFields, [&](const auto& field) {
+    if (field.use.live.empty()) return;
+    const std::vector<double> values = numbers(field.of(step));
+    ASSERT_EQ(values.size(), 1U) << field.use.live;
+    expected[field.use.live] = values[0] / unit_scale(field.use.live);
+  });
+  std::map<std::string_view, double> sent;
+  for_each_live_field(step, [&](std::string_view name, double value) { sent[name] = value; });
+  EXPECT_EQ(sent, expected);
+}
+
 /// Stands for a member of any type.
 struct Anything {
   template <typename Member>
@@ -271,7 +290,8 @@ std::size_t members_in(Fields fields) {
 }
 
 TEST(RecordField, NoMemberIsLeftOut) {
-  EXPECT_EQ(members_in<StepRecord>(kStepFields) + 2, member_count<StepRecord>())
+  EXPECT_EQ(members_in<StepRecord>(kStepFields) + 2,
+            member_count<StepRecord>() - 1 + member_count<ContactSums>())
       << "all but nodes_W and samples, which have a table of their own";
   EXPECT_EQ(members_in<TickRecord>(kTickFields) + 1, member_count<TickRecord>())
       << "all but stages, which belong to what was sent last";
@@ -279,12 +299,16 @@ TEST(RecordField, NoMemberIsLeftOut) {
 
 TEST_F(RecordFields, RecordingThatLacksTheNewerOnesIsReadComparedAndExported) {
   forget_newer_fields();
-  const StepRecord read = read_step();
-  for_each_field(kStepFields, [&](const auto& field) {
-    if (!field.use.newer) return;
-    EXPECT_TRUE(std::isnan(numbers(field.of(read)).front())) << field.use.columns;
-  });
-  EXPECT_EQ(first_difference(read, filled_step()), nullptr);
+  const auto expect_unknown = [](auto fields, const auto& record) {
+    for_each_field(fields, [&](const auto& field) {
+      if (!field.use.newer) return;
+      EXPECT_TRUE(std::isnan(numbers(field.of(record)).front())) << field.use.columns;
+    });
+  };
+  expect_unknown(kStepFields, read_step());
+  expect_unknown(kTickFields, read_tick());
+  EXPECT_EQ(first_difference(read_step(), filled_step()), nullptr);
+  EXPECT_EQ(first_difference(read_tick(), filled_tick()), nullptr);
   static_cast<void>(export_csv(file_, directory_ / "csv"));
   const auto contact = row(directory_ / "csv/contact.csv");
   EXPECT_EQ(contact.at("normal_force_sum_N"), "");
@@ -295,6 +319,32 @@ TEST_F(RecordFields, RecordingThatLacksAnotherIsRefused) {
   SqliteDatabase(file_, SqliteDatabase::Mode::kCreate)
       .execute("alter table steps drop column slip_ratio");
   EXPECT_THROW(RecordingReader{file_}, InputError);
+}
+
+/// What every recording of this format has.
+template <typename Fields>
+std::string first_columns(Fields fields) {
+  std::string columns;
+  bool more_follow = true;
+  for_each_field(fields, [&](const auto& field) {
+    more_follow = more_follow && !field.use.newer;
+    EXPECT_NE(more_follow, field.use.newer) << field.use.columns << " is not last, or not newer";
+    if (more_follow) columns += fmt::format("{},", field.use.columns);
+  });
+  return columns;
+}
+
+TEST(RecordField, ColumnsOfTheFormatKeepTheirPlacesAndOthersAreNewer) {
+  EXPECT_EQ(first_columns(kStepFields),
+            "step,finger,time_s,x_m,y_m,z_m,qw,qx,qy,qz,tracked_time_s,valid,bone_x_m,bone_y_m,"
+            "bone_z_m,bone_qw,bone_qx,bone_qy,bone_qz,contact_samples,contact_area_m2,"
+            "normal_force_N,tangential_force_N,slip_ratio,stuck_fraction,centroid_x_m,centroid_y_m,"
+            "centroid_z_m,normal_x,normal_y,normal_z,least_gap_m,iterations,converged,residual,"
+            "tick,hash,cpu_s,wall_s,");
+  EXPECT_EQ(first_columns(kTickFields),
+            "step,finger,tick,time_s,tracked,emergency,measured_force_N,measured_at,wanted,"
+            "deviation_m2,iterations,travel_offset_m,ceiling,configuration,joints_rad,servo_us,"
+            "state,hash,cpu_s,latency_s,");
 }
 
 TEST_F(RecordFields, BetterNamesHaveTheSameContent) {

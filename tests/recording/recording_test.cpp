@@ -43,7 +43,7 @@ StepRecord step_record(std::int64_t step) {
   record.tracked.time = 0.25;
   record.tracked.valid = step % 2 == 0;
   record.X_WF.translation = {1e-300, 5e300, -0.7};
-  record.contact_count = step;
+  record.contact_count = static_cast<int>(step);
   record.contact_area = 1.1e-5;
   record.normal_force = 0.123456789012345678;
   record.normal_force_sum = 0.25;

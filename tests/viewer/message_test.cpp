@@ -3,10 +3,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/recording/record_fields.hpp"
 #include "softfinger/viewer/page_request.hpp"
 #include "softfinger/viewer/scene_message.hpp"
 #include "softfinger/viewer/snapshot_message.hpp"
@@ -238,6 +240,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.normal_force = 0.75;
   finger.normal_force_sum = 0.8125;
   finger.contact_area = 42 * mm2;
+  finger.deviation = 1.5 * mm2;
   finger.skin.positions_F.assign(5, Eigen::Vector3f(0.001F, 0.002F, 0.003F));
   finger.skin.pressures.assign(5, 2000.0F);
   finger.skin.in_contact = {0, 1, 0, 1, 1};
@@ -271,7 +274,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   const std::size_t twin = pieces + 2 * 32;
   ASSERT_EQ(message.size(), twin + 36 + 5 * 16 + 8);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS6", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS7", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U);
@@ -284,11 +287,12 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, 48 + 8), 5.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, 48 + 24), 1.0F);  // quaternion w
   const std::size_t forces = 48 + 4 * pose;
-  EXPECT_FLOAT_EQ(read_at<float>(message, forces), 0.75F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 8), 42.0F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 16), 0.25F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 20), 0.875F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 24), 0.8125F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces), 42.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 4), 0.75F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 12), 0.25F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 16), 0.875F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 20), 0.8125F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 24), 1.5F);
   EXPECT_EQ(read_at<std::uint32_t>(message, forces + 28), 17U);
   EXPECT_TRUE(std::isnan(read_at<float>(message, forces + 32))) << "a stage that is not known";
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 48), 3.0F);
@@ -321,6 +325,23 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 32), 0.6875F);
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 36 + 8), 3.0F);
   EXPECT_EQ(read_at<std::uint8_t>(message, twin + 36 + 80), 1U);
+}
+
+TEST(SnapshotMessage, PageKnowsTheSumsByTheirNamesInOrder) {
+  std::ifstream file(SOFTFINGER_SOURCE_DIR "/src/softfinger/viewer/page/src/wire.ts");
+  std::string names;
+  std::getline(file, names, '\0');
+  names = names.substr(names.find("kContactSums = ["));
+  names = names.substr(0, names.find(']'));
+  std::vector<std::string> known;
+  for (std::size_t at = names.find('"'); at != std::string::npos; at = names.find('"', at + 1)) {
+    const std::size_t begin = at + 1;
+    at = names.find('"', begin);
+    known.push_back(names.substr(begin, at - begin));
+  }
+  std::vector<std::string> sent;
+  for_each_live_field({}, [&](std::string_view name, double) { sent.emplace_back(name); });
+  EXPECT_EQ(known, sent);
 }
 
 TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {

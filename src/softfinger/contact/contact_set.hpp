@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "softfinger/contact/contact_sums.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {
@@ -34,6 +35,7 @@ struct ContactSample {
   [[nodiscard]] double weight() const { return (1.0 - taken) * rest_area; }
   /// Part of its area that is in contact, by itself or by features, 0 to 1.
   [[nodiscard]] double touched() const { return in_contact ? 1.0 : taken; }
+  [[nodiscard]] double pressure() const { return area > 0.0 ? normal_force / area : 0.0; }  ///< Pa
 };
 
 /// A point inside a skin triangle where a feature of an object finer than the triangles (an edge, a
@@ -56,7 +58,7 @@ struct ContactFeature {
 /// A sample is in C when its gap is at most the finger's tolerance and the normal force on itself,
 /// without what features hand to it, exceeds 1e-6 N; a feature is in C while it bears more than
 /// that. So C bears all of the force.
-struct ContactSet {
+struct ContactSet : ContactSums {
   static constexpr std::size_t kMostFeatures = 64;
 
   std::vector<ContactSample> samples;
@@ -65,23 +67,9 @@ struct ContactSet {
   [[nodiscard]] std::span<const ContactFeature> features() const {
     return {feature_places.data(), std::min(feature_count, kMostFeatures)};
   }
-  int contact_count = 0;          ///< members of C, features among them
-  double contact_area = 0.0;      ///< deformed area of C, m^2
-  double normal_force = 0.0;      ///< magnitude of the sum of normal forces, N
-  double normal_force_sum = 0.0;  ///< sum of the magnitudes of normal forces, N
-  double tangential_force = 0.0;  ///< magnitude of the sum of tangential forces, N
-  /// Magnitude of the summed tangential forces over the sum of mu times the normal forces: 0
-  /// nothing pulls, 1 all of C slides one way. 0 without friction.
-  double slip_ratio = 0.0;
-  /// Part of C, by deformed area, that sticks; 0 without contact, and where nothing rubs.
-  double stuck_fraction = 0.0;
   /// Of the obstacle at the member of C with the greatest normal force; of the last one touched
   /// where C is empty, at first the finger's.
   double friction_coefficient = 0.0;
-  Vector3 centroid_F = Vector3::Zero();  ///< weighted by normal force, m; zero where C is empty
-  Vector3 mean_normal_F =
-      Vector3::Zero();  ///< direction of the summed normal forces; zero where C is empty
-  double least_gap = std::numeric_limits<double>::infinity();  ///< m
   Vector3 nearest_normal_F = Vector3::UnitZ();  ///< object's normal at the sample of least gap
 };
 

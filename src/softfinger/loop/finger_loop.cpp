@@ -76,16 +76,7 @@ StepSummary FingerLoop::place(std::int64_t step) {
 void FingerLoop::read_simulation() {
   const ContactSet& contact = simulation_.contact();
   record_.X_WF = StoredPose(simulation_.bone_pose());
-  record_.contact_count = contact.contact_count;
-  record_.contact_area = contact.contact_area;
-  record_.normal_force = contact.normal_force;
-  record_.normal_force_sum = contact.normal_force_sum;
-  record_.tangential_force = contact.tangential_force;
-  record_.slip_ratio = contact.slip_ratio;
-  record_.stuck_fraction = contact.stuck_fraction;
-  record_.centroid_F = contact.centroid_F;
-  record_.mean_normal_F = contact.mean_normal_F;
-  record_.least_gap = contact.least_gap;
+  record_.sums() = contact.sums();
   if (record_.nodes_W.empty()) return;
   const std::span<const Vector3> positions = simulation_.positions();
   for (std::size_t i = 0; i < record_.nodes_W.size(); ++i) record_.nodes_W[i] = positions[i];

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <concepts>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -28,8 +29,9 @@ void write_vector(CsvWriter& csv, const Vector3& vector, double unit) {
 }
 
 void write(CsvWriter& csv, double value, double unit) { csv.field(value / unit); }
-void write(CsvWriter& csv, bool value, double) { csv.field(std::int64_t{value}); }
-void write(CsvWriter& csv, std::int64_t value, double) { csv.field(value); }
+void write(CsvWriter& csv, std::integral auto value, double) {
+  csv.field(static_cast<std::int64_t>(value));
+}
 void write(CsvWriter& csv, const Vector3& vector, double unit) { write_vector(csv, vector, unit); }
 void write(CsvWriter& csv, const StoredPose& pose, double unit) {
   write_vector(csv, pose.translation, unit);
@@ -37,9 +39,9 @@ void write(CsvWriter& csv, const StoredPose& pose, double unit) {
   write_vector(csv, pose.rotation.vec(), 1.0);
 }
 void write(CsvWriter& csv, DeviceState state, double) { csv.field(state_name(state)); }
-// What has no columns of its own in a file, or none that are the same for every recording.
-template <typename Value>
-void write(CsvWriter&, const Value&, double) {}
+// Their columns are what the fingers of the recording say; see Export::write_ticks.
+void write(CsvWriter&, const Configuration&, double) {}
+void write(CsvWriter&, Targets<const FormedCommand>, double) {}
 
 /// The fields that have columns of their own in a file, in its order; those of a step come first.
 template <typename Visit>

@@ -51,12 +51,13 @@ struct CsvPlace {
   /// As in the header, with the unit of numbers that are not whole. Empty where the fingers of the
   /// recording say which columns there are.
   std::string_view columns = {};
-  /// Columns of a file are sorted by this, then as the tables of fields.
+  /// Columns of a file are sorted by this, then as the tables of fields. Those of timing.csv have
+  /// 0 to 2; what is added there has kLastCsvRank, so that it comes last.
   int rank = 0;
   /// Whether the record has a value; null: always. Else the columns are empty.
   bool (*known)(const Record&) = nullptr;
 };
-inline constexpr int kLastCsvRank = 2;
+inline constexpr int kLastCsvRank = 3;
 
 /// What becomes of a field of a record, apart from where it lies in it.
 template <typename Record>
@@ -65,6 +66,8 @@ struct FieldUse {
   std::string_view columns = {};
   RecordPart part = RecordPart::kNotCompared;
   CsvPlace<Record> csv = {};
+  /// Its name and unit in what the live page gets; for numbers of ContactSums.
+  std::string_view live = {};
   /// A better name for its one SQL column, which keeps the old one too.
   std::string_view alias = {};
   /// There are recordings that lack it: a number, read from them as NaN, which compares as equal.

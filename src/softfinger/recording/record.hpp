@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "softfinger/actuation/actuator.hpp"
-#include "softfinger/contact/contact_set.hpp"
+#include "softfinger/contact/contact_sums.hpp"
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/device/force_reading.hpp"
 #include "softfinger/geometry/pose.hpp"
@@ -49,24 +49,15 @@ struct SampleRecord {
   double in_contact = 0.0;               ///< 1 for members of C, else 0
 };
 
-/// One finger in one step. Step 0 is the pose the run starts from.
-struct StepRecord {
+/// One finger in one step, with the sums of its contact, in which normal_force_sum is NaN where a
+/// recording does not say it. Step 0 is the pose the run starts from.
+struct StepRecord : ContactSums {
   std::int64_t finger = 0;
   std::int64_t step = 0;
   double time = 0.0;  ///< s, end of the step
   TrackedInput tracked;
-  // What the step computed; compared bit by bit by a replay.
+  // What the step computed; compared bit by bit by a replay, as the sums are.
   StoredPose X_WF;  ///< bone
-  std::int64_t contact_count = 0;
-  double contact_area = 0.0;      ///< m^2
-  double normal_force = 0.0;      ///< N, magnitude of the vector sum
-  double normal_force_sum = 0.0;  ///< N, sum of the magnitudes; NaN where a recording does not say
-  double tangential_force = 0.0;  ///< N
-  double slip_ratio = 0.0;        ///< see ContactSet
-  double stuck_fraction = 0.0;
-  Vector3 centroid_F = Vector3::Zero();     ///< m; meaningless without contact
-  Vector3 mean_normal_F = Vector3::Zero();  ///< meaningless without contact
-  double least_gap = 0.0;                   ///< m; infinite without objects
   std::int64_t iterations = 0;
   bool converged = true;
   double residual = 0.0;   ///< relative

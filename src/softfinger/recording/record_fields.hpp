@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string_view>
+#include <type_traits>
+
+#include "softfinger/base/units.hpp"
 #include "softfinger/recording/field.hpp"
 #include "softfinger/recording/record.hpp"
 
@@ -37,19 +41,24 @@ struct StepFields {
                                               .csv = {CsvFile::kContact, "contact_samples"}}),
       step_field<&StepRecord::contact_area>({.columns = "contact_area_m2",
                                              .part = RecordPart::kContact,
-                                             .csv = {CsvFile::kContact, "contact_area_mm2"}}),
+                                             .csv = {CsvFile::kContact, "contact_area_mm2"},
+                                             .live = "contact_area_mm2"}),
       step_field<&StepRecord::normal_force>({.columns = "normal_force_N",
                                              .part = RecordPart::kContact,
-                                             .csv = {CsvFile::kContact, "normal_force_N"}}),
+                                             .csv = {CsvFile::kContact, "normal_force_N"},
+                                             .live = "normal_force_N"}),
       step_field<&StepRecord::tangential_force>({.columns = "tangential_force_N",
                                                  .part = RecordPart::kContact,
-                                                 .csv = {CsvFile::kContact, "tangential_force_N"}}),
+                                                 .csv = {CsvFile::kContact, "tangential_force_N"},
+                                                 .live = "tangential_force_N"}),
       step_field<&StepRecord::slip_ratio>({.columns = "slip_ratio",
                                            .part = RecordPart::kContact,
-                                           .csv = {CsvFile::kContact, "slip_ratio"}}),
+                                           .csv = {CsvFile::kContact, "slip_ratio"},
+                                           .live = "slip_ratio"}),
       step_field<&StepRecord::stuck_fraction>({.columns = "stuck_fraction",
                                                .part = RecordPart::kContact,
-                                               .csv = {CsvFile::kContact, "stuck_fraction"}}),
+                                               .csv = {CsvFile::kContact, "stuck_fraction"},
+                                               .live = "stuck_fraction"}),
       step_field<&StepRecord::centroid_F>(
           {.columns = "centroid_x_m,centroid_y_m,centroid_z_m",
            .part = RecordPart::kContact,
@@ -82,10 +91,24 @@ struct StepFields {
       step_field<&StepRecord::normal_force_sum>({.columns = "normal_force_sum_N",
                                                  .part = RecordPart::kContact,
                                                  .csv = {CsvFile::kContact, "normal_force_sum_N"},
+                                                 .live = "normal_force_sum_N",
                                                  .newer = true}),
   };
 };
 inline constexpr StepFields kStepFields;
+
+/// Calls `visit` with name and value of each field of a contact that the live page gets, the value
+/// in the unit of the name.
+template <typename Visit>
+void for_each_live_field(const ContactSums& sums, Visit&& visit) {
+  for_each_field(
+      kStepFields, [&]<auto... Path>(const Field<StepRecord, Path...>& field) {
+        if constexpr ((std::is_same_v<decltype(Path), double ContactSums::*> && ...)) {
+          const std::string_view name = field.use.live;
+          if (!name.empty()) visit(name, field.of(sums) / unit_scale(name));
+        }
+      });
+}
 
 template <auto... Path>
 constexpr Field<TickRecord, Path...> tick_field(const FieldUse<TickRecord>& use) {

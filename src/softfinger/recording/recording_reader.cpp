@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <concepts>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -55,9 +56,10 @@ struct RowReader {
   int column = 0;
 
   void read(double& value) { value = row.number(column++); }
-  void read(bool& value) { value = row.integer(column++) != 0; }
-  void read(std::int64_t& value) { value = row.integer(column++); }
-  void read(std::uint64_t& value) { value = static_cast<std::uint64_t>(row.integer(column++)); }
+  template <std::integral Whole>
+  void read(Whole& value) {
+    value = static_cast<Whole>(row.integer(column++));
+  }
   void read(Vector3& vector) {
     for (double& value : vector) read(value);
   }

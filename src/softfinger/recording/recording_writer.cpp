@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <concepts>
 #include <system_error>
 
 #include "softfinger/base/error.hpp"
@@ -42,9 +43,7 @@ struct RowBinder {
   int column = 0;
 
   void add(double value) { row.bind(column++, value); }
-  void add(bool value) { row.bind(column++, std::int64_t{value}); }
-  void add(std::int64_t value) { row.bind(column++, value); }
-  void add(std::uint64_t value) { row.bind(column++, static_cast<std::int64_t>(value)); }
+  void add(std::integral auto value) { row.bind(column++, static_cast<std::int64_t>(value)); }
   void add(const Vector3& vector) {
     for (const double value : vector) add(value);
   }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "softfinger/contact/contact_sums.hpp"
 #include "softfinger/device/device.hpp"
 #include "softfinger/finger/finger_size.hpp"
 #include "softfinger/geometry/pose.hpp"
@@ -78,28 +79,20 @@ struct Snapshot {
     Pose X_FS;
     double ball_radius = 0.0;  ///< m, of a ball, which may grow; 0 for other shapes
   };
-  /// The second finger, pressed by the device.
-  struct Twin {
+  /// The second finger, pressed by the device, with the sums of its contact.
+  struct Twin : ContactSums {
     bool pressed = false;  ///< not yet, or there is none: what follows means nothing
     Skin skin;
-    double normal_force = 0.0;      ///< N, magnitude of the vector sum
-    double normal_force_sum = 0.0;  ///< N, sum of the magnitudes
-    double contact_area = 0.0;      ///< m^2
-    RenderingMeasures measures;     ///< against the virtual contact that led to the command
-    double cpu_time = 0.0;          ///< s, of the press
+    RenderingMeasures measures;  ///< against the virtual contact that led to the command
+    double cpu_time = 0.0;       ///< s, of the press
   };
-  struct Finger {
-    Pose X_WFt;                     ///< tracked
-    bool tracked = false;           ///< else X_WFt is the last known
-    double tracked_time = 0.0;      ///< s, when X_WFt was true
-    Pose X_WF;                      ///< simulated
-    Skin skin;                      ///< virtual
-    double normal_force = 0.0;      ///< N, magnitude of the vector sum
-    double normal_force_sum = 0.0;  ///< N, sum of the magnitudes
-    double tangential_force = 0.0;  ///< N
-    double slip_ratio = 0.0;        ///< see ContactSet
-    double stuck_fraction = 0.0;
-    double contact_area = 0.0;    ///< m^2
+  /// A finger with the sums of its virtual contact.
+  struct Finger : ContactSums {
+    Pose X_WFt;                   ///< tracked
+    bool tracked = false;         ///< else X_WFt is the last known
+    double tracked_time = 0.0;    ///< s, when X_WFt was true
+    Pose X_WF;                    ///< simulated
+    Skin skin;                    ///< virtual
     double deviation = 0.0;       ///< E of the last match, m^2
     Configuration configuration;  ///< commanded q
     Configuration actual;         ///< q where the servos say they are; empty: they do not

@@ -61,9 +61,7 @@ void LiveTwin::press(const Offer& offer) {
   const ContactSet& contact = twin_.contact();
   Snapshot::Twin& draft = presses_.draft();
   fill(draft.skin, contact);
-  draft.normal_force = contact.normal_force;
-  draft.normal_force_sum = contact.normal_force_sum;
-  draft.contact_area = contact.contact_area;
+  draft.sums() = contact.sums();
   draft.measures = compare({offer.contact, {}, {}, {}}, {contact, {}, {}, {}});
   draft.cpu_time = thread_cpu_time() - began;
   draft.pressed = true;

@@ -140,8 +140,7 @@ void fill(Snapshot::Skin& snapshot, const ContactSet& contact) {
   for (std::size_t i = 0; i < samples; ++i) {
     const ContactSample& sample = contact.samples[i];
     snapshot.positions_F[i] = sample.position_F.cast<float>();
-    snapshot.pressures[i] =
-        sample.area > 0.0 ? static_cast<float>(sample.normal_force / sample.area) : 0.0F;
+    snapshot.pressures[i] = static_cast<float>(sample.pressure());
     snapshot.in_contact[i] = sample.touched() > 0.0 ? 1 : 0;
   }
 }
@@ -153,12 +152,7 @@ void fill(Snapshot::Finger& snapshot, const FingerLoop& loop) {
   snapshot.tracked_time = loop.record().tracked.time;
   snapshot.X_WF = loop.simulation().bone_pose();
   fill(snapshot.skin, contact);
-  snapshot.normal_force = contact.normal_force;
-  snapshot.normal_force_sum = contact.normal_force_sum;
-  snapshot.tangential_force = contact.tangential_force;
-  snapshot.slip_ratio = contact.slip_ratio;
-  snapshot.stuck_fraction = contact.stuck_fraction;
-  snapshot.contact_area = contact.contact_area;
+  snapshot.sums() = contact.sums();
 }
 
 void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback) {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/recording/record_fields.hpp"
 
 namespace softfinger {
 namespace {
@@ -73,13 +74,8 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
   out.pose(finger.X_WFt);
   out.pose(finger.X_WF);
   out.pose(finger.X_FP);
-  out.real(finger.normal_force);
-  out.real(finger.tangential_force);
-  out.real(finger.contact_area / mm2);
+  for_each_live_field(finger, [&](std::string_view, double value) { out.real(value); });
   out.real(finger.deviation / mm2);
-  out.real(finger.slip_ratio);
-  out.real(finger.stuck_fraction);
-  out.real(finger.normal_force_sum);
   out.put(static_cast<std::uint32_t>(finger.tick));
   for (const double stage : finger.stages.all()) out.real(stage / ms);
 

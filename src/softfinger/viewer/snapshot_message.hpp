@@ -8,14 +8,14 @@
 
 namespace softfinger {
 
-inline constexpr std::uint32_t kSnapshotMagic = 0x36534653;  ///< "SFS6"
+inline constexpr std::uint32_t kSnapshotMagic = 0x37534653;  ///< "SFS7"
 
 /// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
 /// configuration; it must be the one of the snapshot's generation.
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
-///     u32 magic "SFS6"        u32 generation (low bits)
+///     u32 magic "SFS7"        u32 generation (low bits)
 ///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
@@ -24,8 +24,8 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x36534653;  ///< "SFS6"
 ///     per object: pose X_WO
 ///     per finger:
 ///       pose X_WFt, pose X_WF, pose X_FP
-///       f32 normal_force_N    f32 tangential_force_N    f32 contact_area_mm2   f32 deviation_mm2
-///       f32 slip_ratio        f32 stuck_fraction        f32 normal_force_sum_N
+///       f32 each of for_each_live_field, which the page knows as kContactSums
+///       f32 deviation_mm2
 ///       u32 tick (low bits)   f32 stages_ms[6] of that tick, see LatencyStage; NaN: unknown
 ///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
 ///       u32 pieces k          u32 samples t of the twin; 0: not pressed

@@ -127,17 +127,22 @@ export interface Twin extends Skin {
   normal_force_sum_N: number;
 }
 
-export interface FingerSnapshot extends Skin {
+/** What the contact of a finger comes to: what softfinger's recording/record_fields.hpp has as live, in its order. */
+export const kContactSums = [
+  "contact_area_mm2",
+  "normal_force_N", // magnitude of the sum
+  "tangential_force_N",
+  "slip_ratio",
+  "stuck_fraction", // of the contact area
+  "normal_force_sum_N", // sum of magnitudes
+] as const;
+type ContactSums = Record<(typeof kContactSums)[number], number>;
+
+export interface FingerSnapshot extends Skin, ContactSums {
   X_WFt: PoseArray;
   X_WF: PoseArray;
   X_FP: PoseArray;
-  normal_force_N: number;
-  tangential_force_N: number;
-  contact_area_mm2: number;
   deviation_mm2: number;
-  slip_ratio: number;
-  stuck_fraction: number; // of the contact area
-  normal_force_sum_N: number; // sum of magnitudes; normal_force_N is the magnitude of the sum
   tick: number; // of the device
   stages_ms: Float32Array; // of that tick, one each of latency_stages; NaN: unknown
   device_state: string;
@@ -166,7 +171,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x36534653;
+const kMagic = 0x37534653;
 
 /** Reads a binary frame of a scene; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null {
@@ -213,13 +218,8 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
     const X_WFt = pose();
     const X_WF = pose();
     const X_FP = pose();
-    const normal_force_N = f32();
-    const tangential_force_N = f32();
-    const contact_area_mm2 = f32();
+    const sums = Object.fromEntries(kContactSums.map((name) => [name, f32()])) as ContactSums;
     const deviation_mm2 = f32();
-    const slip_ratio = f32();
-    const stuck_fraction = f32();
-    const normal_force_sum_N = f32();
     const tick = u32();
     const stages_ms = floats(scene.latency_stages.length);
     const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
@@ -234,8 +234,7 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
     const pieces = floats(8 * count);
     const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
     return {
-      X_WFt, X_WF, X_FP, normal_force_N, tangential_force_N, contact_area_mm2, deviation_mm2,
-      slip_ratio, stuck_fraction, normal_force_sum_N, tick, stages_ms, device_state, force_limited: (flags & 1) !== 0,
+      X_WFt, X_WF, X_FP, ...sums, deviation_mm2, tick, stages_ms, device_state, force_limited: (flags & 1) !== 0,
       ...touched, configuration, actual,
       joint_values, linkage_mm, pieces, twin,
     };
