@@ -1,5 +1,5 @@
 #include "scratch_file.hpp"
-#include "softfinger/finger/indentation_data.hpp"
+#include "softfinger/identification/indentation_data.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;

@@ -17,8 +17,8 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
-#include "softfinger/finger/finger_file_text.hpp"
-#include "softfinger/finger/finger_fit.hpp"
+#include "softfinger/identification/finger_file_text.hpp"
+#include "softfinger/identification/finger_fit.hpp"
 
 namespace {
 

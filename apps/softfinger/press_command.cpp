@@ -14,7 +14,7 @@
 #include "commands.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace {
 

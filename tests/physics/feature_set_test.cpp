@@ -5,7 +5,7 @@
 
 #include "project.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 // Points inside triangles as members of the contact set, where edges press between samples.
 namespace softfinger {

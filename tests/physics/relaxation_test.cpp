@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "../support/box_finger.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger {
 namespace {

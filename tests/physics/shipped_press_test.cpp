@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger {
 namespace {

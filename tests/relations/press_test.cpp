@@ -9,7 +9,7 @@
 
 #include "drawn_exploration.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger::relations {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_potential.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger {
 namespace {

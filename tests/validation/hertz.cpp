@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "../support/box_mesh.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger::validation {
 namespace {

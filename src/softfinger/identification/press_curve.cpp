@@ -1,10 +1,10 @@
-#include "softfinger/finger/press_curve.hpp"
+#include "softfinger/identification/press_curve.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger {
 namespace {

@@ -1,4 +1,4 @@
-#include "softfinger/numerics/profile_interval.hpp"
+#include "softfinger/identification/profile_interval.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr int kMostTrials = 8;
 constexpr int kMostCorrections = 4;
 constexpr double kGreatestStretch = 3.0;  // of the distance from one trial to the next
 constexpr double kAgreement = 0.08;       // of t
-constexpr double kLeastNoise = 1e-9;      // residuals that vanish still leave a scale
+constexpr double kLeastResidual = 1e-9;   // residuals that vanish still leave a scale
 
 /// Sum of squares along one unknown, the others fitted with the Jacobian of the minimum.
 class Profile {
@@ -30,7 +30,7 @@ class Profile {
       if (k != i) others_.push_back(k);
     }
     const auto freedom = static_cast<double>(solution.residuals.size() - n);
-    noise_ = std::max(std::sqrt(solution.sum_of_squares() / freedom), kLeastNoise);
+    noise_ = std::max(std::sqrt(solution.sum_of_squares() / freedom), kLeastResidual);
     if (!others_.empty()) qr_.compute(MatrixXd(solution.jacobian(Eigen::all, others_)));
   }
 

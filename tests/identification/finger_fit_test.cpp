@@ -1,6 +1,6 @@
 // Constants of a finger estimated from presses that were simulated with known ones.
 
-#include "softfinger/finger/finger_fit.hpp"
+#include "softfinger/identification/finger_fit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 namespace softfinger {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/finger/indentation_data.hpp"
-#include "softfinger/finger/press_curve.hpp"
+#include "softfinger/identification/indentation_data.hpp"
+#include "softfinger/identification/press_curve.hpp"
 
 namespace softfinger {
 

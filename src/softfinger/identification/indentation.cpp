@@ -1,4 +1,4 @@
-#include "softfinger/finger/indentation.hpp"
+#include "softfinger/identification/indentation.hpp"
 
 #include <algorithm>
 #include <array>

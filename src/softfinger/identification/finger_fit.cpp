@@ -1,4 +1,4 @@
-#include "softfinger/finger/finger_fit.hpp"
+#include "softfinger/identification/finger_fit.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/finger/weighted_press_fit.hpp"
+#include "softfinger/identification/weighted_press_fit.hpp"
 
 namespace softfinger {
 namespace {

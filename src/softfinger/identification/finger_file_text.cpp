@@ -1,4 +1,4 @@
-#include "softfinger/finger/finger_file_text.hpp"
+#include "softfinger/identification/finger_file_text.hpp"
 
 #include <fmt/format.h>
 

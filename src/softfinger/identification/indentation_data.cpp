@@ -1,4 +1,4 @@
-#include "softfinger/finger/indentation_data.hpp"
+#include "softfinger/identification/indentation_data.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/finger/press_curve.hpp"
+#include "softfinger/identification/press_curve.hpp"
 
 namespace softfinger {
 

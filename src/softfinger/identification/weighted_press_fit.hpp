@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "softfinger/finger/finger_fit.hpp"
-#include "softfinger/numerics/profile_interval.hpp"
+#include "softfinger/identification/finger_fit.hpp"
+#include "softfinger/identification/profile_interval.hpp"
 
 namespace softfinger {
 

@@ -1,4 +1,4 @@
-#include "softfinger/finger/weighted_press_fit.hpp"
+#include "softfinger/identification/weighted_press_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
