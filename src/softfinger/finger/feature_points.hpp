@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/contact/contact_potential.hpp"
+#include "softfinger/contact/contact_report.hpp"
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/finger/contact_correction.hpp"
 #include "softfinger/finger/finger_model.hpp"
@@ -27,18 +28,14 @@ class FeaturePoints {
   static constexpr double kDepth = 5e-5;  ///< under the skin, m
   static constexpr double kArea = 2e-6;   ///< counts as this area where stiffness goes by area, m^2
 
-  struct Point {
+  struct Point : FeaturePlace {
     int triangle = -1;  ///< of FingerModel::skin_triangles
-    int obstacle = -1;
-    std::array<int, 3> samples{};
     std::array<int, 3> nodes{};
-    std::array<double, 3> weights{};
-    std::array<double, 3> way{};       ///< the last step's, to the deepest place, in weights
-    double follow = 0.0;               ///< part of it that is gone in a step
-    Vector3 offset = Vector3::Zero();  ///< from the skin to the point, W, m
-    ContactPlane plane;                ///< the obstacle as the point meets it in this step
-    ContactSide side;                  ///< where the obstacle is met
-    bool near = false;                 ///< may touch in this step
+    std::array<double, 3> way{};  ///< the last step's, to the deepest place, in weights
+    double follow = 0.0;          ///< part of it that is gone in a step
+    ContactPlane plane;           ///< the obstacle as the point meets it in this step
+    ContactSide side;             ///< where the obstacle is met
+    bool near = false;            ///< may touch in this step
   };
 
   /// What is known from step to step.

@@ -1,7 +1,7 @@
 #include "softfinger/finger/finger_simulation.hpp"
 
 #include "softfinger/base/hash.hpp"
-#include "softfinger/finger/contact_report.hpp"
+#include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 
 namespace softfinger {

@@ -8,7 +8,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/contact/deepest_point.hpp"
-#include "softfinger/finger/contact_report.hpp"
+#include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 
 namespace softfinger {

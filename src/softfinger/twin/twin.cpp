@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "softfinger/finger/contact_report.hpp"
+#include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 #include "softfinger/twin/piece_motion.hpp"
 

@@ -1,4 +1,4 @@
-#include "softfinger/finger/feature_area.hpp"
+#include "softfinger/contact/feature_area.hpp"
 
 #include <gtest/gtest.h>
 
