@@ -22,13 +22,10 @@ Matrix9 positive_semidefinite(const Matrix9& matrix) {
 
 }  // namespace
 
-PlainElasticity::PlainElasticity(const FingerModel& model) : masses_(model.mesh.nodes.size(), 0.0) {
+PlainElasticity::PlainElasticity(const FingerModel& model)
+    : masses_(model.mesh.nodes.size(), 0.0), limit_(model.strain_limits) {
   if (model.dilatation != Dilatation::kElement || !model.relaxation.terms.empty()) {
     throw InputError("the plain step knows neither patches nor relaxation");
-  }
-  if (model.strain_limits.enabled) {
-    const auto& limits = model.strain_limits;
-    limit_ = {limits.min, limits.max, limits.stiffness, limits.width};
   }
   for (std::size_t t = 0; t < model.mesh.tetrahedra.size(); ++t) {
     if (model.tetrahedron_material[t] < 0) continue;
@@ -79,7 +76,7 @@ PlainElasticity::Deformation PlainElasticity::deform(const Element& element,
   d.energy_density = 0.5 * element.lambda * dilatation * dilatation;
   for (int i = 0; i < 3; ++i) {
     const double strain = d.stretches[i] - 1.0;
-    const StrainLimit::Value limit = limit_.at(d.stretches[i]);
+    const StrainLimitResponse<double> limit = strain_limit_at(limit_, d.stretches[i]);
     d.energy_density += element.mu * strain * strain + limit.energy;
     d.stresses[i] = 2.0 * element.mu * strain + element.lambda * dilatation + limit.first;
     d.curvatures[i] = 2.0 * element.mu + limit.second;

@@ -4,15 +4,16 @@
 #include <span>
 #include <vector>
 
-#include "softfinger/fem/strain_limit.hpp"
+#include "softfinger/fem/double_arithmetic.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {
 
 /// The elastic energy of a finger's tissue as one would write it first, element by element with
-/// Eigen's decompositions and in double precision throughout. Shares nothing with
-/// softfinger/fem but the strain limit's formula.
+/// Eigen's decompositions and in double precision throughout. The law is written out here a second
+/// time, on purpose: that both steps agree says something of the law's file only as long as this
+/// does not include it. Shares nothing with softfinger/fem but the strain limit's formula.
 class PlainElasticity {
  public:
   using ElementHessian = Eigen::Matrix<double, 12, 12>;

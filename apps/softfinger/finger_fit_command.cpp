@@ -86,7 +86,7 @@ FitInput read_input(const FitFlags& flags, const FingerModel& model) {
                                     input.curve.first[i] / mm, pulp / mm, flags.finger));
   }
   if (!flags.area.empty()) input.areas = read_contact_areas(flags.area);
-  input.has_limits = model.strain_limits.enabled;
+  input.has_limits = model.strain_limits.stiffness > 0.0;
   input.width = model.strain_limits.width;
   input.start = {1.0, model.strain_limits.min, model.strain_limits.max};
   for (const std::string& word : flags.parameters) input.parameters.push_back(parameter_of(word));

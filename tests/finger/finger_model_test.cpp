@@ -101,7 +101,7 @@ TEST_F(FingerModelTest, DefaultsAndUnits) {
   EXPECT_DOUBLE_EQ(model->materials[0].density, 1000.0);
   EXPECT_DOUBLE_EQ(model->bone_mass, 0.012);
   EXPECT_DOUBLE_EQ(model->coupling.rotation_stiffness, 0.2);
-  EXPECT_FALSE(model->strain_limits.enabled);
+  EXPECT_EQ(model->strain_limits.stiffness, 0.0);
   const auto json = nlohmann::json::parse(model->as_read);
   EXPECT_EQ(json["mesh"]["file"], "tip.msh");
   EXPECT_EQ(json["mesh"]["unit"], "mm");
@@ -199,7 +199,6 @@ TEST_F(FingerModelTest, NailIsRigid) {
 TEST_F(FingerModelTest, StrainLimits) {
   const std::string head = "[strain_limits]\nmin = 0.7\nmax = 1.3\nstiffness_kPa = 20\n";
   const auto model = load(head + "width = 0.3\n");
-  EXPECT_TRUE(model->strain_limits.enabled);
   EXPECT_DOUBLE_EQ(model->strain_limits.stiffness, 20e3);
   EXPECT_EQ(error(head + "width = 0.31\n"),
             "tip.toml:7: strain_limits.width: must be at most 0.3, the lesser of 1 - min and max - "

@@ -30,7 +30,7 @@ std::shared_ptr<const FingerModel> default_finger() {
       material.youngs_modulus = 25e3;
       material.poissons_ratio = 0.4;
     }
-    copy->strain_limits = {0.38, 1.42, 80e3, 0.3, true};
+    copy->strain_limits = {0.38, 1.42, 80e3, 0.3};
     return copy;
   }();
   return model;

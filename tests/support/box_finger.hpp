@@ -16,8 +16,8 @@ inline std::shared_ptr<FingerModel> box_finger(int nx = 4, int ny = 3, int nz = 
   const TetrahedralMesh& mesh = model->mesh;
   model->node_is_rigid.assign(mesh.nodes.size(), false);
   model->tetrahedron_material.assign(mesh.tetrahedra.size(), 0);
-  model->materials = {{"tissue", 45e3, 0.4, 1000.0}};
-  model->strain_limits = {0.35, 1.5, 40e3, 0.5, true};
+  model->materials = {{{45e3, 0.4, 1000.0}, "tissue"}};
+  model->strain_limits = {0.35, 1.5, 40e3, 0.5};
   std::vector<int> sample_of(mesh.nodes.size(), -1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int n : mesh.triangles[t]) {

@@ -40,7 +40,7 @@ FingerModel half_ball(int n) {
   }
   model.node_is_rigid = on_equator;
   model.tetrahedron_material.assign(model.mesh.tetrahedra.size(), 0);
-  model.materials = {{"rubber", kModulus, kPoissonsRatio, 1000.0}};
+  model.materials = {{{kModulus, kPoissonsRatio, 1000.0}, "rubber"}};
   model.contact_tolerance = 5e-6;
   std::vector<int> sample_of(model.mesh.nodes.size(), -1);
   for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {

@@ -32,7 +32,7 @@ ElasticModel::ElasticModel(const TetrahedralMesh& mesh, std::span<const ElasticM
                            InstructionSet set)
     : masses_(mesh.nodes.size(), 0.0),
       relaxation_(std::move(relaxation)),
-      limits_{limit.min, limit.max, limit.stiffness, limit.width},
+      limit_(limit),
       kernels_(&element_kernels(set)) {
   const auto is_tied = [&](int node) { return tied[static_cast<std::size_t>(node)]; };
   std::vector<std::size_t> apart_from_body, beside_body;
@@ -190,13 +190,13 @@ void ElasticModel::read_pressures(const Work& work, std::size_t group, double sc
 double ElasticModel::evaluate_groups(std::size_t begin, std::size_t end,
                                      std::span<const Vector3> positions, Work& work,
                                      std::span<Vector3> gradient) const {
-  ElementLimits limits = limits_;
-  if (!work.limited) limits.stiffness = 0.0;
+  StrainLimit limit = limit_;
+  if (!work.limited) limit.stiffness = 0.0;
   double energy = 0.0;
   ElementForces forces;
   for (std::size_t g = begin; g < end; ++g) {
     const ElementGroup& group = groups_[g];
-    energy += kernels_->energy_gradient(group, limits, viscosity(work, g), positions.data()->data(),
+    energy += kernels_->energy_gradient(group, limit, viscosity(work, g), positions.data()->data(),
                                         &work.decompositions[g], &forces,
                                         patches_.empty() ? nullptr : &work.dilatations[g]);
     const std::size_t lanes = std::min(kLaneCount, elements_ - g * kLaneCount);

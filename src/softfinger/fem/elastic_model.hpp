@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "softfinger/fem/elastic_material.hpp"
 #include "softfinger/fem/element_kernels.hpp"
 #include "softfinger/fem/relaxation.hpp"
 #include "softfinger/fem/strain_limit.hpp"
@@ -13,25 +14,12 @@
 
 namespace softfinger {
 
-/// Constants of one layer of tissue.
-struct ElasticMaterial {
-  double youngs_modulus = 45e3;  ///< E, Pa, positive
-  double poissons_ratio = 0.4;   ///< nu, in (0, 0.5)
-  double density = 1000.0;       ///< kg/m^3, positive
-
-  [[nodiscard]] double mu() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }
-  [[nodiscard]] double lambda() const {
-    return youngs_modulus * poissons_ratio /
-           ((1.0 + poissons_ratio) * (1.0 - 2.0 * poissons_ratio));
-  }
-};
-
 /// Where the change of volume is taken: in each element, or averaged over patches of about four,
 /// which does not lock near incompressibility.
 enum class Dilatation { kElement, kPatch };
 
-/// Soft solid of corotated linear tetrahedra with strain limits; immutable. Elements whose four
-/// nodes are all tied never deform and are left out.
+/// Soft solid of linear tetrahedra that follow the constitutive law, with strain limits; immutable.
+/// Elements whose four nodes are all tied never deform and are left out.
 class ElasticModel {
  public:
   /// What an evaluation leaves behind for the Hessian of the same positions.
@@ -145,7 +133,7 @@ class ElasticModel {
   std::vector<Membership> memberships_;  ///< per element; empty without patches
   std::vector<double> masses_;
   Relaxation relaxation_;
-  ElementLimits limits_{};
+  StrainLimit limit_;
   const ElementKernels* kernels_ = nullptr;
 };
 

@@ -4,6 +4,8 @@
 #include <type_traits>
 
 #include "softfinger/base/instruction_set.hpp"
+#include "softfinger/fem/constitutive_law.hpp"
+#include "softfinger/fem/strain_limit.hpp"
 
 namespace softfinger {
 
@@ -50,8 +52,8 @@ struct ElementForces {
   alignas(64) double force[4][3][kLanes];
 };
 
-/// Of elements whose change of volume is averaged over a patch: V (s_1 + s_2 + s_3 - 3) and its
-/// gradient by the nodes, force[a][k] of node a, component k.
+/// Of elements whose change of volume is averaged over a patch: V times the law's dilatation and
+/// its gradient by the nodes, force[a][k] of node a, component k.
 struct ElementDilatation {
   alignas(64) double value[kLanes];        ///< m^3
   alignas(64) double force[4][3][kLanes];  ///< m^2
@@ -77,18 +79,13 @@ struct BodyHessianSums {
   alignas(64) float rotation[9][kLanes];              ///< dtheta, dtheta
 };
 
-/// Strain-limit constants as the kernels take them (see StrainLimit); stiffness 0: none.
-struct ElementLimits {
-  double min, max, stiffness, width;
-};
-
-/// Element work, one set of functions per instruction set. Energy density, corotated linear:
-/// Psi = mu sum (s_i - 1)^2 + lambda/2 (sum s_i - 3)^2 + sum b(s_i).
+/// Element work, one set of functions per instruction set. The energy density is the constitutive
+/// law's (constitutive_law.hpp) plus sum b(s_i) of the strain limits.
 struct ElementKernels {
   /// positions: x y z of each node in turn, m. Reads decomposition->v as a start of the
   /// eigenvector iteration. Returns the energy of the group, J; forces are its gradient by
   /// the nodal positions, N. `dilatation` is filled unless null.
-  double (*energy_gradient)(const ElementGroup& group, const ElementLimits& limits,
+  double (*energy_gradient)(const ElementGroup& group, const StrainLimit& limit,
                             const ElementViscosity& viscosity, const double* positions,
                             ElementDecomposition* decomposition, ElementForces* forces,
                             ElementDilatation* dilatation);

@@ -1,5 +1,8 @@
 // Compiled once per instruction set, in a namespace of its own. Includes nothing whose inline
-// functions another translation unit could share: the linker may keep either copy.
+// functions another translation unit could share: of two copies of one function the linker keeps
+// either, and the kept one might be made for a processor that this is not. The constitutive law
+// and strain limits are templates over the arithmetic, which here is a type of the unnamed
+// namespace: what is made of them has no linkage either and is never shared.
 
 #ifndef SOFTFINGER_KERNEL_NAMESPACE
 #error "define SOFTFINGER_KERNEL_NAMESPACE"
@@ -44,6 +47,24 @@ inline bool any(Mask m) {
   for (int i = 0; i < kWide; ++i) some |= m[i];
   return some != 0;
 }
+
+/// What laws and strain limits are worked out in, see constitutive_law.hpp.
+template <typename Vector>
+struct LaneArithmetic {
+  using Number = Vector;
+  using Lane = std::remove_cvref_t<decltype(Vector{}[0])>;
+  static Vector all(double x) { return Vector{} + static_cast<Lane>(x); }
+  static Vector min(Vector a, Vector b) { return a < b ? a : b; }
+  static Vector max(Vector a, Vector b) { return a > b ? a : b; }
+  template <typename Condition>
+  static Vector select(Condition condition, Vector a, Vector b) {
+    return condition ? a : b;
+  }
+  static Vector quotient(Vector a, double w) { return a * static_cast<Lane>(1.0 / w); }
+  static Vector sum_of_strains(const Vector (&s)[3]) {
+    return (s[0] - all(1.0)) + (s[1] - all(1.0)) + (s[2] - all(1.0));
+  }
+};
 
 template <typename Lanes>
 struct Vec {
@@ -149,6 +170,7 @@ struct Gram {
         h01(dot(b.c[0], b.c[1])),
         h02(dot(b.c[0], b.c[2])),
         h12(dot(b.c[1], b.c[2])) {}
+  /// Perpendicular to rounding is enough.
   [[nodiscard]] Mask unfinished() const {
     return abs(h01) + abs(h02) + abs(h12) > 1e-13 * (d0 + d1 + d2);
   }
@@ -165,6 +187,7 @@ inline void rotate(Doubles& dp, Doubles& dq, Doubles& h, Doubles& hpr, Doubles& 
                    Vec3& vq) {
   const Doubles d = dq - dp;
   const Doubles h2 = h + h;
+  // The smaller of the two angles, from a tangent that cancels nowhere; no 0/0 where h is zero.
   const Doubles denominator = abs(d) + sqrt(d * d + h2 * h2) + 1e-300;
   const Doubles t = select(d < 0.0, -h2, h2) / denominator;
   const Doubles c = 1.0 / sqrt(1.0 + t * t);
@@ -219,6 +242,7 @@ inline void diagonalise(const Mat3& f0, Mat3& v0, Mat3& b0, const Mat3& f1, Mat3
     rotate(g0.d1, g0.d2, g0.h12, g0.h01, g0.h02, v0.c[1], v0.c[2]);
     rotate(g1.d1, g1.d2, g1.h12, g1.h01, g1.h02, v1.c[1], v1.c[2]);
   }
+  // Anew, since rotating Gram's numbers alone has let rounding pile up.
   b0 = f0 * v0;
   b1 = f1 * v1;
 }
@@ -232,6 +256,7 @@ inline void sort(Mat3& b, Mat3& v) {
 /// U of b = F v = U diag(s), det U = 1: a negative determinant becomes a negative last s.
 inline void left_vectors(const Mat3& b, Vec3& u0, Vec3& u1, Vec3& u2) {
   const Doubles n0 = sqrt(dot(b.c[0], b.c[0]));
+  // Squeezed to a point or a line: any direction does, since no stress picks one.
   const Mask collapsed = n0 < 1e-12;
   const Doubles zero{};
   const Vec3 x_axis{splat(1.0), zero, zero};
@@ -251,34 +276,6 @@ inline Mat3 renewed(const Mat3& v) {
     r.c[c] = v.c[c] * splat(1.5) - (v * w) * splat(0.5);
   }
   return r;
-}
-
-struct Limit {
-  Doubles energy, first, second;
-};
-
-/// t^3 / (1 - t) up to 0.95, its quadratic Taylor polynomial beyond.
-inline Limit onset(Doubles t) {
-  const Doubles zero{};
-  const Doubles t0 = max(min(t, splat(0.95)), zero);
-  const Doubles q = 1.0 / (1.0 - t0);
-  const Doubles beyond = max(t - t0, zero);
-  Limit v;
-  v.second = t0 * (6.0 - 6.0 * t0 + 2.0 * t0 * t0) * q * q * q;
-  const Doubles first = t0 * t0 * (3.0 - 2.0 * t0) * q * q;
-  v.energy = t0 * t0 * t0 * q + beyond * (first + 0.5 * beyond * v.second);
-  v.first = first + beyond * v.second;
-  return v;
-}
-
-inline Limit limit_at(const ElementLimits& limits, Doubles s) {
-  // The onsets do not overlap: width is at most min(1 - min, max - 1).
-  const double w = limits.width;
-  const Doubles sign = select(s > 1.0, splat(1.0), splat(-1.0));
-  const Doubles reached = select(s > 1.0, s - (limits.max - w), (limits.min + w) - s);
-  const Limit b = onset(reached * (1.0 / w));
-  const double k = limits.stiffness;
-  return {(k * w * w) * b.energy, (k * w) * b.first * sign, k * b.second};
 }
 
 inline Vec3 load_shape(const ElementGroup& group, int a, int first) {
@@ -306,16 +303,11 @@ inline void store_as_floats(float p[][kLanes], int first, Vec3 v) {
   store_as_floats(p[2] + first, v.z);
 }
 
-/// Principal stress p(s) of the elastic energy; adds its density.
-inline Doubles principal_stress(const ElementLimits& limits, Doubles s, Doubles trace, Doubles mu,
-                                Doubles lambda, int axis, int first,
-                                ElementDecomposition* decomposition, Doubles& energy) {
-  store(decomposition->s[axis] + first, s);
-  const Doubles stretch = s - 1.0;
-  Doubles p = 2.0 * mu * stretch + lambda * trace;
-  energy += mu * stretch * stretch;
-  if (limits.stiffness > 0.0) {
-    const Limit b = limit_at(limits, s);
+/// Adds the strain limit's energy density and stress at stretch s; leaves its derivatives.
+inline void add_limit(const StrainLimit& limit, Doubles s, int axis, int first,
+                      ElementDecomposition* decomposition, Doubles& energy, Doubles& p) {
+  if (limit.stiffness > 0.0) {
+    const auto b = strain_limit_at<LaneArithmetic<Doubles>>(limit, s);
     energy += b.energy;
     p += b.first;
     store(decomposition->limit_stress[axis] + first, b.first);
@@ -324,7 +316,6 @@ inline Doubles principal_stress(const ElementLimits& limits, Doubles s, Doubles 
     store(decomposition->limit_stress[axis] + first, Doubles{});
     store(decomposition->limit_stiffness[axis] + first, Doubles{});
   }
-  return p;
 }
 
 /// Symmetric 3 x 3 matrix.
@@ -374,7 +365,8 @@ inline void store_force(double force[3][kLanes], int first, Vec3 g) {
 
 /// Energy of half a group from lane `first` on, its forces, and what the later passes need, where
 /// the columns of b = F v are perpendicular.
-inline Doubles respond(const ElementGroup& group, const ElementLimits& limits,
+template <template <typename> typename Law>
+inline Doubles respond(const ElementGroup& group, const StrainLimit& limit,
                        const ElementViscosity& viscosity, int first, const Mat3& b, const Mat3& v,
                        ElementDecomposition* decomposition, ElementForces* forces,
                        ElementDilatation* dilatation) {
@@ -384,26 +376,27 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits,
   store_as_floats(decomposition->u, first, u0);
   store_as_floats(decomposition->u + 3, first, u1);
   store_as_floats(decomposition->u + 6, first, u2);
-  const Doubles s0 = dot(u0, b.c[0]);
-  const Doubles s1 = dot(u1, b.c[1]);
-  const Doubles s2 = dot(u2, b.c[2]);
-  const Doubles mu = load(group.mu + first);
-  const Doubles lambda = load(group.lambda + first);
+  const Doubles s[3] = {dot(u0, b.c[0]), dot(u1, b.c[1]), dot(u2, b.c[2])};
   const Doubles volume = load(group.volume + first);
-  const Doubles trace = (s0 - 1.0) + (s1 - 1.0) + (s2 - 1.0);
-  Doubles energy = 0.5 * lambda * trace * trace;
-  const auto stress_along = [&](Doubles s, int axis) {
-    return viscosity.factor *
-           principal_stress(limits, s, trace, mu, lambda, axis, first, decomposition, energy);
+  using LaneLaw = Law<LaneArithmetic<Doubles>>;
+  const Doubles dilated = LaneLaw::dilatation(s);
+  const LaneLaw law(load(group.mu + first), load(group.lambda + first), s, dilated, Doubles{});
+  Doubles energy = law.energy_of_dilatation();
+  const auto stress_along = [&](int axis) {
+    store(decomposition->s[axis] + first, s[axis]);
+    Doubles p = law.stress(axis);
+    energy += law.energy_along(axis);
+    add_limit(limit, s[axis], axis, first, decomposition, energy, p);
+    return viscosity.factor * p;
   };
-  const Doubles p0 = stress_along(s0, 0);
-  const Doubles p1 = stress_along(s1, 1);
-  const Doubles p2 = stress_along(s2, 2);
+  const Doubles p0 = stress_along(0);
+  const Doubles p1 = stress_along(1);
+  const Doubles p2 = stress_along(2);
+  // What the past left is not scaled: it has relaxed already.
   energy = energy * viscosity.factor;
   Mat3 stressed{{u0 * (p0 * volume), u1 * (p1 * volume), u2 * (p2 * volume)}};
   if (viscosity.memory != nullptr) {
     const Doubles p[3] = {p0, p1, p2};
-    const Doubles s[3] = {s0, s1, s2};
     stressed = with_memory(load_symmetric(*viscosity.memory, first), v, {{u0, u1, u2}}, p, s, first,
                            decomposition, energy) *
                volume;
@@ -419,16 +412,20 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits,
   };
   store_forces(stressed, forces->force);
   if (dilatation != nullptr) {
-    store(dilatation->value + first, trace * volume);
-    store_forces({{u0 * volume, u1 * volume, u2 * volume}}, dilatation->force);
+    store(dilatation->value + first, dilated * volume);
+    store_forces({{u0 * (law.dilatation_slope(0) * volume), u1 * (law.dilatation_slope(1) * volume),
+                   u2 * (law.dilatation_slope(2) * volume)}},
+                 dilatation->force);
   }
   return energy * volume;
 }
 
-[[gnu::flatten]] double energy_gradient(const ElementGroup& group, const ElementLimits& limits,
+template <template <typename> typename Law>
+[[gnu::flatten]] double energy_gradient(const ElementGroup& group, const StrainLimit& limit,
                                         const ElementViscosity& viscosity, const double* positions,
                                         ElementDecomposition* decomposition, ElementForces* forces,
                                         ElementDilatation* dilatation) {
+  // The last evaluation's axes are nearly these: few sweeps are left.
   Mat3 v0 = renewed(load_matrix<Doubles>(decomposition->v, 0));
   Mat3 v1 = renewed(load_matrix<Doubles>(decomposition->v, kWide));
   Mat3 b0, b1;
@@ -442,9 +439,9 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits,
     sort(b1, v1);
   }
   const Doubles energy0 =
-      respond(group, limits, viscosity, 0, b0, v0, decomposition, forces, dilatation);
+      respond<Law>(group, limit, viscosity, 0, b0, v0, decomposition, forces, dilatation);
   const Doubles energy1 =
-      respond(group, limits, viscosity, kWide, b1, v1, decomposition, forces, dilatation);
+      respond<Law>(group, limit, viscosity, kWide, b1, v1, decomposition, forces, dilatation);
   double energy = 0.0;
   for (int i = 0; i < kWide; ++i) energy += energy0[i] + energy1[i];
   return energy;
@@ -454,52 +451,60 @@ inline Doubles respond(const ElementGroup& group, const ElementLimits& limits,
 /// Goes, Kim, "Analytic eigensystems for isotropic distortion energies", TOG 2019): a 3 x 3 block
 /// of the stretches and, for each pair of axes, a flip and a twist mode.
 struct Modes {
-  Floats shared;       ///< coefficient of (ii, jj)
   Floats stretch[3];   ///< coefficient of (ii, ii)
+  Floats across[3];    ///< coefficient of (ii, jj), by the axis that is neither
   Floats same[3][3];   ///< coefficient of (ij, ij)
   Floats mixed[3][3];  ///< coefficient of (ij, ji)
 };
 
 /// With `remembering` the past's stress is left to Memory, but where projected.
+template <template <typename> typename Law>
 inline Modes modes_at(const ElementGroup& group, double factor, const ElementDecomposition& d,
                       const double* pressures, bool remembering, bool projected) {
   // Differences of nearly equal numbers: in double precision, then rounded.
   alignas(64) double stretch[3][kLanes], same[3][kLanes], mixed[3][kLanes];
   for (int first = 0; first < kLanes; first += kWide) {
-    const Doubles mu = factor * load(group.mu + first);
-    const Doubles lambda = factor * load(group.lambda + first);
     const Doubles volume = load(group.volume + first);
+    const Doubles pressure = load(pressures + first);
     Doubles s[3], b1[3], b2[3], p[3];
     for (int i = 0; i < 3; ++i) s[i] = load(d.s[i] + first);
-    const Doubles trace = (s[0] - 1.0) + (s[1] - 1.0) + (s[2] - 1.0);
+    using LaneLaw = Law<LaneArithmetic<Doubles>>;
+    const LaneLaw law(factor * load(group.mu + first), factor * load(group.lambda + first), s,
+                      LaneLaw::dilatation(s), pressure);
     for (int i = 0; i < 3; ++i) {
       b1[i] = factor * load(d.limit_stress[i] + first);
       b2[i] = factor * load(d.limit_stiffness[i] + first);
-      p[i] = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) + b1[i];
+      p[i] = law.stress(i) + pressure * law.dilatation_slope(i) + b1[i];
       if (remembering && projected) p[i] += load(d.memory_stress[i][i] + first);
-      store(stretch[i] + first, (2.0 * mu + lambda + b2[i]) * volume);
+      store(stretch[i] + first, (law.stiffness(i, i) + b2[i]) * volume);
     }
     for (int k = 0; k < 3; ++k) {  // the pair of axes without k
       const int i = k == 0 ? 1 : 0;
       const int j = k == 2 ? 1 : 2;
       const Doubles difference = s[i] - s[j];
       const Mask close = abs(difference) < 1e-4;
+      // The quotient of stretches that are nearly equal is noise; the derivative is its limit.
       const Doubles slope = select(close, 0.5 * (b2[i] + b2[j]),
                                    (b1[i] - b1[j]) / select(close, splat(1.0), difference));
-      const Doubles flip = 2.0 * mu + slope;
+      const Doubles flip = law.flip(i, j) + slope;
+      // It has a pole where a stretch turns negative; the bound keeps the direction finite.
       Doubles twist = (p[i] + p[j]) / max(s[i] + s[j], splat(1e-3));
       if (projected) twist = max(twist, Doubles{});
       store(same[k] + first, 0.5 * (flip + twist) * volume);
       store(mixed[k] + first, 0.5 * (flip - twist) * volume);
     }
   }
+  const Floats s[3] = {load_as_floats(d.s[0]), load_as_floats(d.s[1]), load_as_floats(d.s[2])};
+  using LaneLaw = Law<LaneArithmetic<Floats>>;
+  const auto part = static_cast<float>(factor);
+  const LaneLaw law(load_as_floats(group.mu), load_as_floats(group.lambda), s,
+                    LaneLaw::dilatation(s), load_as_floats(pressures) / part);
   Modes m;
-  m.shared =
-      load_as_floats(group.lambda) * load_as_floats(group.volume) * static_cast<float>(factor);
   for (int k = 0; k < 3; ++k) {
     const int i = k == 0 ? 1 : 0;
     const int j = k == 2 ? 1 : 2;
     m.stretch[k] = load_as_floats(stretch[k]);
+    m.across[k] = law.stiffness(i, j) * load_as_floats(group.volume) * part;
     m.same[i][j] = m.same[j][i] = load_as_floats(same[k]);
     m.mixed[i][j] = m.mixed[j][i] = load_as_floats(mixed[k]);
   }
@@ -559,9 +564,10 @@ inline void add_memory(const Memory& m, const Floats* p, const Floats* q, Floats
 /// Place of block (a, b) in ElementHessians; (b, a), its transpose, shares it.
 constexpr int kPlace[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
 
+template <template <typename> typename Law>
 void hessian(const ElementGroup& group, double factor, const ElementDecomposition& decomposition,
              const double* pressures, bool remembering, bool projected, ElementHessians* hessians) {
-  const Modes m = modes_at(group, factor, decomposition, pressures, remembering, projected);
+  const Modes m = modes_at<Law>(group, factor, decomposition, pressures, remembering, projected);
   const bool exact = remembering && !projected;
   const Memory memory = exact ? memory_at(group, decomposition) : Memory{};
   const Mat<Floats> u = load_matrix<Floats>(decomposition.u, 0);
@@ -592,7 +598,7 @@ void hessian(const ElementGroup& group, double factor, const ElementDecompositio
         for (int j = 0; j < 3; ++j) {
           if (j == i) continue;
           diagonal += m.same[i][j] * p[j] * q[j];
-          entry[i][j] = m.shared * p[i] * q[j] + m.mixed[i][j] * p[j] * q[i];
+          entry[i][j] = m.across[3 - i - j] * p[i] * q[j] + m.mixed[i][j] * p[j] * q[i];
         }
         entry[i][i] = diagonal;
       }
@@ -605,6 +611,7 @@ void hessian(const ElementGroup& group, double factor, const ElementDecompositio
       if (a != b) row_sum[a] = row_sum[a] + transpose(block);
     }
   }
+  // Moving all four nodes alike changes nothing: the blocks of node 0 are minus the others' sums.
   Mat<Floats> corner{};
   for (int b = 0; b < 3; ++b) {
     store_matrix(hessians->block[kPlace[0][b + 1]], 0, row_sum[b] * (Floats{} - 1.0F));
@@ -614,18 +621,20 @@ void hessian(const ElementGroup& group, double factor, const ElementDecompositio
 }
 
 /// V diag(p) V^T
+template <template <typename> typename Law>
 void elastic_stress(const ElementGroup& group, const ElementDecomposition& decomposition,
                     const double* pressures, ElementStress* stress) {
   for (int first = 0; first < kLanes; first += kWide) {
-    const Doubles mu = load(group.mu + first);
-    const Doubles lambda = load(group.lambda + first);
     const Mat3 v = load_matrix<Doubles>(decomposition.v, first);
+    const Doubles pressure = load(pressures + first);
     Doubles s[3];
     for (int i = 0; i < 3; ++i) s[i] = load(decomposition.s[i] + first);
-    const Doubles trace = (s[0] - 1.0) + (s[1] - 1.0) + (s[2] - 1.0);
+    using LaneLaw = Law<LaneArithmetic<Doubles>>;
+    const LaneLaw law(load(group.mu + first), load(group.lambda + first), s, LaneLaw::dilatation(s),
+                      pressure);
     Doubles sum[6] = {};
     for (int i = 0; i < 3; ++i) {
-      const Doubles p = 2.0 * mu * (s[i] - 1.0) + lambda * trace + load(pressures + first) +
+      const Doubles p = law.stress(i) + pressure * law.dilatation_slope(i) +
                         load(decomposition.limit_stress[i] + first);
       const Vec3& axis = v.c[i];
       sum[0] += p * axis.x * axis.x;
@@ -677,9 +686,14 @@ void body_hessian(const ElementGroup& group, const double* lever_arms,
   add_matrix(sums->rotation, by_theta);
 }
 
+template <template <typename> typename Law>
+constexpr ElementKernels kernels_of() {
+  return {&energy_gradient<Law>, &hessian<Law>, &elastic_stress<Law>, &body_hessian};
+}
+
 }  // namespace
 
 extern const ElementKernels kElementKernels;
-const ElementKernels kElementKernels{&energy_gradient, &hessian, &elastic_stress, &body_hessian};
+const ElementKernels kElementKernels = kernels_of<ConstitutiveLaw>();
 
 }  // namespace softfinger::SOFTFINGER_KERNEL_NAMESPACE

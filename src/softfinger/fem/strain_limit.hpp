@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 namespace softfinger {
 
 /// Strain limit as an energy density b(s) of each principal stretch s, added to the elastic one:
@@ -11,37 +9,49 @@ namespace softfinger {
 /// stands for the constraints of Perez, Cirio, Hernandez, Garre, Otaduy, "Strain limiting for soft
 /// finger contact simulation", World Haptics 2013; the form is ours.
 struct StrainLimit {
-  double min = 0.0;        ///< least stretch, in (0, 1)
-  double max = 0.0;        ///< greatest stretch, above 1
-  double stiffness = 0.0;  ///< k, Pa; 0 switches the limits off
-  double width = 1.0;      ///< w, in (0, min(1 - min, max - 1)]
-
-  /// b and its first two derivatives, Pa.
-  struct Value {
-    double energy = 0.0, first = 0.0, second = 0.0;
-  };
-  [[nodiscard]] Value at(double stretch) const {
-    const Value upper = onset((stretch - (max - width)) / width);
-    const Value lower = onset(((min + width) - stretch) / width);
-    return {stiffness * width * width * (upper.energy + lower.energy),
-            stiffness * width * (upper.first - lower.first),
-            stiffness * (upper.second + lower.second)};
-  }
-
-  /// t^3 / (1 - t) for 0 < t <= 0.95 and its continuation, with derivatives by t.
-  [[nodiscard]] static Value onset(double t) {
-    if (t <= 0.0) return {};
-    const double t0 = std::fmin(t, kSwitch);
-    const double q = 1.0 / (1.0 - t0);
-    Value v{t0 * t0 * t0 * q, t0 * t0 * (3.0 - 2.0 * t0) * q * q,
-            t0 * (6.0 - 6.0 * t0 + 2.0 * t0 * t0) * q * q * q};
-    const double beyond = t - t0;
-    v.energy += beyond * (v.first + 0.5 * beyond * v.second);
-    v.first += beyond * v.second;
-    return v;
-  }
-
-  static constexpr double kSwitch = 0.95;
+  double min = 0.35;       ///< least stretch, in (0, 1)
+  double max = 1.5;        ///< greatest stretch, above 1
+  double stiffness = 0.0;  ///< k, Pa; 0: there are no limits
+  double width = 0.5;      ///< w, in (0, min(1 - min, max - 1)]
 };
+
+/// b and its first two derivatives, Pa.
+template <typename Number>
+struct StrainLimitResponse {
+  Number energy, first, second;
+};
+
+/// t^3 / (1 - t) for 0 < t <= 0.95 and its continuation, with derivatives by t. For Arithmetic see
+/// constitutive_law.hpp.
+template <typename Arithmetic>
+inline StrainLimitResponse<typename Arithmetic::Number> strain_limit_onset(
+    typename Arithmetic::Number t) {
+  using Number = typename Arithmetic::Number;
+  const Number zero{};
+  const Number t0 = Arithmetic::max(Arithmetic::min(t, Arithmetic::all(0.95)), zero);
+  const Number q = 1.0 / (1.0 - t0);
+  const Number beyond = Arithmetic::max(t - t0, zero);
+  StrainLimitResponse<Number> b;
+  b.second = t0 * (6.0 - 6.0 * t0 + 2.0 * t0 * t0) * q * q * q;
+  const Number first = t0 * t0 * (3.0 - 2.0 * t0) * q * q;
+  b.energy = t0 * t0 * t0 * q + beyond * (first + 0.5 * beyond * b.second);
+  b.first = first + beyond * b.second;
+  return b;
+}
+
+template <typename Arithmetic>
+inline StrainLimitResponse<typename Arithmetic::Number> strain_limit_at(
+    const StrainLimit& limit, typename Arithmetic::Number s) {
+  using Number = typename Arithmetic::Number;
+  // The onsets do not overlap: width is at most min(1 - min, max - 1).
+  const double w = limit.width;
+  const auto above = s > 1.0;
+  const Number sign = Arithmetic::select(above, Arithmetic::all(1.0), Arithmetic::all(-1.0));
+  const Number reached = Arithmetic::select(above, s - (limit.max - w), (limit.min + w) - s);
+  const StrainLimitResponse<Number> b =
+      strain_limit_onset<Arithmetic>(Arithmetic::quotient(reached, w));
+  const double k = limit.stiffness;
+  return {(k * w * w) * b.energy, (k * w) * b.first * sign, k * b.second};
+}
 
 }  // namespace softfinger

@@ -59,6 +59,7 @@ void ContactCorrection::restart(std::span<const Matrix3> blocks) {
 ContactCorrection::Deviation ContactCorrection::deviation(const ContactPotential& contact,
                                                           std::size_t i, const Vector3& position,
                                                           const Vector3& d) const {
+  // The old matrix takes the gradient to change by what it holds times the motion.
   const ContactPotential::Response after = contact.respond(i, position + d);
   return {after.gradient - start_[i] - held_[i] * d, after.hessian - held_[i]};
 }
@@ -80,12 +81,14 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
     const Vector3 d = moved(carriers_[i], direction);
     if (contact.gap(i) > d.norm() + kReach && !holds(i)) continue;
     Vector3 force = deviation(contact, i, positions[i], d).force;
+    // Along lines that the point has already, balance() has seen to it.
     for (int c = 0; c < count_; ++c) {
       const Column& column = columns_[static_cast<std::size_t>(c)];
       if (column.point == i) force -= column.line * column.line.dot(force);
     }
     Candidate candidate{force.norm(), i, force};
     if (candidate.force <= threshold) continue;
+    // Kept in falling order, equals in the order of points: the same columns on every run.
     for (Candidate& g : greatest) {
       if (candidate.force > g.force) std::swap(candidate, g);
     }
@@ -119,6 +122,7 @@ void ContactCorrection::balance(const ContactPotential& contact, std::span<const
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostColumns, kMostColumns>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostColumns, 1>;
   using Moves = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMostColumns>;
+  // The unknowns are the amplitudes alone: all that the tissue does is in the columns' responses.
   std::array<Moves, kMostColumns> moves;  // of column c's point, by each amplitude
   std::array<Vector3, kMostColumns> start;
   for (int c = 0; c < count_; ++c) {
@@ -133,6 +137,7 @@ void ContactCorrection::balance(const ContactPotential& contact, std::span<const
   Matrix jacobian(count_, count_);
   Vector amplitudes = Vector::Zero(count_);
   Vector excess(count_);
+  // Amplitude c is to be the deviation along line c where all columns together put its point.
   const auto evaluate = [&] {
     for (int c = 0; c < count_; ++c) {
       const auto cu = static_cast<std::size_t>(c);
@@ -166,6 +171,7 @@ void ContactCorrection::correct(std::span<const double> uncorrected,
                                 std::span<double> direction) const {
   const std::size_t terms = static_cast<std::size_t>(count_) * direction.size();
   ThreadTeam* const team = terms < kTermsWorthSharing ? nullptr : team_;
+  // Cut by unknowns, so that each sum has one order whoever forms it.
   share_from_both_ends(team, kSlices, [&](std::size_t slice, int) {
     const std::size_t begin = direction.size() * slice / kSlices;
     const std::size_t end = direction.size() * (slice + 1) / kSlices;
@@ -188,6 +194,7 @@ void ContactCorrection::apply(const ContactPotential& contact, const StiffnessAs
   for (std::size_t i = 0; i < positions.size(); ++i) {
     start_[i] = contact.respond(i, positions[i]).gradient;
   }
+  // Skin pushed away at one sample lands on or leaves others, which then need columns too.
   for (int round = 0; round < kRounds; ++round) {
     if (count_ > 0) {
       balance(contact, positions, kBalanceAccuracy * gradient_norm, uncorrected_);

@@ -26,10 +26,6 @@ Matrix3 edges(const std::array<int, 4>& nodes, std::span<const Vector3> position
 
 ElementLoads::ElementLoads(std::shared_ptr<const FingerModel> model) : model_(std::move(model)) {
   const TetrahedralMesh& mesh = model_->mesh;
-  if (model_->strain_limits.enabled) {
-    const auto& limits = model_->strain_limits;
-    limit_ = {limits.min, limits.max, limits.stiffness, limits.width};
-  }
   std::vector<int> material = model_->tetrahedron_material;
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const auto& nodes = mesh.tetrahedra[t];
@@ -44,9 +40,7 @@ ElementLoads::ElementLoads(std::shared_ptr<const FingerModel> model) : model_(st
   }
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     if (material[t] < 0) continue;
-    const auto& constants = model_->materials[static_cast<std::size_t>(material[t])];
-    const ElasticMaterial elastic{constants.youngs_modulus, constants.poissons_ratio,
-                                  constants.density};
+    const ElasticMaterial& elastic = model_->materials[static_cast<std::size_t>(material[t])];
     const Matrix3 rest = edges(mesh.tetrahedra[t], mesh.nodes);
     elements_.push_back(
         {mesh.tetrahedra[t], elastic.lambda(), elastic.mu(), patches[t], rest.inverse()});
@@ -68,9 +62,10 @@ void ElementLoads::deform(std::span<const Vector3> positions) {
     const Matrix3 gradient = edges(element.nodes, positions) * element.rest_inverse;
     const Eigen::SelfAdjointEigenSolver<Matrix3> squares(gradient * gradient.transpose());
     deformation.axes = squares.eigenvectors();
-    deformation.stretches = squares.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    const Vector3 stretches = squares.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    std::copy_n(stretches.data(), 3, deformation.stretches);
     if (gradient.determinant() < 0.0) deformation.stretches[0] = -deformation.stretches[0];
-    deformation.dilatation = deformation.stretches.sum() - 3.0;
+    deformation.dilatation = Law::dilatation(deformation.stretches);
     if (element.patch < 0) continue;
     const auto patch = static_cast<std::size_t>(element.patch);
     patch_dilatations_[patch] += deformation.dilatation * volumes_[e] / patch_volumes_[patch];
@@ -82,32 +77,39 @@ void ElementLoads::deform(std::span<const Vector3> positions) {
   }
 }
 
+ElementLoads::Law ElementLoads::law(std::size_t e) const {
+  // No pressure: elements of a patch keep their lambda here and have its dilatation.
+  return {elements_[e].mu, elements_[e].lambda, deformations_[e].stretches,
+          deformations_[e].dilatation, 0.0};
+}
+
 void ElementLoads::energy_densities(std::span<const Vector3> positions,
                                     std::span<double> densities) {
   deform(positions);
+  const StrainLimit& limit = model_->strain_limits;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const Deformation& deformation = deformations_[e];
-    const Vector3 strains = deformation.stretches.array() - 1.0;
-    densities[e] = elements_[e].mu * strains.squaredNorm() +
-                   0.5 * elements_[e].lambda * deformation.dilatation * deformation.dilatation;
-    if (!(limit_.stiffness > 0.0)) continue;
-    for (const double stretch : deformation.stretches) densities[e] += limit_.at(stretch).energy;
+    densities[e] = law(e).energy();
+    if (!(limit.stiffness > 0.0)) continue;
+    for (const double stretch : deformations_[e].stretches) {
+      densities[e] += strain_limit_at(limit, stretch).energy;
+    }
   }
 }
 
 void ElementLoads::stresses(std::span<const Vector3> positions, std::span<Stress> stresses) {
   deform(positions);
+  const StrainLimit& limit = model_->strain_limits;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const Deformation& deformation = deformations_[e];
+    const double(&s)[3] = deformation.stretches;
     // Cauchy's is P F^T / det F; here P has F's axes.
-    const double volume = std::max(deformation.stretches.prod(), kLeastVolume);
+    const double volume = std::max(s[0] * s[1] * s[2], kLeastVolume);
+    const Law tissue = law(e);
     Vector3 principal;
     for (int k = 0; k < 3; ++k) {
-      const double stretch = deformation.stretches[k];
-      const double nominal = 2.0 * elements_[e].mu * (stretch - 1.0) +
-                             elements_[e].lambda * deformation.dilatation +
-                             (limit_.stiffness > 0.0 ? limit_.at(stretch).first : 0.0);
-      principal[k] = nominal * stretch / volume;
+      const double nominal =
+          tissue.stress(k) + (limit.stiffness > 0.0 ? strain_limit_at(limit, s[k]).first : 0.0);
+      principal[k] = nominal * s[k] / volume;
     }
     const Matrix3 stress = deformation.axes * principal.asDiagonal() * deformation.axes.transpose();
     stresses[e] = {stress(0, 0), stress(1, 1), stress(2, 2),

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "softfinger/fem/strain_limit.hpp"
+#include "softfinger/fem/double_arithmetic.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace softfinger {
@@ -13,8 +13,8 @@ namespace softfinger {
 /// Components xx, yy, zz, yz, zx, xy of a symmetric stress, Pa.
 using Stress = std::array<double, 6>;
 
-/// What every soft element of a finger bears: corotated linear with the strain limits (see
-/// ElasticModel, StrainLimit), of the instantaneous moduli. Element by element from principal
+/// What every soft element of a finger bears by the constitutive law and the strain limits, of the
+/// instantaneous moduli. Element by element from principal
 /// axes: for judging states, not for stepping. Allocates only in the constructor;
 /// one thread at a time.
 class ElementLoads {
@@ -31,6 +31,7 @@ class ElementLoads {
   void stresses(std::span<const Vector3> positions, std::span<Stress> stresses);
 
  private:
+  using Law = ConstitutiveLaw<DoubleArithmetic>;
   struct Element {
     std::array<int, 4> nodes;
     double lambda, mu;  ///< Pa
@@ -40,14 +41,15 @@ class ElementLoads {
   /// F = axes diag(stretches) V^T; one stretch is negative where the element is inside out.
   struct Deformation {
     Matrix3 axes;
-    Vector3 stretches;
-    double dilatation;  ///< sum of strains; the patch's mean where there is one
+    double stretches[3];
+    double dilatation;  ///< the patch's mean where there is one
   };
 
   void deform(std::span<const Vector3> positions);
+  /// Of element e as deformed.
+  [[nodiscard]] Law law(std::size_t e) const;
 
   std::shared_ptr<const FingerModel> model_;
-  StrainLimit limit_;
   std::vector<Element> elements_;
   std::vector<double> volumes_;
   std::vector<double> patch_volumes_;

@@ -25,6 +25,9 @@ struct CommonMaterial {
   double density = FingerModel::Material{}.density;
 };
 
+/// Of strain limits whose table names none, Pa.
+constexpr double kLimitStiffness = 40e3;
+
 constexpr Range kBelowHalf{.min = 0.0, .max = 0.5, .open_max = true};
 
 CommonMaterial read_common_material(const ConfigTable& table, bool is_of_several) {
@@ -49,7 +52,7 @@ FingerModel::Material read_material(const ConfigTable& table, const std::string&
   if (!volume.empty()) table.any_name(volume);
   if (!own) {
     if (common.youngs_modulus && common.poissons_ratio) {
-      return {volume, *common.youngs_modulus, *common.poissons_ratio, common.density};
+      return {{*common.youngs_modulus, *common.poissons_ratio, common.density}, volume};
     }
     const std::string missing = common.youngs_modulus ? "poissons_ratio" : "youngs_modulus_kPa";
     if (volume.empty()) {
@@ -64,9 +67,10 @@ FingerModel::Material read_material(const ConfigTable& table, const std::string&
   const auto number = [&](std::string_view key, Range range, std::optional<double> fallback) {
     return fallback ? own->number(key, range, *fallback) : own->number(key, range);
   };
-  return {volume, number("youngs_modulus_kPa", Range::positive(), common.youngs_modulus),
-          number("poissons_ratio", kBelowHalf, common.poissons_ratio),
-          number("density_kg_per_m3", Range::positive(), common.density)};
+  return {{number("youngs_modulus_kPa", Range::positive(), common.youngs_modulus),
+           number("poissons_ratio", kBelowHalf, common.poissons_ratio),
+           number("density_kg_per_m3", Range::positive(), common.density)},
+          volume};
 }
 
 Relaxation read_relaxation(const ConfigTable& material) {
@@ -121,11 +125,10 @@ void read_materials(const ConfigTable& table, FingerModel& model) {
   }
 }
 
-void read_strain_limits(const ConfigTable& table, FingerModel::StrainLimits& limits) {
-  limits.enabled = true;
+void read_strain_limits(const ConfigTable& table, StrainLimit& limits) {
   limits.min = table.number("min", Range::inside(0.0, 1.0), limits.min);
   limits.max = table.number("max", Range{.min = 1.0, .max = 10.0, .open_min = true}, limits.max);
-  limits.stiffness = table.number("stiffness_kPa", Range::positive(), limits.stiffness);
+  limits.stiffness = table.number("stiffness_kPa", Range::positive(), kLimitStiffness);
   const double widest = std::min(1.0 - limits.min, limits.max - 1.0);
   limits.width = table.number("width", Range::positive(), std::min(limits.width, widest));
   if (limits.width > widest * (1.0 + 1e-9)) {

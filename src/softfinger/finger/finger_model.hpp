@@ -34,21 +34,13 @@ class FingerModel {
   std::vector<std::array<int, 3>> skin_triangles;  ///< indices into sample_nodes, outward
   std::vector<bool> node_is_rigid;                 ///< per node: moves with the bone
   std::vector<int> tetrahedron_material;  ///< per tetrahedron, index into materials; -1: rigid
-  struct Material {
-    std::string volume;
-    double youngs_modulus = 45e3;  ///< Pa
-    double poissons_ratio = 0.4;
-    double density = 1000.0;  ///< kg/m^3
+  struct Material : ElasticMaterial {
+    std::string volume;  ///< of the mesh
   };
   std::vector<Material> materials;
   Dilatation dilatation = Dilatation::kElement;
   Relaxation relaxation;
-  struct StrainLimits {
-    double min = 0.35, max = 1.5;
-    double stiffness = 40e3;  ///< Pa
-    double width = 0.5;
-    bool enabled = false;
-  } strain_limits;
+  StrainLimit strain_limits;
   double bone_mass = 0.01;  ///< kg
   Coupling coupling;
   double contact_tolerance = 5e-5;  ///< m

@@ -35,11 +35,7 @@ double mean_modulus(const FingerModel& model) {
 }
 
 std::vector<ElasticMaterial> elastic_materials(const FingerModel& model) {
-  std::vector<ElasticMaterial> materials;
-  for (const auto& m : model.materials) {
-    materials.push_back({m.youngs_modulus, m.poissons_ratio, m.density});
-  }
-  return materials;
+  return {model.materials.begin(), model.materials.end()};
 }
 
 std::vector<ContactCorrection::Carrier> carriers(const FingerModel& model, const UnknownMap& map) {
@@ -57,12 +53,6 @@ std::vector<double> contact_areas(const FingerModel& model) {
   return areas;
 }
 
-StrainLimit strain_limit(const FingerModel& model, bool wanted) {
-  if (!wanted || !model.strain_limits.enabled) return {};
-  const auto& limits = model.strain_limits;
-  return {limits.min, limits.max, limits.stiffness, limits.width};
-}
-
 }  // namespace
 
 ContactPotential::Options contact_options(const FingerModel& model) {
@@ -78,8 +68,8 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
       bone_mode_(bone),
       map_(make_unknown_map(model.node_is_rigid, bone == Bone::kCoupled)),
       elastic_(model.mesh, elastic_materials(model), model.tetrahedron_material,
-               model.node_is_rigid, strain_limit(model, options.strain_limits), model.dilatation,
-               model.relaxation, options.instruction_set),
+               model.node_is_rigid, options.strain_limits ? model.strain_limits : StrainLimit{},
+               model.dilatation, model.relaxation, options.instruction_set),
       team_(elastic_.is_worth_sharing() ? options.team : nullptr),
       assembly_(elastic_, map_, options.instruction_set, team_ == nullptr ? 1 : team_->threads()),
       bone_(bone_inertia(model, elastic_.masses()), model.coupling),

@@ -91,7 +91,7 @@ std::string finger_file_text(const FingerModel& model, const FingerConstants& co
   for (auto& [name, value] : keys["material"].items()) {
     if (value.is_object()) scale(value);
   }
-  if (model.strain_limits.enabled) {
+  if (model.strain_limits.stiffness > 0.0) {
     keys["strain_limits"]["min"] = rounded(constants.min);
     keys["strain_limits"]["max"] = rounded(constants.max);
   }

@@ -20,7 +20,7 @@ FingerModel with_constants(const FingerModel& model, const FingerConstants& cons
   for (FingerModel::Material& material : result.materials) {
     material.youngs_modulus *= constants.youngs_modulus_factor;
   }
-  if (result.strain_limits.enabled) {
+  if (result.strain_limits.stiffness > 0.0) {
     result.strain_limits.min = constants.min;
     result.strain_limits.max = constants.max;
   }
