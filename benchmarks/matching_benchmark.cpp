@@ -274,12 +274,12 @@ std::shared_ptr<const Device> square_of_pins(int rows) {
   const PinArrayGeometry geometry{rows, rows, pitch, 0.25 * pitch, 3.0 * mm, 0.0};
   DeviceSettings settings;
   settings.kind = "pin_array";
-  settings.axes = PinArray::axes_for(geometry);
+  settings.axes = PinDrives::axes_for(geometry);
   settings.X_FB.translation = Vector3(0.0, 0.0, -7.8 * mm);
   settings.home = Configuration::Zero(geometry.rows * geometry.columns);
   settings.retracted = settings.home;
-  PinArray::set_joint_limits(settings, 50.0 * mm);
-  return std::make_shared<const PinArray>(settings, geometry);
+  LinearDrives::set_joint_limits(settings, 50.0 * mm);
+  return make_pin_array(std::move(settings), geometry);
 }
 
 /// Any device under the rolling ball, each frame from the last's answer or from none.

@@ -103,6 +103,7 @@ TEST(DeviceFile, WorkspaceEndsAtASingularity) {
   settings.retracted = settings.home;
   settings.joint_limits = {JointAngles::Constant(3, -170.0 * deg),
                            JointAngles::Constant(3, 170.0 * deg), 1.0};
+  settings.axes = Platform3rrs::axes_for(8.0 * mm);
   const Platform3rrs device(settings, {16.0 * mm, 12.0 * mm, 14.0 * mm, 18.0 * mm, 22.0 * mm,
                                        8.0 * mm, 0.5 * mm, 40.0 * deg});
   bool ended = false;

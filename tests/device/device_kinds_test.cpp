@@ -8,7 +8,6 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/kinds/cable_platform.hpp"
 #include "softfinger/device/kinds/delta_tactor.hpp"
-#include "softfinger/device/kinds/membrane.hpp"
 #include "softfinger/device/kinds/pin_array.hpp"
 #include "softfinger/geometry/msh_file.hpp"
 
@@ -208,8 +207,9 @@ INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, testing::ValuesIn(device_files())
 
 TEST(PinArray, DistancesAreThoseOfFlatEndedCylinders) {
   const auto device = shipped("pins-wagner-6x6");
-  const auto& pins = dynamic_cast<const PinArray&>(*device);
-  const PinArrayGeometry& geometry = pins.geometry();
+  const Device& pins = *device;
+  const PinArrayGeometry& geometry =
+      dynamic_cast<const PinSurface&>(pins.surface()).geometry();
   const Pose X_BF = pins.settings().X_FB.inverse();
   std::mt19937 random(3);
   std::uniform_real_distribution<double> across(-9.0, 9.0);
@@ -253,7 +253,7 @@ TEST(PinArray, NamesCountFromTheProximalSide) {
 
 TEST(MembraneSurface, DistancesAgreeWithSearchOverTheCap) {
   const auto device = shipped("membrane");
-  const double ring = dynamic_cast<const Membrane&>(*device).geometry().ring_radius;
+  const double ring = device->cap_radius();
   std::mt19937 random(4);
   std::uniform_real_distribution<double> across(0.0, 10.0);
   std::uniform_real_distribution<double> up(-3.0, 6.0);
@@ -288,7 +288,7 @@ TEST(MembraneSurface, DistancesAgreeWithSearchOverTheCap) {
 
 TEST(DeltaTactor, LinksKeepTheirLengths) {
   const auto device = shipped("delta-schorr");
-  const DeltaTactorGeometry& geometry = dynamic_cast<const DeltaTactor&>(*device).geometry();
+  const DeltaTactorGeometry& geometry = dynamic_cast<const DeltaTactor&>(device->kinematics()).geometry();
   std::mt19937 random(5);
   for (int i = 0; i < 1000; ++i) {
     const Configuration q = random_reachable(*device, random);
@@ -328,7 +328,7 @@ TEST(DeltaTactor, ForwardUndoesInverseForAnySizes) {
       ASSERT_NE(i, 0);
       continue;
     }
-    const DeltaTactorGeometry& geometry = dynamic_cast<const DeltaTactor&>(*device).geometry();
+    const DeltaTactorGeometry& geometry = dynamic_cast<const DeltaTactor&>(device->kinematics()).geometry();
     for (int k = 0; k < 40; ++k) {
       const Configuration q = k == 0 ? device->home() : random_reachable(*device, random);
       JointAngles joints;
@@ -361,7 +361,7 @@ TEST(DeltaTactor, ReachesTenMillimetresEachWay) {
 
 TEST(CablePlatform, WinchesWindWhatTheCablesLose) {
   const auto device = shipped("cable-prattichizzo");
-  const CablePlatformGeometry& geometry = dynamic_cast<const CablePlatform&>(*device).geometry();
+  const CablePlatformGeometry& geometry = dynamic_cast<const CablePlatform&>(device->kinematics()).geometry();
   std::mt19937 random(6);
   std::array<Vector3, 9> neutral;
   device->linkage(Configuration::Zero(3), neutral);
@@ -382,7 +382,7 @@ TEST(CablePlatform, WinchesWindWhatTheCablesLose) {
 // Any small motion costs the spring what the cables do: by differences of lengths and energy.
 TEST(CablePlatform, TensionsBalanceTheSpring) {
   const auto device = shipped("cable-prattichizzo");
-  const auto& cables = dynamic_cast<const CablePlatform&>(*device);
+  const auto& cables = dynamic_cast<const CablePlatform&>(device->kinematics());
   const CablePlatformGeometry& geometry = cables.geometry();
   const auto energy = [&](const Configuration& q) {
     const double pressed = geometry.spring_length - geometry.neutral_height + q[2];
@@ -391,7 +391,7 @@ TEST(CablePlatform, TensionsBalanceTheSpring) {
   };
   std::mt19937 random(7);
   for (int i = 0; i < 300; ++i) {
-    const Configuration q = random_reachable(cables, random);
+    const Configuration q = random_reachable(*device, random);
     Vector3 tension;
     ASSERT_TRUE(cables.tensions(q, tension));
     EXPECT_GE(tension.minCoeff(), geometry.least_tension - 1e-9);

@@ -33,7 +33,7 @@ inline Configuration random_configuration(const Device& device, std::mt19937& ra
   Configuration q(device.degrees_of_freedom());
   for (int k = 0; k < q.size(); ++k) {
     const ConfigurationAxis& axis = device.axes()[static_cast<std::size_t>(k)];
-    const double some = axis.unit == deg ? 30.0 * deg : 10.0 * mm;
+    const double some = axis.angular ? 30.0 * deg : 10.0 * mm;
     std::uniform_real_distribution<double> range(std::isfinite(axis.min) ? axis.min : -some,
                                                  std::isfinite(axis.max) ? axis.max : some);
     q[k] = range(random);

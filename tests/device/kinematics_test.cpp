@@ -28,7 +28,7 @@ TEST(Kinematics, ForwardUndoesInverseOverTheWorkspace) {
 // The linkage drawn from the joint angles closes: all lengths and planes are as built.
 TEST(Kinematics, LinksKeepTheirLengthsAndPlanes) {
   std::mt19937 random(2);
-  const Platform3rrsGeometry& geometry = thimble().geometry();
+  const Platform3rrsGeometry& geometry = thimble_legs().geometry();
   const Pose X_BF = thimble().settings().X_FB.inverse();
   for (int i = 0; i < 1000; ++i) {
     const Configuration q = random_reachable(random);
@@ -55,7 +55,7 @@ TEST(Kinematics, OrientationIsTheRotationVector) {
   const Configuration q = configuration(12.0, -7.0, 1.5);
   const Pose X_BP = thimble().settings().X_FB.inverse() * thimble().surface_pose(q);
   EXPECT_LT((X_BP.rotation - exp_rotation({q[1], q[0], 0.0})).norm(), 1e-14);
-  const double rp = thimble().geometry().platform_radius;
+  const double rp = thimble_legs().geometry().platform_radius;
   const Matrix3& m = X_BP.rotation;
   EXPECT_NEAR(X_BP.translation.x(), 0.5 * rp * (m(0, 0) - m(1, 1)), 1e-15);
   EXPECT_NEAR(X_BP.translation.y(), -rp * m(0, 1), 1e-15);
@@ -70,7 +70,7 @@ TEST(Kinematics, JointJacobianIsTheDerivative) {
   for (int i = 0; i < 500; ++i) {
     const Configuration q = random_reachable(random);
     Matrix3 jacobian;
-    ASSERT_TRUE(thimble().joint_jacobian(q, jacobian));
+    ASSERT_TRUE(thimble_legs().joint_jacobian(q, jacobian));
     const auto joints_at = [&](const Eigen::VectorXd& at) {
       JointAngles joints;
       EXPECT_TRUE(thimble().inverse_kinematics(at, joints));

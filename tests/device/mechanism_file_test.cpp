@@ -63,7 +63,7 @@ TEST(MechanismFile, AcceptsWhatIsUnchanged) {
 }
 
 TEST(MechanismFile, ReadsWhatTheFileSays) {
-  const std::shared_ptr<const Mechanism> device = mechanism("five-bar");
+  const std::shared_ptr<const Device> device = mechanism("five-bar");
   EXPECT_EQ(device->degrees_of_freedom(), 2);
   EXPECT_EQ(device->axes()[0].name, "x_mm");
   EXPECT_EQ(device->joint_count(), 2);

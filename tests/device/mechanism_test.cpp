@@ -11,8 +11,8 @@
 namespace softfinger {
 namespace {
 
-const Mechanism& thimble_by_bodies() {
-  static const std::shared_ptr<const Mechanism> device = mechanism("thimble-3rrs-mechanism");
+const Device& thimble_by_bodies() {
+  static const std::shared_ptr<const Device> device = mechanism("thimble-3rrs-mechanism");
   return *device;
 }
 
@@ -167,23 +167,23 @@ TEST(Mechanism, AnswersDependOnTheConfigurationAlone) {
 /// The shipped mechanisms, each by itself.
 class ShippedMechanism : public testing::TestWithParam<const char*> {
  protected:
-  std::shared_ptr<const Mechanism> device_ = mechanism(GetParam());
+  std::shared_ptr<const Device> device_ = mechanism(GetParam());
   ReachableConfigurations draws_{*device_, 25.0, 5.0, 6};
 };
 
 TEST_P(ShippedMechanism, ClosesEveryLoop) {
-  const Linkage& linkage = device_->description().linkage.linkage();
+  const Linkage& linkage = linkage_of(*device_).description().linkage.linkage();
   for (int i = 0; i < 500; ++i) {
     const Configuration q = draws_.draw();
     LinkageSolution solution;
-    ASSERT_TRUE(device_->solve(q, solution));
+    ASSERT_TRUE(linkage_of(*device_).solve(q, solution));
     double worst = 0.0;
     for (int e = 0; e < linkage.equation_count(); ++e) {
       worst = std::max(worst, std::abs(linkage.residual(e, solution.placement)));
     }
     EXPECT_LT(worst, 1e-13);
     LinkageInputs read(device_->degrees_of_freedom());
-    linkage.read(device_->description().configuration, solution.x, solution.placement, read);
+    linkage.read(linkage_of(*device_).description().configuration, solution.x, solution.placement, read);
     EXPECT_LT((read - q).norm(), 1e-12);
   }
 }
@@ -209,7 +209,7 @@ TEST_P(ShippedMechanism, ConstraintsAndTheirCurvatureAreDerivatives) {
   for (int k = 0; k < count; ++k) {
     if (k < 2 * device_->joint_count() || k > 2 * device_->joint_count() + 1) smooth.push_back(k);
   }
-  const double length = device_->description().linkage.linkage().length();
+  const double length = linkage_of(*device_).description().linkage.linkage().length();
   int compared = 0;
   for (int i = 0; i < 50; ++i) {
     const Configuration q = draws_.draw();
@@ -282,8 +282,8 @@ TEST_P(ShippedMechanism, DeviationDerivativesAreDerivatives) {
 
 // The two determinants near where they vanish, against differences.
 TEST(Mechanism, SingularityConstraintsAreDerivativesNearby) {
-  const Mechanism& device = thimble_by_bodies();
-  const double length = device.description().linkage.linkage().length();
+  const Device& device = thimble_by_bodies();
+  const double length = linkage_of(device).description().linkage.linkage().length();
   std::mt19937 random(8);
   std::uniform_real_distribution<double> tilt(-35.0, 35.0);
   std::uniform_real_distribution<double> travel(-15.0, 15.0);

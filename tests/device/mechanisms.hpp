@@ -11,15 +11,17 @@
 namespace softfinger {
 
 /// A shipped mechanism by the name of its file.
-inline std::shared_ptr<const Mechanism> mechanism(const std::string& name) {
-  return std::dynamic_pointer_cast<const Mechanism>(
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml"));
+inline std::shared_ptr<const Device> mechanism(const std::string& name) {
+  return load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml");
+}
+inline const Mechanism& linkage_of(const Device& device) {
+  return dynamic_cast<const Mechanism&>(device.kinematics());
 }
 
 /// Draws configurations from a mechanism's workspace: up to `angle_deg` and `length_mm` from home.
 class ReachableConfigurations {
  public:
-  ReachableConfigurations(const Mechanism& device, double angle_deg, double length_mm,
+  ReachableConfigurations(const Device& device, double angle_deg, double length_mm,
                           unsigned seed)
       : device_(device), angle_(angle_deg * deg), length_(length_mm * mm), random_(seed) {}
 
@@ -29,7 +31,7 @@ class ReachableConfigurations {
       Configuration q = device_.home();
       for (int k = 0; k < q.size(); ++k) {
         q[k] += part(random_) *
-                (device_.axes()[static_cast<std::size_t>(k)].unit == deg ? angle_ : length_);
+                (device_.axes()[static_cast<std::size_t>(k)].angular ? angle_ : length_);
       }
       if (device_.reachable(q)) return q;
     }
@@ -37,16 +39,16 @@ class ReachableConfigurations {
   [[nodiscard]] std::mt19937& random() { return random_; }
 
  private:
-  const Mechanism& device_;
+  const Device& device_;
   double angle_, length_;
   std::mt19937 random_;
 };
 
 /// Steps for central differences of q.
-inline Eigen::VectorXd steps_of(const Mechanism& device) {
+inline Eigen::VectorXd steps_of(const Device& device) {
   Eigen::VectorXd steps(device.degrees_of_freedom());
   for (int k = 0; k < steps.size(); ++k) {
-    steps[k] = device.axes()[static_cast<std::size_t>(k)].unit == deg ? 1e-5 : 1e-7;
+    steps[k] = device.axes()[static_cast<std::size_t>(k)].angular ? 1e-5 : 1e-7;
   }
   return steps;
 }

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "../support/derivative_check.hpp"
-#include "softfinger/device/disk_surface.hpp"
+#include "softfinger/device/surfaces/disk_geometry.hpp"
 #include "thimble.hpp"
 
 namespace softfinger {

@@ -11,10 +11,13 @@
 namespace softfinger {
 
 /// The shipped device, loaded once.
-inline const Platform3rrs& thimble() {
+inline const Device& thimble() {
   static const std::shared_ptr<const Device> device =
       load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
-  return dynamic_cast<const Platform3rrs&>(*device);
+  return *device;
+}
+inline const Platform3rrs& thimble_legs() {
+  return dynamic_cast<const Platform3rrs&>(thimble().kinematics());
 }
 
 inline Configuration configuration(double pitch_deg, double roll_deg, double travel_mm) {

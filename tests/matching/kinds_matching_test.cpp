@@ -62,7 +62,7 @@ TEST_P(KindsMatching, FindsTheGlobalMinimum) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, KindsMatching,
                          testing::Values("plate-2dof", "cable-prattichizzo", "delta-schorr",
-                                         "membrane", "roller-provancher"),
+                                         "membrane", "roller-provancher", "disk-linear"),
                          name_of_kind);
 
 }  // namespace

@@ -26,8 +26,9 @@ std::shared_ptr<const Device> narrow_thimble() {
     EXPECT_TRUE(thimble()->inverse_kinematics(thimble()->home(), home));
     settings.joint_limits.min = home.array() - 17.0 * deg;
     settings.joint_limits.max = home.array() + 34.0 * deg;
-    return std::make_shared<const Platform3rrs>(
-        std::move(settings), dynamic_cast<const Platform3rrs&>(*thimble()).geometry());
+    return make_platform_3rrs(
+        std::move(settings),
+        dynamic_cast<const Platform3rrs&>(thimble()->kinematics()).geometry());
   }();
   return device;
 }

@@ -17,12 +17,12 @@ std::shared_ptr<const Device> pins(int rows, int columns, double pitch, double r
   const PinArrayGeometry geometry{rows, columns, pitch, radius, stroke, 0.0};
   DeviceSettings settings;
   settings.kind = "pin_array";
-  settings.axes = PinArray::axes_for(geometry);
+  settings.axes = PinDrives::axes_for(geometry);
   settings.X_FB.translation = Vector3(0.0, 0.0, -7.8 * mm);
   settings.home = Configuration::Zero(rows * columns);
   settings.retracted = settings.home;
-  PinArray::set_joint_limits(settings, 50.0 * mm);
-  return std::make_shared<const PinArray>(settings, geometry);
+  LinearDrives::set_joint_limits(settings, 50.0 * mm);
+  return make_pin_array(std::move(settings), geometry);
 }
 
 /// Moves pins one by one to the best of many heights until none gains.

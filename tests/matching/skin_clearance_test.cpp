@@ -32,7 +32,7 @@ TEST_P(Clearance, IsKeptFromOutside) {
     Configuration from = device->home();
     for (int k = 0; k < from.size(); ++k) {
       if (k == axis) continue;
-      const bool turns = device->axes()[static_cast<std::size_t>(k)].unit == deg;
+      const bool turns = device->axes()[static_cast<std::size_t>(k)].angular;
       from[k] += (even(random) - 0.5) * (turns ? 20.0 * deg : 4.0 * mm);
     }
     const double wanted = 2.0 * mm * even(random);

@@ -51,7 +51,7 @@ class ForceCeilingOf : public ::testing::TestWithParam<LimitedDevice> {
       Configuration q = device->home();
       for (int k = 0; k < q.size(); ++k) {
         const ConfigurationAxis& axis = device->axes()[static_cast<std::size_t>(k)];
-        const double far = (axis.unit == deg ? 30.0 * deg : 8.0 * mm) * unit(random);
+        const double far = (axis.angular ? 30.0 * deg : 8.0 * mm) * unit(random);
         q[k] = std::clamp(q[k] + far, axis.min, axis.max);
       }
       if (device->reachable(q)) return q;

@@ -6,31 +6,36 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device.hpp"
+#include "softfinger/device/surfaces/pointwise_surface.hpp"
 #include "softfinger/motors/motor_kinds.hpp"
 
 namespace softfinger {
 
-/// A device simple enough to check commands by hand: three levers whose angles are linear in
+struct LeverShape {
+  std::string port = "emulator";
+  double rate = 30.0;
+  bool wedge = false;  ///< pitch in (5, 10) degrees is forbidden where roll > -5 degrees
+  bool reversed_servo = false;
+  double acceleration = std::numeric_limits<double>::infinity();  ///< rad/s^2
+  std::string kind = "maestro";                                   ///< of transport
+};
+
+/// Kinematics simple enough to check commands by hand: three levers whose angles are linear in
 /// q = (pitch, roll, travel), with joint limits, a tilt limit, and optionally a forbidden wedge
 /// that makes the workspace non-convex.
-class LeverPlatform : public Device {
+class LeverPlatform : public Kinematics {
  public:
-  struct Shape {
-    std::string port = "emulator";
-    double rate = 30.0;
-    bool wedge = false;  ///< pitch in (5, 10) degrees is forbidden where roll > -5 degrees
-    bool reversed_servo = false;
-    double acceleration = std::numeric_limits<double>::infinity();  ///< rad/s^2
-    std::string kind = "maestro";                                   ///< of transport
-  };
+  using Shape = LeverShape;
   static constexpr double kMaxTilt = 30.0 * deg;
   static constexpr double kGain = 40.0;    ///< rad/m
   static constexpr double kLever = 12e-3;  ///< m
 
-  explicit LeverPlatform(const Shape& shape) : Device(make_settings(shape)), wedge_(shape.wedge) {}
+  LeverPlatform(const DeviceSettings& settings, bool wedge)
+      : Kinematics(settings), wedge_(wedge) {}
 
   bool inverse_kinematics(const Configuration& q, JointAngles& joints) const override {
     if (q.size() != 3 || !q.allFinite()) return false;
@@ -41,10 +46,6 @@ class LeverPlatform : public Device {
                   30.0 * deg;
     }
     return true;
-  }
-  void clamped_joints(const Configuration& q, JointAngles& joints) const override {
-    (void)inverse_kinematics(q, joints);
-    joints = joints.cwiseMax(joint_limits().min).cwiseMin(joint_limits().max);
   }
   bool forward_kinematics(const JointAngles& joints, Configuration& q) const override {
     q.setZero(3);
@@ -68,97 +69,102 @@ class LeverPlatform : public Device {
            std::hypot(q[0], q[1]) <= kMaxTilt + 1e-9;
   }
 
-  int constraint_count() const override { return 0; }
-  bool constraints(const Configuration&, Eigen::Ref<Eigen::VectorXd>,
-                   Eigen::Ref<Eigen::MatrixXd>) const override {
-    return true;
-  }
-  void add_constraint_curvature(const Configuration&, const Eigen::Ref<const Eigen::VectorXd>&,
-                                Eigen::Ref<Eigen::MatrixXd>) const override {}
-  std::span<const std::string> constraint_names(int) const override { return {}; }
-  ClosestPointResidual closest_point_residual(const Configuration&, const Vector3&) const override {
-    return {};
-  }
-  void solid_pieces(const Configuration&, std::span<SolidPiece>) const override {}
-  /// To the level plane at its travel.
-  SurfaceDistance signed_distance(const Configuration& q, const Vector3& p) const override {
-    return {p.z() - q[2], -Configuration::Unit(3, 2)};
-  }
-  Configuration facing(const Vector3&, const Configuration& q) const override { return q; }
   int approach_axis() const override { return 2; }
-  Pose surface_pose(const Configuration&) const override { return {}; }
-  WorkspaceSummary workspace_summary() const override { return {}; }
+  Pose pose(const Configuration&) const override { return {}; }
+  RigidMotion motion(const Configuration&) const override { return {}; }
 
  private:
-  static DeviceSettings make_settings(const Shape& shape) {
-    DeviceSettings settings;
-    settings.kind = "lever_platform";
-    settings.axes = {{"pitch_deg", deg, kLever}, {"roll_deg", deg, kLever}, {"travel_mm", mm, 1.0}};
-    settings.home = Configuration::Zero(3);
-    settings.retracted = Configuration::Zero(3);
-    settings.retracted[2] = -8.0 * mm;
-    settings.joint_limits = {JointAngles::Constant(3, -20.0 * deg),
-                             JointAngles::Constant(3, 90.0 * deg), 400.0 * deg, shape.acceleration};
-    TransportSettings transport;
-    transport.kind = shape.kind;
-    transport.port = shape.port;
-    transport.rate = shape.rate;
-    const MotorKind& kind = motor_kind(shape.kind);
-    transport.unit = kind.unit;
-    transport.unit_scale = kind.unit_scale;
-    transport.follows_travel = kind.follows_travel;
-    if (kind.whole_set_points) transport.baud = 1000000;
-    for (int i = 0; i < (transport.follows_travel ? 1 : 3); ++i) {
-      transport.servos.push_back(servo(shape, i));
-    }
-    settings.transport = transport;
-    return settings;
-  }
-
-  static ServoSettings servo(const Shape& shape, int i) {
-    if (shape.kind == "maestro") return maestro_servo(shape, i);
-    if (shape.kind == "osc") {
-      return {.zero = 0.0,
-              .per_radian = 1.0 / deg,
-              .min = -25.0,
-              .max = 95.0,
-              .step = 1e-6,
-              .address = "/lever/" + std::to_string(i)};
-    }
-    if (shape.kind == "weart") {
-      return {.zero = 0.0,
-              .per_radian = 0.1 / mm,
-              .min = 0.0,
-              .max = 0.9,
-              .step = 1e-6,
-              .address = "RIGHT:INDEX"};
-    }
-    return bus_servo(shape, i);
-  }
-  static ServoSettings maestro_servo(const Shape& shape, int i) {
-    const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
-    return {.channel = 2 * i,
-            .zero = sign > 0.0 ? 1500.3e-6 : 1900e-6,
-            .per_radian = sign * 10e-6 / deg,
-            .min = 700e-6,
-            .max = 2500e-6};
-  }
-  /// Ids 1, 3, 5; the middle one may be reversed.
-  static ServoSettings bus_servo(const Shape& shape, int i) {
-    const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
-    return {.channel = 2 * i + 1,
-            .zero = 2048.0,
-            .per_radian = sign * 4096.0 / (360.0 * deg),
-            .min = 900.0,
-            .max = 3200.0,
-            .step = 1.0};
-  }
-
   bool wedge_;
 };
 
-inline std::shared_ptr<const Device> lever_platform(const LeverPlatform::Shape& shape = {}) {
-  return std::make_shared<const LeverPlatform>(shape);
+/// The level plane at the levers' travel.
+class LevelPlane : public PointwiseSurface<LevelPlane> {
+ public:
+  struct Placed {
+    double height;
+    ClosestPointResidual closest_point_residual(const Vector3&) const { return {}; }
+    SurfaceDistance signed_distance(const Vector3& p) const {
+      return {p.z() - height, -Configuration::Unit(3, 2)};
+    }
+  };
+  Placed placed(const Kinematics&, const Configuration& q) const { return {q[2]}; }
+  void solid_pieces(const Kinematics&, const Configuration&, std::span<SolidPiece>) const override {
+  }
+};
+
+inline ServoSettings maestro_servo(const LeverShape& shape, int i) {
+  const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
+  return {.channel = 2 * i,
+          .zero = sign > 0.0 ? 1500.3e-6 : 1900e-6,
+          .per_radian = sign * 10e-6 / deg,
+          .min = 700e-6,
+          .max = 2500e-6};
+}
+
+/// Ids 1, 3, 5; the middle one may be reversed.
+inline ServoSettings bus_servo(const LeverShape& shape, int i) {
+  const double sign = shape.reversed_servo && i == 1 ? -1.0 : 1.0;
+  return {.channel = 2 * i + 1,
+          .zero = 2048.0,
+          .per_radian = sign * 4096.0 / (360.0 * deg),
+          .min = 900.0,
+          .max = 3200.0,
+          .step = 1.0};
+}
+
+inline ServoSettings lever_servo(const LeverShape& shape, int i) {
+  if (shape.kind == "maestro") return maestro_servo(shape, i);
+  if (shape.kind == "osc") {
+    return {.zero = 0.0,
+            .per_radian = 1.0 / deg,
+            .min = -25.0,
+            .max = 95.0,
+            .step = 1e-6,
+            .address = "/lever/" + std::to_string(i)};
+  }
+  if (shape.kind == "weart") {
+    return {.zero = 0.0,
+            .per_radian = 0.1 / mm,
+            .min = 0.0,
+            .max = 0.9,
+            .step = 1e-6,
+            .address = "RIGHT:INDEX"};
+  }
+  return bus_servo(shape, i);
+}
+
+inline DeviceSettings lever_settings(const LeverShape& shape) {
+  DeviceSettings settings;
+  settings.kind = "lever_platform";
+  settings.axes = {ConfigurationAxis::angle("pitch_deg", LeverPlatform::kLever),
+                   ConfigurationAxis::angle("roll_deg", LeverPlatform::kLever),
+                   ConfigurationAxis::length("travel_mm")};
+  settings.home = Configuration::Zero(3);
+  settings.retracted = Configuration::Zero(3);
+  settings.retracted[2] = -8.0 * mm;
+  settings.joint_limits = {JointAngles::Constant(3, -20.0 * deg),
+                           JointAngles::Constant(3, 90.0 * deg), 400.0 * deg, shape.acceleration};
+  TransportSettings transport;
+  transport.kind = shape.kind;
+  transport.port = shape.port;
+  transport.rate = shape.rate;
+  const MotorKind& kind = motor_kind(shape.kind);
+  transport.unit = kind.unit;
+  transport.unit_scale = kind.unit_scale;
+  transport.follows_travel = kind.follows_travel;
+  if (kind.whole_set_points) transport.baud = 1000000;
+  for (int i = 0; i < (transport.follows_travel ? 1 : 3); ++i) {
+    transport.servos.push_back(lever_servo(shape, i));
+  }
+  settings.transport = transport;
+  return settings;
+}
+
+inline std::shared_ptr<const Device> lever_platform(const LeverShape& shape = {}) {
+  DeviceSettings settings = lever_settings(shape);
+  auto kinematics = std::make_unique<const LeverPlatform>(settings, shape.wedge);
+  return std::make_shared<const Device>(std::move(settings), std::move(kinematics),
+                                        std::make_unique<const LevelPlane>());
 }
 
 }  // namespace softfinger

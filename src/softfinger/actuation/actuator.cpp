@@ -58,7 +58,7 @@ void check_servos(const Device& device) {
   const TransportSettings& transport = *device.settings().transport;
   if (transport.follows_travel) {
     const int axis = device.approach_axis();
-    if (axis < 0 || device.axes()[static_cast<std::size_t>(axis)].unit != mm) {
+    if (axis < 0 || device.axes()[static_cast<std::size_t>(axis)].angular) {
       throw InputError(fmt::format(
           "transport.kind: \"{}\" follows a device's travel towards the finger, and this one has "
           "none in mm; use a device that has, such as a platform, or another transport",

@@ -175,7 +175,7 @@ double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Spa
 
 int grid_count(const Device& device, int k, const Span& span, int axes) {
   const auto number = static_cast<std::size_t>(axes);
-  if (device.axes()[static_cast<std::size_t>(k)].unit == deg) return kAngles[number];
+  if (device.axes()[static_cast<std::size_t>(k)].angular) return kAngles[number];
   const int spaces = static_cast<int>(std::ceil((span.max - span.min) / kSpacing));
   return std::clamp(1 + spaces, 2, kMostLengths[number]);
 }
@@ -336,7 +336,7 @@ TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<cons
   const std::vector<TravelCeiling::GridAxis> axes = grid_axes(*device, advance);
   const Grid nodes(axes, false);
   const bool aside = std::any_of(axes.begin(), axes.end(), [&](const auto& axis) {
-    return device->axes()[static_cast<std::size_t>(axis.axis)].unit != deg;
+    return !device->axes()[static_cast<std::size_t>(axis.axis)].angular;
   });
   const double force = (aside ? kReserveAside : kReserve) * max_force;
   const std::vector<Vector3> rest_skin = rest_skin_points(model);

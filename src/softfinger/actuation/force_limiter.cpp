@@ -25,7 +25,7 @@ ForceLimiter::ForceLimiter(const FingerModel& model, std::shared_ptr<const Devic
 bool ForceLimiter::needed(const Device& device) {
   if (!(device.settings().max_force > 0.0) || device.approach_axis() < 0) return false;
   for (int k = 0; k < device.degrees_of_freedom(); ++k) {
-    if (k != device.approach_axis() && device.axes()[static_cast<std::size_t>(k)].unit != deg) {
+    if (k != device.approach_axis() && !device.axes()[static_cast<std::size_t>(k)].angular) {
       return true;
     }
   }

@@ -74,7 +74,8 @@ Json example_schema(const std::string& name, const std::string& example) {
 
 std::string device_schema(const std::string& name) {
   const DeviceKind& kind = device_kind(name);
-  if (kind.read_keys == nullptr) return example_schema(name, kind.example).dump(2);
+  if (std::string_view(kind.example).find("MOTOR") == std::string_view::npos)
+    return example_schema(name, kind.example).dump(2);
   // Its motors all turn or all slide, and keys go by that.
   const auto driven = [&](const std::string& motor, const std::string& rate) {
     return example_schema(name, with_words(with_words(kind.example, "MOTOR", motor), "RATE", rate));

@@ -10,6 +10,11 @@
 namespace softfinger {
 namespace {
 
+// Ranges in the units of the file: beyond them a number is a slip of the pen.
+const Range kPlace = Range::between(-1000.0, 1000.0);  // mm
+const Range kTurn = Range::between(-360.0, 360.0);     // deg
+const Range kComponent = Range::between(-1e3, 1e3);    // of an axis
+
 Pose read_mount(const ConfigTable& mount) {
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
   Pose X_FB;
@@ -30,9 +35,8 @@ Configuration read_configuration(const ConfigTable& table, const DeviceSettings&
   for (Eigen::Index k = 0; k < count; ++k) {
     const ConfigurationAxis& axis = settings.axes[static_cast<std::size_t>(k)];
     q[k] =
-        table.number(axis.name, axis.unit == deg ? Range::between(-90.0, 90.0) : Range::any(), 0.0);
-    if (settings.kind == "mechanism")
-      table.any_name(axis.name, axis.unit == deg ? "_deg$" : "_mm$");
+        table.number(axis.name, axis.angular ? Range::between(-90.0, 90.0) : Range::any(), 0.0);
+    if (settings.names_axes) table.any_name(axis.name, axis.angular ? "_deg$" : "_mm$");
   }
   return q;
 }
@@ -115,22 +119,22 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
   settings.as_read = file.as_read();
 }
 
-void check_rest_poses(const ConfigFile& file, const Device& device,
+void check_rest_poses(const ConfigFile& file, const DeviceSettings& settings,
                       const std::function<std::string(const Configuration& q)>& obstacle) {
-  const std::string at_home = obstacle(device.home());
+  const std::string at_home = obstacle(settings.home);
   if (!at_home.empty()) {
     file.root().table_or_empty("home").fail("", "home is out of the workspace: " + at_home);
   }
-  const std::string at_retracted = obstacle(device.retracted());
+  const std::string at_retracted = obstacle(settings.retracted);
   if (!at_retracted.empty()) {
     file.root().table_or_empty("retract").fail(
         "", "the retracted pose is out of the workspace: " + at_retracted);
   }
 }
 
-std::string axis_obstacle(const Device& device, const Configuration& q) {
+std::string axis_obstacle(const Kinematics& kinematics, const Configuration& q) {
   for (Eigen::Index k = 0; k < q.size(); ++k) {
-    const ConfigurationAxis& axis = device.axes()[static_cast<std::size_t>(k)];
+    const ConfigurationAxis& axis = kinematics.axes()[static_cast<std::size_t>(k)];
     if (q[k] < axis.min - 1e-9 || q[k] > axis.max + 1e-9) {
       return fmt::format("{} is {:g}, out of [{:g}, {:g}]", axis.name, q[k] / axis.unit,
                          axis.min / axis.unit, axis.max / axis.unit);
@@ -139,10 +143,10 @@ std::string axis_obstacle(const Device& device, const Configuration& q) {
   return {};
 }
 
-std::string joint_obstacle(const Device& device, const Configuration& q) {
+std::string joint_obstacle(const Kinematics& kinematics, const Configuration& q) {
   JointAngles joints;
-  if (!device.inverse_kinematics(q, joints)) return {};
-  const JointLimits& limits = device.joint_limits();
+  if (!kinematics.inverse_kinematics(q, joints)) return {};
+  const JointLimits& limits = kinematics.joint_limits();
   for (int joint = 0; joint < joints.size(); ++joint) {
     if (joints[joint] < limits.min[joint] - 1e-9 || joints[joint] > limits.max[joint] + 1e-9) {
       return fmt::format(
@@ -151,6 +155,33 @@ std::string joint_obstacle(const Device& device, const Configuration& q) {
     }
   }
   return {};
+}
+
+int read_name(const ConfigTable& table, const std::string& key,
+              const std::vector<std::string>& names, const std::string& what) {
+  const std::string name = table.text(key);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    const std::string nearest = nearest_word(name, names);
+    table.fail(key, fmt::format("no {} is called '{}'{}", what, name.substr(0, 60),
+                                nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+  }
+  return static_cast<int>(found - names.begin());
+}
+
+Pose read_frame(const ConfigTable& table, const std::string& suffix) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(3);
+  Pose pose;
+  pose.translation = table.numbers("origin" + suffix + "_mm", 3, kPlace, none);
+  pose.rotation =
+      exp_rotation(Vector3(table.numbers("rotation_vector" + suffix + "_deg", 3, kTurn, none)));
+  return pose;
+}
+
+Vector3 read_axis(const ConfigTable& table, const std::string& key, const Vector3& fallback) {
+  const Vector3 axis = table.numbers(key, 3, kComponent, fallback);
+  if (!(axis.norm() > 1e-6)) table.fail(key, "must have a direction, found a vector of length 0");
+  return axis.normalized();
 }
 
 }  // namespace softfinger

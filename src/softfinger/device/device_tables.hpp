@@ -3,8 +3,9 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "softfinger/device/device.hpp"
+#include "softfinger/device/kinematics.hpp"
 #include "softfinger/files/config_file.hpp"
 
 namespace softfinger {
@@ -38,14 +39,25 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings);
 
 /// Refuses a home or a retracted pose out of the workspace. `obstacle` says in words why a
 /// configuration is; empty if it is inside.
-void check_rest_poses(const ConfigFile& file, const Device& device,
+void check_rest_poses(const ConfigFile& file, const DeviceSettings& settings,
                       const std::function<std::string(const Configuration& q)>& obstacle);
 
 /// Which component of q would be out of the limits of its axis, in words; empty if none.
-[[nodiscard]] std::string axis_obstacle(const Device& device, const Configuration& q);
+[[nodiscard]] std::string axis_obstacle(const Kinematics& kinematics, const Configuration& q);
 
 /// Which joint of q would be out of its limits, in words; empty if none or where the linkage does
 /// not close.
-[[nodiscard]] std::string joint_obstacle(const Device& device, const Configuration& q);
+[[nodiscard]] std::string joint_obstacle(const Kinematics& kinematics, const Configuration& q);
+
+/// Index of the name that `key` has in `names`; refused, with the nearest, where there is none.
+/// `what`: "body", "joint".
+[[nodiscard]] int read_name(const ConfigTable& table, const std::string& key,
+                            const std::vector<std::string>& names, const std::string& what);
+/// A pose of keys that end in `suffix`: origin_mm and rotation_vector_deg, or origin_a_mm and
+/// rotation_vector_a_deg.
+[[nodiscard]] Pose read_frame(const ConfigTable& table, const std::string& suffix = {});
+/// A direction of any length but 0, as a unit vector.
+[[nodiscard]] Vector3 read_axis(const ConfigTable& table, const std::string& key,
+                                const Vector3& fallback);
 
 }  // namespace softfinger

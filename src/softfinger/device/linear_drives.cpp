@@ -1,8 +1,12 @@
 #include "softfinger/device/linear_drives.hpp"
 
+#include <utility>
+
 namespace softfinger {
 
-LinearDrives::LinearDrives(DeviceSettings settings) : Device(std::move(settings)) {
+LinearDrives::LinearDrives(const DeviceSettings& settings, std::vector<Vector3> directions,
+                           int approach_axis)
+    : Kinematics(settings), directions_(std::move(directions)), approach_axis_(approach_axis) {
   for (const ConfigurationAxis& axis : axes()) names_.push_back(axis.name);
 }
 
@@ -24,10 +28,6 @@ bool LinearDrives::inverse_kinematics(const Configuration& q, JointAngles& joint
   return true;
 }
 
-void LinearDrives::clamped_joints(const Configuration& q, JointAngles& joints) const {
-  joints = q.cwiseMax(joint_limits().min).cwiseMin(joint_limits().max);
-}
-
 bool LinearDrives::forward_kinematics(const JointAngles& joints, Configuration& q) const {
   q = joints;
   return within_axes(q);
@@ -47,24 +47,25 @@ bool LinearDrives::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorX
   return true;
 }
 
-void LinearDrives::add_constraint_curvature(
-    const Configuration& /*q*/, const Eigen::Ref<const Eigen::VectorXd>& /*multipliers*/,
-    Eigen::Ref<Eigen::MatrixXd> /*hessian*/) const {}  // straight limits do not curve
-
 std::span<const std::string> LinearDrives::constraint_names(int k) const {
   return {&names_[static_cast<std::size_t>(k % degrees_of_freedom())], 1};
 }
 
-Configuration LinearDrives::facing(const Vector3& /*normal_F*/, const Configuration& q) const {
-  return q;
+Pose LinearDrives::pose(const Configuration& q) const {
+  Pose X_BP;
+  for (std::size_t k = 0; k < directions_.size(); ++k) {
+    X_BP.translation += q[static_cast<Eigen::Index>(k)] * directions_[k];
+  }
+  return X_BP;
 }
 
-WorkspaceSummary LinearDrives::workspace_summary() const {
-  WorkspaceSummary summary;
-  for (const ConfigurationAxis& axis : axes()) {
-    summary.reaches.push_back({axis.name, axis.min, axis.max, axis.unit});
+RigidMotion LinearDrives::motion(const Configuration& q) const {
+  RigidMotion motion{
+      .X_BP = pose(q), .count = static_cast<int>(directions_.size()), .exact = true};
+  for (std::size_t k = 0; k < directions_.size(); ++k) {
+    motion.rate[k].translation = directions_[k];
   }
-  return summary;
+  return motion;
 }
 
 }  // namespace softfinger

@@ -96,6 +96,9 @@ WorkspaceSummary summarise_platform_workspace(const PlatformSpace& space) {
 
 WorkspaceOutline outline_platform_workspace(const PlatformSpace& space) {
   WorkspaceOutline outline;
+  outline.pitch_axis = space.axes.pitch;
+  outline.roll_axis = space.axes.roll;
+  outline.travel_axis = space.axes.travel;
   const std::optional<TravelRange> travel = travel_interval(space, kForDrawing);
   if (!travel) return outline;
   for (int layer = 0; layer < kLayers; ++layer) {

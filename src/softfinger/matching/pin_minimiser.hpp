@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "softfinger/device/device.hpp"
-#include "softfinger/device/pin_field.hpp"
+#include "softfinger/device/surfaces/pin_field.hpp"
 #include "softfinger/matching/pin_profile.hpp"
 
 namespace softfinger {

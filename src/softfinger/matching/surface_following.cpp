@@ -82,7 +82,7 @@ void SurfaceFollowing::Implementation::reset() {
 }
 
 bool SurfaceFollowing::Implementation::turns(int axis) const {
-  return device->axes()[static_cast<std::size_t>(axis)].unit == deg;
+  return device->axes()[static_cast<std::size_t>(axis)].angular;
 }
 
 /// Renders `wanted` cut to the limits of the axes, or what of it is reachable on the way from
@@ -166,7 +166,7 @@ double SurfaceFollowing::Implementation::turn(const Configuration& a,
                                               const Configuration& b) const {
   double square = 0.0;
   for (int k = 0; k < a.size(); ++k) {
-    if (device->axes()[static_cast<std::size_t>(k)].unit != deg) continue;
+    if (!device->axes()[static_cast<std::size_t>(k)].angular) continue;
     square += (a[k] - b[k]) * (a[k] - b[k]);
   }
   return std::sqrt(square);

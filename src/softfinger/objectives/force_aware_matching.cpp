@@ -135,7 +135,7 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
 void ForceAwareMatching::Implementation::cut_step() {
   double longest = 1.0;
   for (int k = 0; k < dof; ++k) {
-    const bool angle = device->axes()[static_cast<std::size_t>(k)].unit == deg;
+    const bool angle = device->axes()[static_cast<std::size_t>(k)].angular;
     longest =
         std::max(longest, std::abs(step[k]) / (angle ? options.max_angle : options.max_length));
   }

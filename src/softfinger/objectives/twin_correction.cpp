@@ -39,7 +39,7 @@ const RenderedSurface& TwinCorrection::tick(const ContactSet& contact,
   // As near the match as is possible from where it was and from where the surface takes it: a
   // surface that jumps between two answers as good takes nobody along who stays.
   for (int k = 0; k < correction_.size(); ++k) {
-    const bool angle = device_->axes()[static_cast<std::size_t>(k)].unit == deg;
+    const bool angle = device_->axes()[static_cast<std::size_t>(k)].angular;
     const double room = (angle ? kTurnRate : kLengthRate) * elapsed;
     const double stay = rendered_.configuration[k];
     const double go = surface.configuration[k] + correction_[k];

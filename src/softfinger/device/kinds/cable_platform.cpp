@@ -17,16 +17,10 @@ constexpr double kLeastLength = 1e-6;     // m
 
 enum CableConstraint { kWoundUp = 0, kLetOut = 3, kSlack = 6, kCableTilt = 9 };
 
-DeviceSettings with_platform_axes(DeviceSettings settings, const CablePlatformGeometry& geometry) {
-  settings.axes = CablePlatform::axes_for(geometry);
-  return settings;
-}
-
 }  // namespace
 
-CablePlatform::CablePlatform(DeviceSettings settings, const CablePlatformGeometry& geometry)
-    : RigidDisk(with_platform_axes(std::move(settings), geometry), geometry.disk_radius,
-                geometry.disk_edge_radius),
+CablePlatform::CablePlatform(const DeviceSettings& settings, const CablePlatformGeometry& geometry)
+    : Kinematics(settings),
       geometry_(geometry),
       neutral_length_(
           std::hypot(geometry.base_radius - geometry.platform_radius, geometry.neutral_height)) {
@@ -39,11 +33,11 @@ CablePlatform::CablePlatform(DeviceSettings settings, const CablePlatformGeometr
 
 std::vector<ConfigurationAxis> CablePlatform::axes_for(const CablePlatformGeometry& geometry) {
   const double tilt = geometry.max_tilt;
-  return {{"pitch_deg", deg, geometry.disk_radius, -tilt, tilt},
-          {"roll_deg", deg, geometry.disk_radius, -tilt, tilt},
+  return {ConfigurationAxis::angle("pitch_deg", geometry.disk_radius, -tilt, tilt),
+          ConfigurationAxis::angle("roll_deg", geometry.disk_radius, -tilt, tilt),
           // From where the spring is slack to where the platform meets the base.
-          {"travel_mm", mm, 1.0, geometry.neutral_height - geometry.spring_length,
-           geometry.neutral_height}};
+          ConfigurationAxis::length("travel_mm", geometry.neutral_height - geometry.spring_length,
+                                    geometry.neutral_height)};
 }
 
 std::array<CablePlatform::Cable, 3> CablePlatform::cables(const Configuration& q) const {
@@ -95,11 +89,6 @@ bool CablePlatform::inverse_kinematics(const Configuration& q, JointAngles& join
         (neutral_length_ - here[static_cast<std::size_t>(i)].length) / geometry_.winch_radius;
   }
   return true;
-}
-
-void CablePlatform::clamped_joints(const Configuration& q, JointAngles& joints) const {
-  static_cast<void>(inverse_kinematics(q, joints));
-  joints = joints.cwiseMax(joint_limits().min).cwiseMin(joint_limits().max);
 }
 
 bool CablePlatform::newton_forward(const JointAngles& joints, Configuration& q) const {
@@ -206,32 +195,28 @@ std::span<const std::string> CablePlatform::constraint_names(int k) const {
 }
 
 Configuration CablePlatform::facing(const Vector3& normal_F, const Configuration& q) const {
-  const Vector3 n = settings().X_FB.rotation.transpose() * normal_F;
-  const double across = std::hypot(n.x(), n.y());
-  const double angle = std::min(std::atan2(across, n.z()), geometry_.max_tilt);
-  Configuration turned = q;
-  // Straight away from the finger no direction is nearer than another: stay level.
-  turned[0] = across > 1e-12 ? angle * n.x() / across : 0.0;
-  turned[1] = across > 1e-12 ? -angle * n.y() / across : 0.0;
-  return turned;
+  return tilted_towards(X_FB().rotation.transpose() * normal_F, geometry_.max_tilt, q);
 }
 
-Pose CablePlatform::surface_pose(const Configuration& q) const {
-  return settings().X_FB * Pose{Tilt(q[0], q[1]).rotation(), Vector3(0.0, 0.0, q[2])};
+Pose CablePlatform::pose(const Configuration& q) const {
+  return {Tilt(q[0], q[1]).rotation(), Vector3(0.0, 0.0, q[2])};
 }
 
-RigidDisk::PoseRate CablePlatform::pose_rate(const Configuration& q, int k) const {
-  if (k == 2) return {Matrix3::Zero(), Vector3::UnitZ()};
-  return {Tilt(q[0], q[1]).derivative(k == 0 ? &PlaneFunction::p : &PlaneFunction::r),
-          Vector3::Zero()};
+RigidMotion CablePlatform::motion(const Configuration& q) const {
+  const Tilt tilt(q[0], q[1]);
+  return {.X_BP = {tilt.rotation(), Vector3(0.0, 0.0, q[2])},
+          .count = 3,
+          .rate = {PoseRate{.rotation = tilt.derivative(&PlaneFunction::p)},
+                   PoseRate{.rotation = tilt.derivative(&PlaneFunction::r)},
+                   PoseRate{.translation = Vector3::UnitZ()}}};
 }
 
 void CablePlatform::linkage(const Configuration& q, std::span<Vector3> points_F) const {
-  const Pose X_FP = surface_pose(q);
+  const Pose X_FP = X_FB() * pose(q);
   for (int i = 0; i < 3; ++i) {
     const double azimuth = 2.0 * std::numbers::pi / 3.0 * i;
     const Vector3 outward(std::cos(azimuth), std::sin(azimuth), 0.0);
-    const Vector3 base = settings().X_FB * Vector3(geometry_.base_radius * outward +
+    const Vector3 base = X_FB() * Vector3(geometry_.base_radius * outward +
                                                    geometry_.neutral_height * Vector3::UnitZ());
     const Vector3 end = X_FP * Vector3(geometry_.platform_radius * outward);
     const auto at = static_cast<std::size_t>(3 * i);
@@ -241,29 +226,9 @@ void CablePlatform::linkage(const Configuration& q, std::span<Vector3> points_F)
   }
 }
 
-PlatformSpace CablePlatform::space() const {
-  return {.reachable =
-              [this](double pitch, double roll, double travel) {
-                Configuration q(3);
-                q << pitch, roll, travel;
-                return reachable(q);
-              },
-          .low = axes()[2].min,
-          .high = axes()[2].max,
-          .home_travel = home()[2],
-          .max_tilt = geometry_.max_tilt};
-}
-
-WorkspaceSummary CablePlatform::workspace_summary() const {
-  return summarise_platform_workspace(space());
-}
-
-WorkspaceOutline CablePlatform::workspace_outline() const {
-  WorkspaceOutline outline = outline_platform_workspace(space());
-  outline.pitch_axis = 0;
-  outline.roll_axis = 1;
-  outline.travel_axis = 2;
-  return outline;
+std::optional<PlatformSpace> CablePlatform::platform_space() const {
+  return space_of({.pitch = 0, .roll = 1, .travel = 2}, axes()[2].min, axes()[2].max,
+                  geometry_.max_tilt);
 }
 
 }  // namespace softfinger

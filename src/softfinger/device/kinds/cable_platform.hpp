@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/device/rigid_disk.hpp"
-#include "softfinger/device/workspace.hpp"
+#include "softfinger/device/kinematics.hpp"
 
 namespace softfinger {
 
@@ -34,17 +33,16 @@ struct CablePlatformGeometry {
 /// Cables only pull. With lengths l(q) and the spring's energy V(q), the tensions t that hold the
 /// platform still solve sum_i t_i dl_i/dq = -dV/dq; the workspace is where all are at least the
 /// least tension, winches and tilt are within their limits.
-class CablePlatform final : public RigidDisk {
+class CablePlatform final : public Kinematics {
  public:
-  /// The settings' axes are filled in here.
-  CablePlatform(DeviceSettings settings, const CablePlatformGeometry& geometry);
+  /// The settings come with the axes of the kind.
+  CablePlatform(const DeviceSettings& settings, const CablePlatformGeometry& geometry);
 
   [[nodiscard]] static std::vector<ConfigurationAxis> axes_for(
       const CablePlatformGeometry& geometry);
   [[nodiscard]] const CablePlatformGeometry& geometry() const { return geometry_; }
 
   [[nodiscard]] bool inverse_kinematics(const Configuration& q, JointAngles& joints) const override;
-  void clamped_joints(const Configuration& q, JointAngles& joints) const override;
   [[nodiscard]] bool forward_kinematics(const JointAngles& joints, Configuration& q) const override;
   [[nodiscard]] bool reachable(const Configuration& q) const override;
   /// Cable tensions that balance the spring, N; false where no tensions do.
@@ -62,12 +60,11 @@ class CablePlatform final : public RigidDisk {
   [[nodiscard]] Configuration facing(const Vector3& normal_F,
                                      const Configuration& q) const override;
   [[nodiscard]] int approach_axis() const override { return 2; }
-  [[nodiscard]] Pose surface_pose(const Configuration& q) const override;
+  [[nodiscard]] Pose pose(const Configuration& q) const override;
+  [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
   [[nodiscard]] int leg_count() const override { return 3; }
   /// A cable has no knee: its middle stands for it.
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
-  [[nodiscard]] WorkspaceSummary workspace_summary() const override;
-  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
 
  private:
   // Joints above max, joints below min, cables too slack, each for 1 to 3; tilt.
@@ -80,9 +77,8 @@ class CablePlatform final : public RigidDisk {
     Matrix3 bend;
   };
   [[nodiscard]] std::array<Cable, 3> cables(const Configuration& q) const;
-  [[nodiscard]] PlatformSpace space() const;
+  [[nodiscard]] std::optional<PlatformSpace> platform_space() const override;
   [[nodiscard]] bool newton_forward(const JointAngles& joints, Configuration& q) const;
-  [[nodiscard]] PoseRate pose_rate(const Configuration& q, int k) const override;
   /// dV/dq of the spring.
   [[nodiscard]] Vector3 spring_force(const Configuration& q) const;
 

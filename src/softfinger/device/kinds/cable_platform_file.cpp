@@ -5,6 +5,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_tables.hpp"
 #include "softfinger/device/kinds/cable_platform.hpp"
+#include "softfinger/device/surfaces/disk_surface.hpp"
 #include "softfinger/device/kinds/device_readers.hpp"
 
 namespace softfinger {
@@ -29,27 +30,29 @@ std::shared_ptr<const Device> read_cable_platform(const ConfigFile& file, Device
 
   settings.axes = CablePlatform::axes_for(geometry);
   read_shared_tables(file, settings);
-  auto device = std::make_shared<const CablePlatform>(std::move(settings), geometry);
-  check_rest_poses(file, *device, [&](const Configuration& q) -> std::string {
+  auto kinematics = std::make_unique<const CablePlatform>(settings, geometry);
+  check_rest_poses(file, settings, [&](const Configuration& q) -> std::string {
     const double tilt = std::hypot(q[0], q[1]);
     if (tilt > geometry.max_tilt + 1e-9) {
       return fmt::format("tilt of {:.4g} degrees is more than limits.max_tilt_deg {:g}", tilt / deg,
                          geometry.max_tilt / deg);
     }
-    std::string obstacle = joint_obstacle(*device, q);
+    std::string obstacle = joint_obstacle(*kinematics, q);
     if (!obstacle.empty()) return obstacle;
     Vector3 tension;
     Eigen::Index cable = 0;
-    if (!device->tensions(q, tension)) return "no cable tensions balance the spring";
+    if (!kinematics->tensions(q, tension)) return "no cable tensions balance the spring";
     if (tension.minCoeff(&cable) < geometry.least_tension - 1e-9) {
       return fmt::format(
           "cable {} would have to push: its tension is {:.3g} N, less than limits.least_tension_N "
           "{:g} (check spring_length_mm, neutral_height_mm and the radii)",
           cable + 1, tension[cable], geometry.least_tension);
     }
-    return axis_obstacle(*device, q);
+    return axis_obstacle(*kinematics, q);
   });
-  return device;
+  return std::make_shared<const Device>(
+      std::move(settings), std::move(kinematics),
+      std::make_unique<const DiskSurface>(geometry.disk_radius, geometry.disk_edge_radius));
 }
 
 }  // namespace softfinger

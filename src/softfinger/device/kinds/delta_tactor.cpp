@@ -12,17 +12,11 @@ namespace {
 
 constexpr double kLegTolerance = 1e-9;   // rad
 constexpr double kForearmMargin = 1e-9;  // m; where a leg is stretched, d(joint)/dq is infinite
-constexpr double kAtCentre = 1e-12;      // m
-
-DeviceSettings with_tip_axes(DeviceSettings settings, const DeltaTactorGeometry& geometry) {
-  settings.axes = DeltaTactor::axes_for(geometry);
-  return settings;
-}
 
 }  // namespace
 
-DeltaTactor::DeltaTactor(DeviceSettings settings, const DeltaTactorGeometry& geometry)
-    : Device(with_tip_axes(std::move(settings), geometry)), geometry_(geometry) {
+DeltaTactor::DeltaTactor(const DeviceSettings& settings, const DeltaTactorGeometry& geometry)
+    : Kinematics(settings), geometry_(geometry) {
   JointAngles joints;
   if (!inverse_kinematics(home(), joints)) return;
   Matrix3 jacobian;
@@ -34,9 +28,10 @@ std::vector<ConfigurationAxis> DeltaTactor::axes_for(const DeltaTactorGeometry& 
   // As far as stretched legs reach, over the base.
   const double reach = geometry.crank + geometry.forearm;
   const double across = reach + std::abs(geometry.base_radius - geometry.platform_radius);
-  return {{"x_mm", mm, 1.0, -across, across},
-          {"y_mm", mm, 1.0, -across, across},
-          {"z_mm", mm, 1.0, -geometry.neutral_height, reach - geometry.neutral_height}};
+  return {ConfigurationAxis::length("x_mm", -across, across),
+          ConfigurationAxis::length("y_mm", -across, across),
+          ConfigurationAxis::length("z_mm", -geometry.neutral_height,
+                                    reach - geometry.neutral_height)};
 }
 
 DeltaTactor::Leg DeltaTactor::leg(const Configuration& q, int i) const {
@@ -201,39 +196,15 @@ std::span<const std::string> DeltaTactor::constraint_names(int k) const {
   return {&names_[static_cast<std::size_t>(k % 3)], 1};
 }
 
-ClosestPointResidual DeltaTactor::closest_point_residual(const Configuration& q,
-                                                         const Vector3& p_F) const {
-  const Matrix3& R_FB = settings().X_FB.rotation;
-  const Vector3 d = p_F - settings().X_FB * Vector3(q);
-  const double distance = std::max(d.norm(), kAtCentre);
-  const Vector3 n = d / distance;
-  const double part = 1.0 - geometry_.tip_radius / distance;
-  const Matrix3 by_point = part * Matrix3::Identity() + (1.0 - part) * n * n.transpose();
-  ClosestPointResidual answer;
-  answer.residual = part * d;
-  answer.jacobian = -by_point * R_FB;
-  return answer;
-}
+Pose DeltaTactor::pose(const Configuration& q) const { return {Matrix3::Identity(), Vector3(q)}; }
 
-SurfaceDistance DeltaTactor::signed_distance(const Configuration& q, const Vector3& p_F) const {
-  const Vector3 d = p_F - settings().X_FB * Vector3(q);
-  const double distance = std::max(d.norm(), kAtCentre);
-  SurfaceDistance answer{distance - geometry_.tip_radius, {}};
-  answer.gradient = settings().X_FB.rotation.transpose() * d / -distance;
-  return answer;
-}
-
-Configuration DeltaTactor::facing(const Vector3& /*normal_F*/, const Configuration& q) const {
-  return q;
-}
-
-Pose DeltaTactor::surface_pose(const Configuration& q) const {
-  return settings().X_FB *
-         Pose{Matrix3::Identity(), Vector3(q[0], q[1], q[2] + geometry_.tip_radius)};
-}
-
-void DeltaTactor::solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const {
-  pieces[0] = {Ball{geometry_.tip_radius}, settings().X_FB * Pose{Matrix3::Identity(), Vector3(q)}};
+RigidMotion DeltaTactor::motion(const Configuration& q) const {
+  return {.X_BP = pose(q),
+          .count = 3,
+          .rate = {PoseRate{.translation = Vector3::UnitX()},
+                   PoseRate{.translation = Vector3::UnitY()},
+                   PoseRate{.translation = Vector3::UnitZ()}},
+          .exact = true};
 }
 
 void DeltaTactor::linkage(const Configuration& q, std::span<Vector3> points_F) const {
@@ -246,15 +217,15 @@ void DeltaTactor::linkage(const Configuration& q, std::span<Vector3> points_F) c
     const Vector3 knee = base + geometry_.crank * (std::cos(angle) * here.outward +
                                                    std::sin(angle) * Vector3::UnitZ());
     const auto at = static_cast<std::size_t>(3 * i);
-    points_F[at] = settings().X_FB * base;
-    points_F[at + 1] = settings().X_FB * knee;
+    points_F[at] = X_FB() * base;
+    points_F[at + 1] = X_FB() * knee;
     points_F[at + 2] =
-        settings().X_FB * Vector3(Vector3(q) + geometry_.platform_radius * here.outward);
+        X_FB() * Vector3(Vector3(q) + geometry_.platform_radius * here.outward);
   }
 }
 
-WorkspaceSummary DeltaTactor::workspace_summary() const {
-  WorkspaceSummary summary;
+std::vector<AxisReach> DeltaTactor::reaches() const {
+  std::vector<AxisReach> reaches;
   for (int k = 0; k < 3; ++k) {
     const ConfigurationAxis& axis = axes()[static_cast<std::size_t>(k)];
     // Last reachable point from home each way.
@@ -269,9 +240,9 @@ WorkspaceSummary DeltaTactor::workspace_summary() const {
       }
       return inside;
     };
-    summary.reaches.push_back({axis.name, end(axis.min), end(axis.max), axis.unit});
+    reaches.push_back({axis.name, end(axis.min), end(axis.max), axis.unit});
   }
-  return summary;
+  return reaches;
 }
 
 }  // namespace softfinger

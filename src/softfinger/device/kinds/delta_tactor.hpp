@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/device/device.hpp"
+#include "softfinger/device/kinematics.hpp"
 
 namespace softfinger {
 
@@ -24,10 +24,10 @@ struct DeltaTactorGeometry {
 /// 120, 240 degrees, joint angles from the outward radius towards the finger, knees outward. After
 /// Schorr, Okamura, "Fingertip tactile devices for virtual object manipulation and exploration",
 /// CHI 2017; kinematics after Clavel, "Delta, a fast robot with parallel geometry", 1988.
-class DeltaTactor final : public Device {
+class DeltaTactor final : public Kinematics {
  public:
-  /// The settings' axes are filled in here; their limits too where they have none.
-  DeltaTactor(DeviceSettings settings, const DeltaTactorGeometry& geometry);
+  /// The settings come with the axes of the kind.
+  DeltaTactor(const DeviceSettings& settings, const DeltaTactorGeometry& geometry);
 
   [[nodiscard]] static std::vector<ConfigurationAxis> axes_for(const DeltaTactorGeometry& geometry);
   [[nodiscard]] const DeltaTactorGeometry& geometry() const { return geometry_; }
@@ -48,20 +48,12 @@ class DeltaTactor final : public Device {
                                 Eigen::Ref<Eigen::MatrixXd> hessian) const override;
   [[nodiscard]] std::span<const std::string> constraint_names(int k) const override;
 
-  [[nodiscard]] ClosestPointResidual closest_point_residual(const Configuration& q,
-                                                            const Vector3& p_F) const override;
-  [[nodiscard]] SurfaceDistance signed_distance(const Configuration& q,
-                                                const Vector3& p_F) const override;
-
-  [[nodiscard]] Configuration facing(const Vector3& normal_F,
-                                     const Configuration& q) const override;
   [[nodiscard]] int approach_axis() const override { return 2; }
-  /// At the ball's highest point.
-  [[nodiscard]] Pose surface_pose(const Configuration& q) const override;
-  void solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const override;
+  /// Of the ball's centre.
+  [[nodiscard]] Pose pose(const Configuration& q) const override;
+  [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
   [[nodiscard]] int leg_count() const override { return 3; }
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
-  [[nodiscard]] WorkspaceSummary workspace_summary() const override;
 
  private:
   // Joints above max, joints below min, legs too long, each for legs 1 to 3.
@@ -78,6 +70,8 @@ class DeltaTactor final : public Device {
   [[nodiscard]] bool crank_angle(const Vector3& to_platform, double& angle) const;
   /// Derivative of the crank angle by q.
   [[nodiscard]] Vector3 crank_rate(const Leg& leg, double angle) const;
+
+  [[nodiscard]] std::vector<AxisReach> reaches() const override;
 
   DeltaTactorGeometry geometry_;
   double home_determinant_ = 0.0;

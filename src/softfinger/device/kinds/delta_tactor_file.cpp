@@ -1,6 +1,7 @@
 #include "softfinger/device/device_tables.hpp"
 #include "softfinger/device/kinds/delta_tactor.hpp"
 #include "softfinger/device/kinds/device_readers.hpp"
+#include "softfinger/device/surfaces/ball_surface.hpp"
 
 namespace softfinger {
 
@@ -17,18 +18,19 @@ std::shared_ptr<const Device> read_delta_tactor(const ConfigFile& file, DeviceSe
 
   settings.axes = DeltaTactor::axes_for(geometry);
   read_shared_tables(file, settings);
-  auto device = std::make_shared<const DeltaTactor>(std::move(settings), geometry);
-  check_rest_poses(file, *device, [&](const Configuration& q) -> std::string {
+  auto kinematics = std::make_unique<const DeltaTactor>(settings, geometry);
+  check_rest_poses(file, settings, [&](const Configuration& q) -> std::string {
     JointAngles joints;
-    if (!device->inverse_kinematics(q, joints)) {
+    if (!kinematics->inverse_kinematics(q, joints)) {
       return "the legs do not reach: no inverse kinematics (check crank_mm, forearm_mm, "
              "neutral_height_mm and the radii)";
     }
-    std::string joint = joint_obstacle(*device, q);
+    std::string joint = joint_obstacle(*kinematics, q);
     if (!joint.empty()) return joint;
-    return device->reachable(q) ? "" : "the legs are singular there, or on the way from home";
+    return kinematics->reachable(q) ? "" : "the legs are singular there, or on the way from home";
   });
-  return device;
+  return std::make_shared<const Device>(std::move(settings), std::move(kinematics),
+                                        std::make_unique<const BallSurface>(geometry.tip_radius));
 }
 
 }  // namespace softfinger

@@ -83,6 +83,48 @@ roller_length_mm = 10.0
 position_mm = [-6.0, 6.0]
 height_mm = [-4.0, 7.0]
 )toml"},
+    DeviceKind{"linear_drives", "linear drives", read_linear_drives, R"toml(
+[[drive]]
+name = "travel_mm"
+axis = [0.0, 0.0, 1.0]
+joint_mm = [-3.0, 3.0]
+[[surface]]
+type = "disk"
+radius_mm = 8.0
+[[surface]]
+type = "sphere"
+radius_mm = 8.0
+[[surface]]
+type = "capsule"
+radius_mm = 4.0
+length_mm = 8.0
+[[surface]]
+type = "box"
+size_mm = [4.0, 4.0, 4.0]
+[[surface]]
+type = "pins"
+radius_mm = 0.5
+rows = 2
+columns = 2
+pitch_mm = 2.0
+[[surface]]
+type = "pins"
+radius_mm = 0.5
+[[surface.pin]]
+position_mm = [0.0, 0.0, 0.0]
+[[surface]]
+type = "mesh"
+file = "cap.stl"
+unit = "mm"
+[[surface]]
+type = "mesh"
+file = "cap.glb"
+unit = "m"
+[home]
+travel_mm = 0.0
+[matching]
+approach = "travel_mm"
+)toml", read_linear_drives_keys},
     DeviceKind{"mechanism", "mechanism", read_mechanism, kMechanismExample, read_mechanism_keys},
 };
 

@@ -25,6 +25,13 @@ namespace softfinger {
 [[nodiscard]] std::shared_ptr<const Device> read_roller(const ConfigFile& file,
                                                         DeviceSettings settings);
 
+/// A surface of the file's own choice on up to three linear drives.
+[[nodiscard]] std::shared_ptr<const Device> read_linear_drives(const ConfigFile& file,
+                                                               DeviceSettings settings);
+/// Asks for all keys of linear drives; meshes are not opened.
+[[nodiscard]] DeviceSettings read_linear_drives_keys(const ConfigFile& file,
+                                                     DeviceSettings settings);
+
 [[nodiscard]] std::shared_ptr<const Device> read_mechanism(const ConfigFile& file,
                                                            DeviceSettings settings);
 /// Asks for all keys of a mechanism and leaves open whether its loops close; meshes are not opened.

@@ -1,10 +1,13 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_tables.hpp"
 #include "softfinger/device/kinds/device_readers.hpp"
-#include "softfinger/device/kinds/membrane.hpp"
+#include "softfinger/device/linear_drives.hpp"
+#include "softfinger/device/surfaces/cap_surface.hpp"
 
 namespace softfinger {
 
+// After the softness displays with a membrane under the pad, e.g. Frediani, Carpi, "Tactile display
+// of softness on fingertip", Scientific Reports 10, 2020.
 std::shared_ptr<const Device> read_membrane(const ConfigFile& file, DeviceSettings settings) {
   const ConfigTable sizes = file.root().table("geometry");
   MembraneGeometry geometry;
@@ -22,13 +25,17 @@ std::shared_ptr<const Device> read_membrane(const ConfigFile& file, DeviceSettin
     sizes.fail("rim_edge_radius_mm", "must be at most the ring's outside radius");
   }
 
-  settings.axes = Membrane::axes_for(geometry);
+  settings.axes = {
+      ConfigurationAxis::length("height_mm", geometry.min_height, geometry.max_height)};
   LinearDrives::set_joint_limits(settings, read_linear_rate(limits));
   read_shared_tables(file, settings);
-  auto device = std::make_shared<const Membrane>(std::move(settings), geometry);
-  check_rest_poses(file, *device,
-                   [&](const Configuration& q) { return axis_obstacle(*device, q); });
-  return device;
+  // Height shapes the surface; nothing carries it along.
+  auto kinematics = std::make_unique<const LinearDrives>(
+      settings, std::vector<Vector3>{Vector3::Zero()}, 0);
+  check_rest_poses(file, settings,
+                   [&](const Configuration& q) { return axis_obstacle(*kinematics, q); });
+  return std::make_shared<const Device>(std::move(settings), std::move(kinematics),
+                                        std::make_unique<const CapSurface>(geometry));
 }
 
 }  // namespace softfinger

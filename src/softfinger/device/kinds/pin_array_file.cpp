@@ -21,12 +21,12 @@ std::shared_ptr<const Device> read_pin_array(const ConfigFile& file, DeviceSetti
     sizes.fail("pin_edge_radius_mm", "must be at most pin_radius_mm");
   }
 
-  settings.axes = PinArray::axes_for(geometry);
+  settings.axes = PinDrives::axes_for(geometry);
   LinearDrives::set_joint_limits(settings, read_linear_rate(file.root().table_or_empty("limits")));
   read_shared_tables(file, settings);
-  auto device = std::make_shared<const PinArray>(std::move(settings), geometry);
-  check_rest_poses(file, *device,
-                   [&](const Configuration& q) { return axis_obstacle(*device, q); });
+  auto device = make_pin_array(std::move(settings), geometry);
+  check_rest_poses(file, device->settings(),
+                   [&](const Configuration& q) { return axis_obstacle(device->kinematics(), q); });
   return device;
 }
 

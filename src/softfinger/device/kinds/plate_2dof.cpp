@@ -8,27 +8,19 @@
 #include "softfinger/device/workspace.hpp"
 
 namespace softfinger {
-namespace {
 
-DeviceSettings with_plate_axes(DeviceSettings settings, const Plate2dofGeometry& geometry) {
-  settings.axes = Plate2dof::axes_for(geometry, settings.joint_limits);
-  return settings;
-}
-
-}  // namespace
-
-Plate2dof::Plate2dof(DeviceSettings settings, const Plate2dofGeometry& geometry)
-    : RigidDisk(with_plate_axes(std::move(settings), geometry), geometry.disk_radius,
-                geometry.disk_edge_radius),
+Plate2dof::Plate2dof(const DeviceSettings& settings, const Plate2dofGeometry& geometry)
+    : Kinematics(settings),
       geometry_(geometry),
       names_{"joint_1", "joint_2", "joint_1", "joint_2", axes()[0].name, axes()[0].name} {}
 
 std::vector<ConfigurationAxis> Plate2dof::axes_for(const Plate2dofGeometry& geometry,
                                                    const JointLimits& limits) {
   const double r = geometry.pinion_radius;
-  return {{geometry.rolls ? "roll_deg" : "pitch_deg", deg, geometry.disk_radius, -geometry.max_tilt,
-           geometry.max_tilt},
-          {"travel_mm", mm, 1.0, r * limits.min.minCoeff(), r * limits.max.maxCoeff()}};
+  return {ConfigurationAxis::angle(geometry.rolls ? "roll_deg" : "pitch_deg", geometry.disk_radius,
+                                   -geometry.max_tilt, geometry.max_tilt),
+          ConfigurationAxis::length("travel_mm", r * limits.min.minCoeff(),
+                                    r * limits.max.maxCoeff())};
 }
 
 bool Plate2dof::inverse_kinematics(const Configuration& q, JointAngles& joints) const {
@@ -37,11 +29,6 @@ bool Plate2dof::inverse_kinematics(const Configuration& q, JointAngles& joints) 
     joints[i] = (q[1] + side(i) * geometry_.lever * std::sin(q[0])) / geometry_.pinion_radius;
   }
   return true;
-}
-
-void Plate2dof::clamped_joints(const Configuration& q, JointAngles& joints) const {
-  static_cast<void>(inverse_kinematics(q, joints));
-  joints = joints.cwiseMax(joint_limits().min).cwiseMin(joint_limits().max);
 }
 
 bool Plate2dof::forward_kinematics(const JointAngles& joints, Configuration& q) const {
@@ -91,7 +78,7 @@ std::span<const std::string> Plate2dof::constraint_names(int k) const {
 }
 
 Configuration Plate2dof::facing(const Vector3& normal_F, const Configuration& q) const {
-  const Vector3 n = settings().X_FB.rotation.transpose() * normal_F;
+  const Vector3 n = X_FB().rotation.transpose() * normal_F;
   const double across = geometry_.rolls ? -n.y() : n.x();
   Configuration turned = q;
   // Straight away from the finger no direction is nearer than another: stay level.
@@ -101,41 +88,27 @@ Configuration Plate2dof::facing(const Vector3& normal_F, const Configuration& q)
   return turned;
 }
 
-Pose Plate2dof::surface_pose(const Configuration& q) const {
-  const Tilt tilt(geometry_.rolls ? 0.0 : q[0], geometry_.rolls ? q[0] : 0.0);
-  return settings().X_FB * Pose{tilt.rotation(), Vector3(0.0, 0.0, q[1])};
+Pose Plate2dof::pose(const Configuration& q) const {
+  return {tilt(q).rotation(), Vector3(0.0, 0.0, q[1])};
 }
 
-RigidDisk::PoseRate Plate2dof::pose_rate(const Configuration& q, int k) const {
-  if (k == 1) return {Matrix3::Zero(), Vector3::UnitZ()};
-  const Tilt tilt(geometry_.rolls ? 0.0 : q[0], geometry_.rolls ? q[0] : 0.0);
-  return {tilt.derivative(geometry_.rolls ? &PlaneFunction::r : &PlaneFunction::p),
-          Vector3::Zero()};
+RigidMotion Plate2dof::motion(const Configuration& q) const {
+  const Tilt here = tilt(q);
+  return {.X_BP = {here.rotation(), Vector3(0.0, 0.0, q[1])},
+          .count = 2,
+          .rate = {PoseRate{.rotation = here.derivative(geometry_.rolls ? &PlaneFunction::r
+                                                                        : &PlaneFunction::p)},
+                   PoseRate{.translation = Vector3::UnitZ()}}};
 }
 
-PlatformSpace Plate2dof::space() const {
-  // Directions in which the plate does not turn say nothing: the tilt is taken about its one axis.
-  return {.reachable =
-              [this](double pitch, double roll, double travel) {
-                Configuration q(2);
-                q << std::copysign(std::hypot(pitch, roll), pitch), travel;
-                return reachable(q);
-              },
-          .low = axes()[1].min,
-          .high = axes()[1].max,
-          .home_travel = home()[1],
-          .max_tilt = geometry_.max_tilt};
+Tilt Plate2dof::tilt(const Configuration& q) const {
+  return {geometry_.rolls ? 0.0 : q[0], geometry_.rolls ? q[0] : 0.0};
 }
 
-WorkspaceSummary Plate2dof::workspace_summary() const {
-  return summarise_platform_workspace(space());
-}
-
-WorkspaceOutline Plate2dof::workspace_outline() const {
-  WorkspaceOutline outline = outline_platform_workspace(space());
-  (geometry_.rolls ? outline.roll_axis : outline.pitch_axis) = 0;
-  outline.travel_axis = 1;
-  return outline;
+std::optional<PlatformSpace> Plate2dof::platform_space() const {
+  return space_of({.pitch = geometry_.rolls ? -1 : 0, .roll = geometry_.rolls ? 0 : -1,
+                   .travel = 1},
+                  axes()[1].min, axes()[1].max, geometry_.max_tilt);
 }
 
 }  // namespace softfinger

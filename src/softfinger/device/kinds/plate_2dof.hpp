@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/device/rigid_disk.hpp"
-#include "softfinger/device/workspace.hpp"
+#include "softfinger/device/kinematics.hpp"
+#include "softfinger/device/tilt.hpp"
 
 namespace softfinger {
 
@@ -24,17 +24,17 @@ struct Plate2dofGeometry {
 /// travel -+ lever sin(tilt), its pinion at that over the pinion's radius. A plate that is turned
 /// to the contact and brought against the pad, as by Frisoli, Solazzi, Salsedo, Bergamasco, "A
 /// fingertip haptic display for improving curvature discrimination", Presence 17, 2008.
-class Plate2dof final : public RigidDisk {
+class Plate2dof final : public Kinematics {
  public:
-  /// The settings' axes are filled in here, their limits from those of the joints.
-  Plate2dof(DeviceSettings settings, const Plate2dofGeometry& geometry);
+  /// The settings come with the axes of the kind.
+  Plate2dof(const DeviceSettings& settings, const Plate2dofGeometry& geometry);
 
+  /// Their limits from those of the joints.
   [[nodiscard]] static std::vector<ConfigurationAxis> axes_for(const Plate2dofGeometry& geometry,
                                                                const JointLimits& limits);
   [[nodiscard]] const Plate2dofGeometry& geometry() const { return geometry_; }
 
   [[nodiscard]] bool inverse_kinematics(const Configuration& q, JointAngles& joints) const override;
-  void clamped_joints(const Configuration& q, JointAngles& joints) const override;
   [[nodiscard]] bool forward_kinematics(const JointAngles& joints, Configuration& q) const override;
   [[nodiscard]] bool reachable(const Configuration& q) const override;
 
@@ -49,16 +49,15 @@ class Plate2dof final : public RigidDisk {
   [[nodiscard]] Configuration facing(const Vector3& normal_F,
                                      const Configuration& q) const override;
   [[nodiscard]] int approach_axis() const override { return 1; }
-  [[nodiscard]] Pose surface_pose(const Configuration& q) const override;
-  [[nodiscard]] WorkspaceSummary workspace_summary() const override;
-  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
+  [[nodiscard]] Pose pose(const Configuration& q) const override;
+  [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
 
  private:
   // Joints 1 and 2 above max, joints 1 and 2 below min, tilt above and below.
   static constexpr int kConstraints = 6;
 
-  [[nodiscard]] PlatformSpace space() const;
-  [[nodiscard]] PoseRate pose_rate(const Configuration& q, int k) const override;
+  [[nodiscard]] std::optional<PlatformSpace> platform_space() const override;
+  [[nodiscard]] Tilt tilt(const Configuration& q) const;
   [[nodiscard]] double side(int joint) const { return joint == 0 ? 1.0 : -1.0; }
 
   Plate2dofGeometry geometry_;

@@ -6,6 +6,7 @@
 #include "softfinger/device/device_tables.hpp"
 #include "softfinger/device/kinds/device_readers.hpp"
 #include "softfinger/device/kinds/plate_2dof.hpp"
+#include "softfinger/device/surfaces/disk_surface.hpp"
 
 namespace softfinger {
 
@@ -23,15 +24,17 @@ std::shared_ptr<const Device> read_plate_2dof(const ConfigFile& file, DeviceSett
 
   settings.axes = Plate2dof::axes_for(geometry, settings.joint_limits);
   read_shared_tables(file, settings);
-  auto device = std::make_shared<const Plate2dof>(std::move(settings), geometry);
-  check_rest_poses(file, *device, [&](const Configuration& q) -> std::string {
+  auto kinematics = std::make_unique<const Plate2dof>(settings, geometry);
+  check_rest_poses(file, settings, [&](const Configuration& q) -> std::string {
     if (std::abs(q[0]) > geometry.max_tilt + 1e-9) {
       return fmt::format("tilt of {:.4g} degrees is more than limits.max_tilt_deg {:g}", q[0] / deg,
                          geometry.max_tilt / deg);
     }
-    return joint_obstacle(*device, q);
+    return joint_obstacle(*kinematics, q);
   });
-  return device;
+  return std::make_shared<const Device>(
+      std::move(settings), std::move(kinematics),
+      std::make_unique<const DiskSurface>(geometry.disk_radius, geometry.disk_edge_radius));
 }
 
 }  // namespace softfinger

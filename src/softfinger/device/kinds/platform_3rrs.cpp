@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/kinds/platform_3rrs_legs.hpp"
+#include "softfinger/device/surfaces/exact_disk.hpp"
 
 namespace softfinger {
 namespace {
@@ -24,11 +26,6 @@ enum Constraint {
   kSingular = 13
 };
 
-DeviceSettings with_axes(DeviceSettings settings, double disk_radius) {
-  settings.axes = Platform3rrs::axes_for(disk_radius);
-  return settings;
-}
-
 /// Derivative of crank angle by (pitch, roll, travel).
 Vector3 joint_row(const LegPosture& leg, const CrankAngle& crank) {
   return {crank.dx * leg.x.p + crank.dy * leg.y.p, crank.dx * leg.x.r + crank.dy * leg.y.r,
@@ -37,8 +34,8 @@ Vector3 joint_row(const LegPosture& leg, const CrankAngle& crank) {
 
 }  // namespace
 
-Platform3rrs::Platform3rrs(DeviceSettings settings, const Platform3rrsGeometry& geometry)
-    : Device(with_axes(std::move(settings), geometry.disk_radius)), geometry_(geometry) {
+Platform3rrs::Platform3rrs(const DeviceSettings& settings, const Platform3rrsGeometry& geometry)
+    : Kinematics(settings), geometry_(geometry) {
   for (std::size_t leg = 0; leg < 3; ++leg) {
     const std::string name = "joint_" + std::to_string(leg + 1);
     for (const std::size_t k : {kAbove + leg, kBelow + leg, kTooLong + leg, kTooShort + leg}) {
@@ -55,7 +52,9 @@ Platform3rrs::Platform3rrs(DeviceSettings settings, const Platform3rrsGeometry& 
 }
 
 std::vector<ConfigurationAxis> Platform3rrs::axes_for(double disk_radius) {
-  return {{"pitch_deg", deg, disk_radius}, {"roll_deg", deg, disk_radius}, {"travel_mm", mm, 1.0}};
+  return {ConfigurationAxis::angle("pitch_deg", disk_radius),
+          ConfigurationAxis::angle("roll_deg", disk_radius),
+          ConfigurationAxis::length("travel_mm")};
 }
 
 bool Platform3rrs::inverse_kinematics(const Configuration& q, JointAngles& joints) const {
@@ -193,14 +192,28 @@ std::span<const std::string> Platform3rrs::constraint_names(int k) const {
   return constraint_names_[static_cast<std::size_t>(k)];
 }
 
-Pose Platform3rrs::surface_pose(const Configuration& q) const {
+Pose Platform3rrs::pose(const Configuration& q) const {
   const Tilt tilt(q[0], q[1]);
   const PlatformCentre centre = platform_centre(geometry_, tilt);
-  return settings().X_FB * Pose{tilt.rotation(), Vector3(centre.x.v, centre.y.v, q[2])};
+  return {tilt.rotation(), Vector3(centre.x.v, centre.y.v, q[2])};
+}
+
+RigidMotion Platform3rrs::motion(const Configuration& q) const {
+  const Tilt tilt(q[0], q[1]);
+  const PlatformCentre centre = platform_centre(geometry_, tilt);
+  const auto part = [&](double PlaneFunction::*which) {
+    return PoseRate{tilt.derivative(which), Vector3(centre.x.*which, centre.y.*which, 0.0)};
+  };
+  return {.X_BP = {tilt.rotation(), Vector3(centre.x.v, centre.y.v, q[2])},
+          .count = 3,
+          .rate = {part(&PlaneFunction::p), part(&PlaneFunction::r),
+                   PoseRate{.translation = Vector3::UnitZ()}},
+          .exact = true,
+          .bend = {part(&PlaneFunction::pp), part(&PlaneFunction::pr), part(&PlaneFunction::rr)}};
 }
 
 void Platform3rrs::linkage(const Configuration& q, std::span<Vector3> points_F) const {
-  const Pose X_FP = surface_pose(q);
+  const Pose X_FP = X_FB() * pose(q);
   const Tilt tilt(q[0], q[1]);
   for (int leg = 0; leg < 3; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
@@ -211,21 +224,22 @@ void Platform3rrs::linkage(const Configuration& q, std::span<Vector3> points_F) 
     const Vector3 base = geometry_.base_radius * u + geometry_.neutral_height * Vector3::UnitZ();
     const Vector3 knee = base + geometry_.crank * (std::cos(crank.angle) * u -
                                                    std::sin(crank.angle) * Vector3::UnitZ());
-    points_F[3 * i] = settings().X_FB * base;
-    points_F[3 * i + 1] = settings().X_FB * knee;
+    points_F[3 * i] = X_FB() * base;
+    points_F[3 * i + 1] = X_FB() * knee;
     points_F[3 * i + 2] = X_FP * Vector3(geometry_.platform_radius * u);
   }
 }
 
 Configuration Platform3rrs::facing(const Vector3& normal_F, const Configuration& q) const {
-  const Vector3 n = settings().X_FB.rotation.transpose() * normal_F;
-  const double across = std::hypot(n.x(), n.y());
-  const double angle = std::min(std::atan2(across, n.z()), geometry_.max_tilt);
-  Configuration turned = q;
-  // Straight away from the finger no direction is nearer than another: stay level.
-  turned[0] = across > 1e-12 ? angle * n.x() / across : 0.0;
-  turned[1] = across > 1e-12 ? -angle * n.y() / across : 0.0;
-  return turned;
+  return tilted_towards(X_FB().rotation.transpose() * normal_F, geometry_.max_tilt, q);
+}
+
+std::shared_ptr<const Device> make_platform_3rrs(DeviceSettings settings,
+                                                 const Platform3rrsGeometry& geometry) {
+  auto kinematics = std::make_unique<const Platform3rrs>(settings, geometry);
+  return std::make_shared<const Device>(
+      std::move(settings), std::move(kinematics),
+      std::make_unique<const ExactDisk>(geometry.disk_radius, geometry.disk_edge_radius));
 }
 
 }  // namespace softfinger

@@ -2,10 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "softfinger/device/device.hpp"
-#include "softfinger/device/workspace.hpp"
+#include "softfinger/device/kinematics.hpp"
 
 namespace softfinger {
 
@@ -30,10 +31,10 @@ struct Platform3rrsGeometry {
 ///
 /// The workspace is the connected set around home in which the legs close, joints and tilt are
 /// within their limits and the determinant of d(joints)/dq keeps its sign.
-class Platform3rrs final : public Device {
+class Platform3rrs final : public Kinematics {
  public:
-  /// The settings' axes are filled in here.
-  Platform3rrs(DeviceSettings settings, const Platform3rrsGeometry& geometry);
+  /// The settings come with the axes of the kind.
+  Platform3rrs(const DeviceSettings& settings, const Platform3rrsGeometry& geometry);
 
   /// Pitch, roll and travel of a disk of this radius (m).
   [[nodiscard]] static std::vector<ConfigurationAxis> axes_for(double disk_radius);
@@ -60,30 +61,13 @@ class Platform3rrs final : public Device {
                                 Eigen::Ref<Eigen::MatrixXd> hessian) const override;
   [[nodiscard]] std::span<const std::string> constraint_names(int k) const override;
 
-  [[nodiscard]] ClosestPointResidual closest_point_residual(const Configuration& q,
-                                                            const Vector3& p_F) const override;
-  [[nodiscard]] SurfaceDistance signed_distance(const Configuration& q,
-                                                const Vector3& p_F) const override;
-  [[nodiscard]] double deviation(const Configuration& q,
-                                 const SurfaceSamples& samples) const override;
-  double deviation_derivatives(const Configuration& q, const SurfaceSamples& samples,
-                               Eigen::Ref<Eigen::VectorXd> gradient,
-                               Eigen::Ref<Eigen::MatrixXd> gauss_newton,
-                               Eigen::Ref<Eigen::MatrixXd> hessian) const override;
-  [[nodiscard]] double least_distance(const Configuration& q,
-                                      const SurfaceSamples& samples) const override;
-
   [[nodiscard]] Configuration facing(const Vector3& normal_F,
                                      const Configuration& q) const override;
   [[nodiscard]] int approach_axis() const override { return 2; }
-  [[nodiscard]] Pose surface_pose(const Configuration& q) const override;
-  void solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const override;
-  [[nodiscard]] double disk_radius() const override { return geometry_.disk_radius; }
-  [[nodiscard]] double disk_edge_radius() const override { return geometry_.disk_edge_radius; }
+  [[nodiscard]] Pose pose(const Configuration& q) const override;
+  [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
   [[nodiscard]] int leg_count() const override { return 3; }
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
-  [[nodiscard]] WorkspaceSummary workspace_summary() const override;
-  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
 
  private:
   // Constraints: joint_1..3 above max, joint_1..3 below min, tilt, legs too long, legs too short,
@@ -98,7 +82,7 @@ class Platform3rrs final : public Device {
   [[nodiscard]] bool connected_with_home(const Configuration& q) const;
   [[nodiscard]] bool newton_forward(const JointAngles& joints, Configuration& q) const;
   void explore_workspace();
-  [[nodiscard]] PlatformSpace space() const;
+  [[nodiscard]] std::optional<PlatformSpace> platform_space() const override;
 
   Platform3rrsGeometry geometry_;
   double home_determinant_ = 0.0;
@@ -113,5 +97,9 @@ class Platform3rrs final : public Device {
     bool all_connected = true;  ///< every locally reachable node is connected with home
   } grid_;
 };
+
+/// With its disk. The settings come with the axes of the kind.
+[[nodiscard]] std::shared_ptr<const Device> make_platform_3rrs(
+    DeviceSettings settings, const Platform3rrsGeometry& geometry);
 
 }  // namespace softfinger

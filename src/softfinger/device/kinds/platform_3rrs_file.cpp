@@ -11,23 +11,23 @@ namespace softfinger {
 namespace {
 
 /// Why q is out of the workspace, in words; empty if it is inside.
-std::string platform_3rrs_obstacle(const Platform3rrs& device, const Configuration& q) {
+std::string platform_3rrs_obstacle(const Platform3rrs& kinematics, const Configuration& q) {
   const double tilt = std::hypot(q[0], q[1]);
-  const double max_tilt = device.geometry().max_tilt;
+  const double max_tilt = kinematics.geometry().max_tilt;
   if (tilt > max_tilt + 1e-9) {
     return fmt::format("tilt of {:.4g} degrees is more than limits.max_tilt_deg {:g}", tilt / deg,
                        max_tilt / deg);
   }
   JointAngles joints;
-  if (!device.inverse_kinematics(q, joints)) {
+  if (!kinematics.inverse_kinematics(q, joints)) {
     return "the legs do not reach: no inverse kinematics (check crank_mm, coupler_mm, "
            "neutral_height_mm and the radii)";
   }
-  std::string joint = joint_obstacle(device, q);
+  std::string joint = joint_obstacle(kinematics, q);
   if (!joint.empty()) return joint;
   // Length of the crank times a change of joint per change of q, about 1 in a sound design.
-  if (std::abs(device.home_determinant()) < 1e-3) return "the platform is singular there";
-  if (!device.reachable(q)) return "no way leads there from home without passing a limit";
+  if (std::abs(kinematics.home_determinant()) < 1e-3) return "the platform is singular there";
+  if (!kinematics.reachable(q)) return "no way leads there from home without passing a limit";
   return {};
 }
 
@@ -50,9 +50,10 @@ std::shared_ptr<const Device> read_platform_3rrs(const ConfigFile& file, DeviceS
 
   settings.axes = Platform3rrs::axes_for(geometry.disk_radius);
   read_shared_tables(file, settings);
-  auto device = std::make_shared<const Platform3rrs>(std::move(settings), geometry);
-  check_rest_poses(file, *device,
-                   [&](const Configuration& q) { return platform_3rrs_obstacle(*device, q); });
+  auto device = make_platform_3rrs(std::move(settings), geometry);
+  const auto& kinematics = static_cast<const Platform3rrs&>(device->kinematics());
+  check_rest_poses(file, device->settings(),
+                   [&](const Configuration& q) { return platform_3rrs_obstacle(kinematics, q); });
   return device;
 }
 

@@ -142,30 +142,10 @@ void Platform3rrs::explore_workspace() {
       std::find(grid_.inside.begin(), grid_.inside.end(), 1) == grid_.inside.end();
 }
 
-PlatformSpace Platform3rrs::space() const {
+std::optional<PlatformSpace> Platform3rrs::platform_space() const {
   const double reach = geometry_.crank + geometry_.coupler;
-  return {.reachable =
-              [this](double pitch, double roll, double travel) {
-                Configuration q(3);
-                q << pitch, roll, travel;
-                return reachable(q);
-              },
-          .low = geometry_.neutral_height - reach,
-          .high = geometry_.neutral_height + reach,
-          .home_travel = home()[2],
-          .max_tilt = geometry_.max_tilt};
-}
-
-WorkspaceSummary Platform3rrs::workspace_summary() const {
-  return summarise_platform_workspace(space());
-}
-
-WorkspaceOutline Platform3rrs::workspace_outline() const {
-  WorkspaceOutline outline = outline_platform_workspace(space());
-  outline.pitch_axis = 0;
-  outline.roll_axis = 1;
-  outline.travel_axis = 2;
-  return outline;
+  return space_of({.pitch = 0, .roll = 1, .travel = 2}, geometry_.neutral_height - reach,
+                  geometry_.neutral_height + reach, geometry_.max_tilt);
 }
 
 }  // namespace softfinger

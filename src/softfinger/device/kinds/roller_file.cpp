@@ -3,10 +3,14 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_tables.hpp"
 #include "softfinger/device/kinds/device_readers.hpp"
-#include "softfinger/device/kinds/roller.hpp"
+#include "softfinger/device/linear_drives.hpp"
+#include "softfinger/device/surfaces/roller_surface.hpp"
 
 namespace softfinger {
 
+// q = (position along x, height of the crest over z = 0 of B'). After the contact location display of
+// Provancher, Cutkosky, Kuchenbecker, Niemeyer, "Contact location display for haptic perception of
+// curvature and object motion", Int. J. Robotics Research 24, 2005.
 std::shared_ptr<const Device> read_roller(const ConfigFile& file, DeviceSettings settings) {
   const ConfigTable sizes = file.root().table("geometry");
   RollerGeometry geometry;
@@ -27,13 +31,17 @@ std::shared_ptr<const Device> read_roller(const ConfigFile& file, DeviceSettings
   geometry.min_height = height.min;
   geometry.max_height = height.max;
 
-  settings.axes = Roller::axes_for(geometry);
+  settings.axes = {
+      ConfigurationAxis::length("position_mm", geometry.min_position, geometry.max_position),
+      ConfigurationAxis::length("height_mm", geometry.min_height, geometry.max_height)};
   LinearDrives::set_joint_limits(settings, read_linear_rate(limits));
   read_shared_tables(file, settings);
-  auto device = std::make_shared<const Roller>(std::move(settings), geometry);
-  check_rest_poses(file, *device,
-                   [&](const Configuration& q) { return axis_obstacle(*device, q); });
-  return device;
+  auto kinematics = std::make_unique<const LinearDrives>(
+      settings, std::vector<Vector3>{Vector3::UnitX(), Vector3::UnitZ()}, 1);
+  check_rest_poses(file, settings,
+                   [&](const Configuration& q) { return axis_obstacle(*kinematics, q); });
+  return std::make_shared<const Device>(std::move(settings), std::move(kinematics),
+                                        std::make_unique<const RollerSurface>(geometry));
 }
 
 }  // namespace softfinger

@@ -48,8 +48,8 @@ LinkageSolution at_home(const MechanismDescription& description) {
 
 }  // namespace
 
-Mechanism::Mechanism(DeviceSettings settings, MechanismDescription description)
-    : Device(std::move(settings)),
+Mechanism::Mechanism(const DeviceSettings& settings, MechanismDescription description)
+    : Kinematics(settings),
       number_(next_number()),
       description_(std::move(description)),
       home_solution_(at_home(description_)),
@@ -83,22 +83,21 @@ SolvedGrid Mechanism::explored() const {
           [this](const LinkageSolution& solution) { return within_limits(solution); }};
 }
 
-bool Mechanism::solve(const Configuration& q, LinkageSolution& solution) const {
+const Mechanism::Solved& Mechanism::solved(const Configuration& q) const {
   // Matching asks for limits, surface and their derivatives at one q, one after the other.
-  struct Solved {
-    std::uint64_t mechanism = 0;
-    LinkageInputs q;
-    bool closed = false;
-    LinkageSolution solution;
-  };
   thread_local Solved last;
   if (last.mechanism != number_ || last.q != q) {
     last.mechanism = number_;
     last.q = q;
     last.closed = solve_afresh(q, last.solution);
   }
-  solution = last.solution;
-  return last.closed;
+  return last;
+}
+
+bool Mechanism::solve(const Configuration& q, LinkageSolution& solution) const {
+  const Solved& here = solved(q);
+  solution = here.solution;
+  return here.closed;
 }
 
 bool Mechanism::solve_afresh(const LinkageInputs& wanted, LinkageSolution& solution) const {
@@ -214,7 +213,7 @@ Configuration Mechanism::facing(const Vector3& normal_F, const Configuration& q)
   }
   if (reading == nullptr) return q;
   const Vector3 level = reading->reference.rotation * piece.X_LS.rotation.col(2);
-  const Vector3 wanted = settings().X_FB.rotation.transpose() * normal_F;
+  const Vector3 wanted = X_FB().rotation.transpose() * normal_F;
   const double most = description_.tilt ? description_.tilt->max_tilt : 80.0 * deg;
   Configuration turned = q;
   const Vector3 across = level.cross(wanted);
@@ -233,33 +232,29 @@ Configuration Mechanism::facing(const Vector3& normal_F, const Configuration& q)
   return turned;
 }
 
-Pose Mechanism::piece_pose(const LinkageSolution& solution, const SurfacePiece& piece) const {
-  return solution.placement.body[static_cast<std::size_t>(piece.body)] * piece.X_LS;
+Pose Mechanism::pose(const Configuration& q) const {
+  const LinkageSolution& solution = solved(q).solution;
+  return solution.placement.body[static_cast<std::size_t>(description_.surface.front().body)];
 }
 
-Pose Mechanism::surface_pose(const Configuration& q) const {
-  LinkageSolution solution;
-  static_cast<void>(solve(q, solution));
-  return settings().X_FB * piece_pose(solution, description_.surface.front());
-}
-
-void Mechanism::solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const {
-  LinkageSolution solution;
-  static_cast<void>(solve(q, solution));
-  for (std::size_t k = 0; k < description_.surface.size(); ++k) {
-    const SurfacePiece& piece = description_.surface[k];
-    pieces[k] = solid_piece(piece.shape, settings().X_FB * piece_pose(solution, piece));
+RigidMotion Mechanism::motion(const Configuration& q) const {
+  const BodyTwist by_q = twist(q, description_.surface.front().body);
+  RigidMotion motion{.X_BP = pose(q), .count = degrees_of_freedom()};
+  for (int k = 0; k < std::min(motion.count, RigidMotion::kMostAxes); ++k) {
+    motion.rate[static_cast<std::size_t>(k)] = {
+        skew(by_q.col(k).tail<3>()) * motion.X_BP.rotation, by_q.col(k).head<3>()};
   }
+  return motion;
 }
 
-double Mechanism::disk_radius() const {
-  const auto* disk = std::get_if<DiskPiece>(&description_.surface.front().shape);
-  return disk != nullptr && description_.surface.size() == 1 ? disk->radius : 0.0;
+void Mechanism::place(const Configuration& q, std::span<Pose> bodies) const {
+  const LinkageSolution& solution = solved(q).solution;
+  std::copy_n(solution.placement.body.begin(), bodies.size(), bodies.begin());
 }
 
-double Mechanism::disk_edge_radius() const {
-  const auto* disk = std::get_if<DiskPiece>(&description_.surface.front().shape);
-  return disk != nullptr && description_.surface.size() == 1 ? disk->edge_radius : 0.0;
+BodyTwist Mechanism::twist(const Configuration& q, int body) const {
+  const LinkageSolution& solution = solved(q).solution;
+  return twist(solution, body);
 }
 
 void Mechanism::find_legs() {
@@ -309,13 +304,12 @@ void Mechanism::add_chain(const BodyPoint& end, std::vector<bool>& drawn) {
 }
 
 void Mechanism::linkage(const Configuration& q, std::span<Vector3> points_F) const {
-  LinkageSolution solution;
-  static_cast<void>(solve(q, solution));
+  const LinkageSolution& solution = solved(q).solution;
   for (std::size_t leg = 0; leg < legs_.size(); ++leg) {
     for (std::size_t k = 0; k < 3; ++k) {
       const BodyPoint& at = legs_[leg][k];
       const Pose& X_BL = solution.placement.body[static_cast<std::size_t>(at.body)];
-      points_F[3 * leg + k] = settings().X_FB * (X_BL * at.point);
+      points_F[3 * leg + k] = X_FB() * (X_BL * at.point);
     }
   }
 }

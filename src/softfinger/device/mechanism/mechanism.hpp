@@ -7,16 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/device/device.hpp"
+#include "softfinger/device/kinematics.hpp"
 #include "softfinger/device/mechanism/closed_linkage.hpp"
 #include "softfinger/device/mechanism/solved_grid.hpp"
-#include "softfinger/device/surface_piece.hpp"
-#include "softfinger/device/workspace.hpp"
+#include "softfinger/device/surfaces/surface_piece.hpp"
 
 namespace softfinger {
-
-/// Capacity of a mechanism's surface.
-inline constexpr std::size_t kMaxSurfacePieces = 64;
 
 /// What a mechanism's file describes, beside what every device has.
 struct MechanismDescription {
@@ -44,10 +40,10 @@ struct MechanismDescription {
 /// closed, joints and tilt within limits and neither determinant changing its sign: that of the
 /// equations that give the joints from q, and that of d(joints)/dq. Where the loops do not close,
 /// the surface goes on straight from the last q where they do.
-class Mechanism final : public Device {
+class Mechanism final : public Kinematics {
  public:
   /// The settings' axes and joint limits are set.
-  Mechanism(DeviceSettings settings, MechanismDescription description);
+  Mechanism(const DeviceSettings& settings, MechanismDescription description);
 
   [[nodiscard]] const MechanismDescription& description() const { return description_; }
 
@@ -74,34 +70,19 @@ class Mechanism final : public Device {
                                 Eigen::Ref<Eigen::MatrixXd> hessian) const override;
   [[nodiscard]] std::span<const std::string> constraint_names(int k) const override;
 
-  [[nodiscard]] ClosestPointResidual closest_point_residual(const Configuration& q,
-                                                            const Vector3& p_F) const override;
-  [[nodiscard]] SurfaceDistance signed_distance(const Configuration& q,
-                                                const Vector3& p_F) const override;
-  [[nodiscard]] double deviation(const Configuration& q,
-                                 const SurfaceSamples& samples) const override;
-  double deviation_derivatives(const Configuration& q, const SurfaceSamples& samples,
-                               Eigen::Ref<Eigen::VectorXd> gradient,
-                               Eigen::Ref<Eigen::MatrixXd> gauss_newton,
-                               Eigen::Ref<Eigen::MatrixXd> hessian) const override;
-  [[nodiscard]] double least_distance(const Configuration& q,
-                                      const SurfaceSamples& samples) const override;
-
   [[nodiscard]] Configuration facing(const Vector3& normal_F,
                                      const Configuration& q) const override;
   [[nodiscard]] int approach_axis() const override { return description_.approach_axis; }
-  /// Of the first piece.
-  [[nodiscard]] Pose surface_pose(const Configuration& q) const override;
-  [[nodiscard]] int solid_piece_count() const override {
-    return static_cast<int>(description_.surface.size());
-  }
-  void solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const override;
-  [[nodiscard]] double disk_radius() const override;
-  [[nodiscard]] double disk_edge_radius() const override;
+  /// Of the body that carries the first piece.
+  [[nodiscard]] Pose pose(const Configuration& q) const override;
+  /// Of that body, for up to three degrees of freedom; without second derivatives.
+  [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
+  void place(const Configuration& q, std::span<Pose> bodies) const override;
+  [[nodiscard]] BodyTwist twist(const Configuration& q, int body) const override;
+  void add_motion_curvature(const Configuration& q, std::span<const BodyLoad> loads,
+                            Eigen::Ref<Eigen::MatrixXd> hessian) const override;
   [[nodiscard]] int leg_count() const override { return static_cast<int>(legs_.size()); }
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
-  [[nodiscard]] WorkspaceSummary workspace_summary() const override;
-  [[nodiscard]] WorkspaceOutline workspace_outline() const override;
 
  private:
   /// A point of a body, for drawings.
@@ -121,40 +102,28 @@ class Mechanism final : public Device {
   [[nodiscard]] bool within_limits(const LinkageSolution& solution) const;
   [[nodiscard]] double stretch_ratio(const LinkageSolution& solution) const;
   [[nodiscard]] SolvedGrid explored() const;
-  /// Axes that turn the body of the first piece; -1: none.
-  struct TiltAxes {
-    int pitch = -1, roll = -1;
-  };
-  [[nodiscard]] TiltAxes tilt_axes() const;
-  /// Whether it tilts both ways and travels.
-  [[nodiscard]] bool is_platform() const;
-  /// Of such a one.
-  [[nodiscard]] PlatformSpace space() const;
+  /// Where it tilts both ways and travels.
+  [[nodiscard]] std::optional<PlatformSpace> platform_space() const override;
   /// How far each axis goes with the others at home.
-  [[nodiscard]] WorkspaceSummary reaches() const;
+  [[nodiscard]] std::vector<AxisReach> reaches() const override;
   void name_constraints();
   void find_legs();
   /// Legs of two links each from the base, or the first link drawn already, to a point of a body.
   void add_chain(const BodyPoint& end, std::vector<bool>& drawn);
 
   // Motion of everything at rate 1 of axis l, and how the derivatives of equations change with it.
-  void motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
+  void axis_motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
               LinkageMatrix& rates) const;
-  [[nodiscard]] Pose piece_pose(const LinkageSolution& solution, const SurfacePiece& piece) const;
-  /// Twist of a body by q: rows 0-2 velocity of its origin, rows 3-5 angular velocity, in B'.
-  using Twist = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxLinkageInputs>;
-  [[nodiscard]] Twist twist(const LinkageSolution& solution, int body) const;
-  struct BodySums;
-  void add_motion_curvature(const LinkageSolution& solution,
-                            const std::array<BodySums, kMaxLinkageBodies>& sums,
-                            Eigen::Ref<Eigen::MatrixXd> hessian) const;
-  /// X_B'S of the pieces.
-  using PiecePoses = std::array<Pose, kMaxSurfacePieces>;
-  void place_pieces(const LinkageSolution& solution, PiecePoses& poses) const;
-  /// Which piece is nearest to a point of B', by its face or by its solid.
-  [[nodiscard]] std::size_t nearest_face(const PiecePoses& poses, const Vector3& p_B) const;
-  [[nodiscard]] std::size_t nearest_solid(const PiecePoses& poses, const Vector3& p_B) const;
+  [[nodiscard]] BodyTwist twist(const LinkageSolution& solution, int body) const;
 
+  struct Solved {
+    std::uint64_t mechanism = 0;
+    LinkageInputs q;
+    bool closed = false;
+    LinkageSolution solution;
+  };
+  /// What solve() gives, as this thread remembers it until it asks for another.
+  [[nodiscard]] const Solved& solved(const Configuration& q) const;
   [[nodiscard]] bool solve_afresh(const LinkageInputs& wanted, LinkageSolution& solution) const;
 
   std::uint64_t number_;  ///< no other mechanism has it

@@ -10,6 +10,8 @@
 #include "softfinger/device/kinds/device_readers.hpp"
 #include "softfinger/device/mechanism/mechanism.hpp"
 #include "softfinger/device/mechanism/mechanism_tables.hpp"
+#include "softfinger/device/surfaces/piece_surface.hpp"
+#include "softfinger/device/surfaces/surface_file.hpp"
 
 namespace softfinger {
 namespace {
@@ -76,6 +78,7 @@ std::vector<LinkageReading> read_configuration_axes(const ConfigTable& root,
                                                     const LinkagePlacement& at_guess,
                                                     DeviceSettings& settings) {
   const ConfigTable configuration = root.table("configuration");
+  settings.names_axes = true;
   std::vector<LinkageReading> readings;
   for (const std::string& name : configuration.keys()) {
     const ConfigTable table = configuration.table(name);
@@ -93,7 +96,8 @@ std::vector<LinkageReading> read_configuration_axes(const ConfigTable& root,
       configuration.fail(name, fmt::format("more than {} coordinates", kMaxLinkageInputs));
     }
     readings.push_back(reading);
-    settings.axes.push_back({name, angle ? deg : mm, 1.0});
+    settings.axes.push_back(angle ? ConfigurationAxis::angle(name, 1.0)
+                                  : ConfigurationAxis::length(name));
   }
   if (readings.empty()) {
     configuration.fail("", "names no coordinate; a mechanism has one for each degree of freedom");
@@ -316,10 +320,11 @@ std::shared_ptr<const Device> read_mechanism(const ConfigFile& file, DeviceSetti
   }
   description.home = home.x;
   measure_axes(description, settings);
-  auto device = std::make_shared<const Mechanism>(std::move(settings), std::move(description));
-  check_rest_poses(file, *device,
-                   [&](const Configuration& q) { return mechanism_obstacle(*device, tables, q); });
-  return device;
+  auto kinematics = std::make_unique<const Mechanism>(settings, std::move(description));
+  check_rest_poses(file, settings,
+                   [&](const Configuration& q) { return mechanism_obstacle(*kinematics, tables, q); });
+  return std::make_shared<const Device>(std::move(settings), std::move(kinematics),
+                                        std::make_unique<const PieceSurface>(keys.surface));
 }
 
 }  // namespace softfinger

@@ -71,7 +71,7 @@ void Mechanism::name_constraints() {
   }
   if (!description_.tilt) return;
   for (int k = 0; k < degrees_of_freedom(); ++k) {
-    const Twist by_q = twist(home_solution_, description_.tilt->body);
+    const BodyTwist by_q = twist(home_solution_, description_.tilt->body);
     if (by_q.col(k).tail<3>().norm() > 1e-9) {
       names(Constraint::kTilt, 0).push_back(axes()[static_cast<std::size_t>(k)].name);
     }
@@ -82,17 +82,17 @@ std::span<const std::string> Mechanism::constraint_names(int k) const {
   return constraint_names_[static_cast<std::size_t>(k)];
 }
 
-void Mechanism::motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
+void Mechanism::axis_motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
                        LinkageMatrix& rates) const {
   const ClosedLinkage& linkage = description_.linkage;
   linkage.linkage().velocity(solution.placement, solution.by_value.col(l), velocity);
   linkage.derivative_rates(description_.configuration, solution.placement, velocity, rates);
 }
 
-Mechanism::Twist Mechanism::twist(const LinkageSolution& solution, int body) const {
+BodyTwist Mechanism::twist(const LinkageSolution& solution, int body) const {
   const Linkage& linkage = description_.linkage.linkage();
   const Vector3& origin = solution.placement.body[static_cast<std::size_t>(body)].translation;
-  Twist twist = Twist::Zero(6, degrees_of_freedom());
+  BodyTwist twist = BodyTwist::Zero(6, degrees_of_freedom());
   for (int j = 0; j < linkage.coordinate_count(); ++j) {
     if (!linkage.moves(j, body)) continue;
     twist.topRows<3>() +=
@@ -107,8 +107,9 @@ Mechanism::Twist Mechanism::twist(const LinkageSolution& solution, int body) con
 
 bool Mechanism::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorXd> values,
                             Eigen::Ref<Eigen::MatrixXd> jacobian) const {
-  LinkageSolution solution;
-  if (!solve(q, solution)) return false;
+  const Solved& here = solved(q);
+  if (!here.closed) return false;
+  const LinkageSolution& solution = here.solution;
   for (int joint = 0; joint < joints(); ++joint) {
     const double scale = joint_scale(joint);
     const double value = joint_value(solution, joint);
@@ -172,7 +173,7 @@ bool Mechanism::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorXd> 
   LinkageVelocity velocity;
   LinkageMatrix rates;
   for (int l = 0; l < degrees_of_freedom(); ++l) {
-    motion(solution, l, velocity, rates);
+    axis_motion(solution, l, velocity, rates);
     jacobian(singular, l) = length * ratio * rates.cwiseProduct(through_joints.transpose()).sum();
     jacobian(stretched, l) =
         -2.0 * length * stretch * stretch * rates.cwiseProduct(inverse.transpose()).sum();
@@ -184,8 +185,9 @@ void Mechanism::add_constraint_curvature(const Configuration& q,
                                          const Eigen::Ref<const Eigen::VectorXd>& multipliers,
                                          Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const Linkage& linkage = description_.linkage.linkage();
-  LinkageSolution solution;
-  if (!solve(q, solution)) return;
+  const Solved& here = solved(q);
+  if (!here.closed) return;
+  const LinkageSolution& solution = here.solution;
   LinkageCoordinates weight = LinkageCoordinates::Zero(linkage.coordinate_count());
   for (int joint = 0; joint < joints(); ++joint) {
     weight[description_.joints[static_cast<std::size_t>(joint)].component] +=
@@ -216,11 +218,11 @@ void Mechanism::add_constraint_curvature(const Configuration& q,
 
   // A d2x/dq2 = -(dA/dq) dx/dq, contracted with the weights by the transposed factors.
   solution.lu.solve_transposed(weight);
-  const Twist by_q = twist(solution, body);
+  const BodyTwist by_q = twist(solution, body);
   LinkageVelocity velocity;
   LinkageMatrix rates;
   for (int l = 0; l < degrees_of_freedom(); ++l) {
-    motion(solution, l, velocity, rates);
+    axis_motion(solution, l, velocity, rates);
     LinkageCoordinates bend = -rates.transpose() * weight;
     for (int j = 0; j < linkage.coordinate_count(); ++j) {
       if (linkage.moves(j, body) && linkage.is_angle(j)) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/device/device_tables.hpp"
 #include "softfinger/device/mechanism/mechanism_tables.hpp"
 
 namespace softfinger {
@@ -13,7 +14,6 @@ namespace {
 // Ranges in the units of the file: beyond them a number is a slip of the pen.
 const Range kPlace = Range::between(-1000.0, 1000.0);  // mm
 const Range kTurn = Range::between(-360.0, 360.0);     // deg
-const Range kComponent = Range::between(-1e3, 1e3);    // of an axis
 
 /// A joint with what the linkage needs of it; bodies by their place in the file, 0 is the base.
 struct ReadJoint {
@@ -29,12 +29,6 @@ JointType joint_type(const std::string& name) {
   if (name == "spherical") return JointType::kSpherical;
   if (name == "free") return JointType::kFree;
   return JointType::kFixed;
-}
-
-Vector3 read_axis(const ConfigTable& table, const std::string& key, const Vector3& fallback) {
-  const Vector3 axis = table.numbers(key, 3, kComponent, fallback);
-  if (!(axis.norm() > 1e-6)) table.fail(key, "must have a direction, found a vector of length 0");
-  return axis.normalized();
 }
 
 LinkageCoordinates read_guess(const ConfigTable& table, JointType type) {
@@ -194,27 +188,6 @@ double measure(const std::vector<LinkageBody>& bodies, const std::vector<LoopEqu
 }
 
 }  // namespace
-
-int read_name(const ConfigTable& table, const std::string& key,
-              const std::vector<std::string>& names, const std::string& what) {
-  const std::string name = table.text(key);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    const std::string nearest = nearest_word(name, names);
-    table.fail(key, fmt::format("no {} is called '{}'{}", what, name.substr(0, 60),
-                                nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
-  }
-  return static_cast<int>(found - names.begin());
-}
-
-Pose read_frame(const ConfigTable& table, const std::string& suffix) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(3);
-  Pose pose;
-  pose.translation = table.numbers("origin" + suffix + "_mm", 3, kPlace, none);
-  pose.rotation =
-      exp_rotation(Vector3(table.numbers("rotation_vector" + suffix + "_deg", 3, kTurn, none)));
-  return pose;
-}
 
 LinkageTables read_linkage(const ConfigTable& root) {
   std::vector<std::string> in_file{"base"};

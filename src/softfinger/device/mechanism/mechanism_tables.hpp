@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "softfinger/device/mechanism/linkage.hpp"
-#include "softfinger/device/surface_piece.hpp"
 #include "softfinger/files/config_file.hpp"
 
 namespace softfinger {
@@ -30,19 +29,5 @@ struct LinkageTables {
   LinkageCoordinates guess;
 };
 [[nodiscard]] LinkageTables read_linkage(const ConfigTable& root);
-
-/// `[[surface]]`: what touches the finger. Without `load_meshes` the files of meshes are not
-/// opened.
-[[nodiscard]] std::vector<SurfacePiece> read_surface(const ConfigTable& root,
-                                                     const std::vector<std::string>& bodies,
-                                                     bool load_meshes);
-
-/// Index of the name that `key` has in `names`; refused, with the nearest, where there is none.
-/// `what`: "body", "joint".
-[[nodiscard]] int read_name(const ConfigTable& table, const std::string& key,
-                            const std::vector<std::string>& names, const std::string& what);
-/// A pose of keys that end in `suffix`: origin_mm and rotation_vector_deg, or origin_a_mm and
-/// rotation_vector_a_deg.
-[[nodiscard]] Pose read_frame(const ConfigTable& table, const std::string& suffix = {});
 
 }  // namespace softfinger

@@ -38,56 +38,23 @@ bool Mechanism::reachable(const Configuration& q) const {
   return true;
 }
 
-Mechanism::TiltAxes Mechanism::tilt_axes() const {
-  TiltAxes tilts;
+std::optional<PlatformSpace> Mechanism::platform_space() const {
+  PlatformAxes axes{.travel = approach_axis()};
   for (int k = 0; k < degrees_of_freedom(); ++k) {
     const LinkageReading& reading = description_.configuration[static_cast<std::size_t>(k)];
     if (reading.kind != LinkageReading::Kind::kRotation) continue;
     if (reading.body != description_.surface.front().body) continue;
-    if (reading.component == 0) tilts.roll = k;
-    if (reading.component == 1) tilts.pitch = k;
+    if (reading.component == 0) axes.roll = k;
+    if (reading.component == 1) axes.pitch = k;
   }
-  return tilts;
-}
-
-PlatformSpace Mechanism::space() const {
-  const TiltAxes tilts = tilt_axes();
-  const int travel = approach_axis();
+  if (axes.roll < 0 || axes.pitch < 0 || axes.travel < 0) return std::nullopt;
   const double reach = kFarthestTravel * description_.linkage.linkage().length();
-  return {.reachable =
-              [this, tilts, travel](double wanted_pitch, double wanted_roll, double wanted_travel) {
-                Configuration q = home();
-                q[tilts.pitch] = wanted_pitch;
-                q[tilts.roll] = wanted_roll;
-                q[travel] = wanted_travel;
-                return reachable(q);
-              },
-          .low = home()[travel] - reach,
-          .high = home()[travel] + reach,
-          .home_travel = home()[travel],
-          .max_tilt = description_.tilt ? description_.tilt->max_tilt : 0.5 * std::numbers::pi};
+  return space_of(axes, home()[axes.travel] - reach, home()[axes.travel] + reach,
+                  description_.tilt ? description_.tilt->max_tilt : 0.5 * std::numbers::pi);
 }
 
-bool Mechanism::is_platform() const {
-  const TiltAxes tilts = tilt_axes();
-  return tilts.roll >= 0 && tilts.pitch >= 0 && approach_axis() >= 0;
-}
-
-WorkspaceSummary Mechanism::workspace_summary() const {
-  return is_platform() ? summarise_platform_workspace(space()) : reaches();
-}
-
-WorkspaceOutline Mechanism::workspace_outline() const {
-  if (!is_platform()) return Device::workspace_outline();
-  WorkspaceOutline outline = outline_platform_workspace(space());
-  outline.pitch_axis = tilt_axes().pitch;
-  outline.roll_axis = tilt_axes().roll;
-  outline.travel_axis = approach_axis();
-  return outline;
-}
-
-WorkspaceSummary Mechanism::reaches() const {
-  WorkspaceSummary summary;
+std::vector<AxisReach> Mechanism::reaches() const {
+  std::vector<AxisReach> reaches;
   const Linkage& linkage = description_.linkage.linkage();
   for (int k = 0; k < degrees_of_freedom(); ++k) {
     const ConfigurationAxis& axis = axes()[static_cast<std::size_t>(k)];
@@ -110,9 +77,9 @@ WorkspaceSummary Mechanism::reaches() const {
       }
       return home()[k] + inside * side * farthest;
     };
-    summary.reaches.push_back({axis.name, end(-1.0), end(1.0), axis.unit});
+    reaches.push_back({axis.name, end(-1.0), end(1.0), axis.unit});
   }
-  return summary;
+  return reaches;
 }
 
 }  // namespace softfinger

@@ -1,11 +1,13 @@
+#include "softfinger/device/surfaces/surface_file.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/device/mechanism/mechanism.hpp"
-#include "softfinger/device/mechanism/mechanism_tables.hpp"
+#include "softfinger/device/device_tables.hpp"
+#include "softfinger/device/surfaces/piece_surface.hpp"
 #include "softfinger/geometry/mesh_import.hpp"
 #include "softfinger/geometry/mesh_shape.hpp"
 #include "softfinger/geometry/mesh_units.hpp"
@@ -109,7 +111,9 @@ std::vector<SurfacePiece> read_surface(const ConfigTable& root,
   const std::vector<ConfigTable> tables = root.tables("surface");
   root.needs_one("surface");
   if (tables.empty()) {
-    root.fail("surface", "nothing touches the finger: give a body a [[surface]]");
+    root.fail("surface", bodies.empty()
+                             ? "nothing touches the finger: give what the drives move a [[surface]]"
+                             : "nothing touches the finger: give a body a [[surface]]");
   }
   std::vector<SurfacePiece> pieces;
   for (const ConfigTable& table : tables) {
@@ -117,7 +121,7 @@ std::vector<SurfacePiece> read_surface(const ConfigTable& root,
         table.choice("type", {"disk", "sphere", "capsule", "box", "pins", "mesh"});
     table.decides("type");
     SurfacePiece piece;
-    piece.body = read_name(table, "body", bodies, "body");
+    if (!bodies.empty()) piece.body = read_name(table, "body", bodies, "body");
     piece.X_LS = read_frame(table);
     if (type == "pins") {
       read_pins(table, piece, pieces);

@@ -1,14 +1,14 @@
-#include "softfinger/device/rigid_disk.hpp"
+#include "softfinger/device/surfaces/disk_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "softfinger/device/disk_surface.hpp"
+#include "softfinger/device/surfaces/disk_geometry.hpp"
 
 namespace softfinger {
 
-Matrix3 RigidDisk::Motion::rates(const Vector3& p_P) const {
+Matrix3 DiskSurface::Motion::rates(const Vector3& p_P) const {
   Matrix3 rates = Matrix3::Zero();
   for (int k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -17,22 +17,21 @@ Matrix3 RigidDisk::Motion::rates(const Vector3& p_P) const {
   return rates;
 }
 
-RigidDisk::Motion RigidDisk::motion(const Configuration& q) const {
-  const Pose X_FP = surface_pose(q);
-  const Matrix3 R_BP = settings().X_FB.rotation.transpose() * X_FP.rotation;
-  Motion motion;
-  motion.X_PF = X_FP.inverse();
-  motion.count = degrees_of_freedom();
-  for (int k = 0; k < motion.count; ++k) {
-    const PoseRate rate = pose_rate(q, k);
-    motion.turn[static_cast<std::size_t>(k)] = rate.rotation.transpose() * R_BP;
-    motion.shift[static_cast<std::size_t>(k)] = -(R_BP.transpose() * rate.translation);
+DiskSurface::Motion DiskSurface::in_disk(const Pose& X_FB, const RigidMotion& motion) {
+  const Pose X_FP = X_FB * motion.X_BP;
+  const Matrix3 R_BP = X_FB.rotation.transpose() * X_FP.rotation;
+  Motion here;
+  here.X_PF = X_FP.inverse();
+  here.count = motion.count;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(motion.count); ++k) {
+    here.turn[k] = motion.rate[k].rotation.transpose() * R_BP;
+    here.shift[k] = -(R_BP.transpose() * motion.rate[k].translation);
   }
-  return motion;
+  return here;
 }
 
 // z is free; beyond the rim the part across goes along outwards, and turns.
-Matrix3 RigidDisk::residual_rate(const Vector3& p_P) const {
+Matrix3 DiskSurface::residual_rate(const Vector3& p_P) const {
   Matrix3 rate = Matrix3::Zero();
   rate(2, 2) = 1.0;
   const double rho = std::hypot(p_P.x(), p_P.y());
@@ -45,9 +44,9 @@ Matrix3 RigidDisk::residual_rate(const Vector3& p_P) const {
   return rate;
 }
 
-ClosestPointResidual RigidDisk::closest_point_residual(const Configuration& q,
+ClosestPointResidual DiskSurface::closest_point_residual(const Kinematics& by, const Configuration& q,
                                                        const Vector3& p_F) const {
-  const Motion here = motion(q);
+  const Motion here = in_disk(by.X_FB(), by.motion(q));
   const Vector3 p_P = here.X_PF * p_F;
   ClosestPointResidual answer;
   answer.residual = disk_closest_point_residual(radius_, p_P);
@@ -55,15 +54,15 @@ ClosestPointResidual RigidDisk::closest_point_residual(const Configuration& q,
   return answer;
 }
 
-SurfaceDistance RigidDisk::signed_distance(const Configuration& q, const Vector3& p_F) const {
-  const Motion here = motion(q);
+SurfaceDistance DiskSurface::signed_distance(const Kinematics& by, const Configuration& q, const Vector3& p_F) const {
+  const Motion here = in_disk(by.X_FB(), by.motion(q));
   const Vector3 p_P = here.X_PF * p_F;
   const ConeDistance cone = cone_distance(radius_, p_P);
   return {cone.distance, (here.rates(p_P).transpose() * cone.normal).head(here.count)};
 }
 
-double RigidDisk::deviation(const Configuration& q, const SurfaceSamples& samples) const {
-  const Pose X_PF = surface_pose(q).inverse();
+double DiskSurface::deviation(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+  const Pose X_PF = pose(by, q).inverse();
   double sum = 0.0;
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
     const Vector3 p_P = X_PF * Vector3(samples.x[i], samples.y[i], samples.z[i]);
@@ -77,11 +76,11 @@ double RigidDisk::deviation(const Configuration& q, const SurfaceSamples& sample
   return sum;
 }
 
-double RigidDisk::deviation_derivatives(const Configuration& q, const SurfaceSamples& samples,
+double DiskSurface::deviation_derivatives(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples,
                                         Eigen::Ref<Eigen::VectorXd> gradient,
                                         Eigen::Ref<Eigen::MatrixXd> gauss_newton,
                                         Eigen::Ref<Eigen::MatrixXd> hessian) const {
-  const Motion here = motion(q);
+  const Motion here = in_disk(by.X_FB(), by.motion(q));
   double sum = 0.0;
   Vector3 slope = Vector3::Zero();
   Matrix3 square = Matrix3::Zero();
@@ -110,8 +109,8 @@ double RigidDisk::deviation_derivatives(const Configuration& q, const SurfaceSam
   return sum;
 }
 
-double RigidDisk::least_distance(const Configuration& q, const SurfaceSamples& samples) const {
-  const Pose X_PF = surface_pose(q).inverse();
+double DiskSurface::least_distance(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+  const Pose X_PF = pose(by, q).inverse();
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
     const Vector3 p_P = X_PF * Vector3(samples.x[i], samples.y[i], samples.z[i]);
@@ -121,8 +120,8 @@ double RigidDisk::least_distance(const Configuration& q, const SurfaceSamples& s
   return least;
 }
 
-void RigidDisk::solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const {
-  pieces[0] = disk_solid(radius_, edge_radius_, surface_pose(q));
+void DiskSurface::solid_pieces(const Kinematics& by, const Configuration& q, std::span<SolidPiece> pieces) const {
+  pieces[0] = disk_solid(radius_, edge_radius_, pose(by, q));
 }
 
 }  // namespace softfinger

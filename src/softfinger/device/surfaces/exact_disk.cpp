@@ -1,11 +1,10 @@
+#include "softfinger/device/surfaces/exact_disk.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "softfinger/device/disk_surface.hpp"
-#include "softfinger/device/kinds/platform_3rrs.hpp"
-#include "softfinger/device/kinds/platform_3rrs_legs.hpp"
+#include "softfinger/device/surfaces/disk_geometry.hpp"
 
 namespace softfinger {
 namespace {
@@ -13,20 +12,19 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
-/// The platform's motion by q: a point fixed in F moves in P with velocity x_P x omega_k - v_k, so
-/// a direction n of P sees (n x x_P) . omega_k - n . v_k. Rows 0-2: omega, rows 3-5: v; columns: q.
-Matrix63 platform_twist(const Matrix3& rotation, const Tilt& tilt, const PlatformCentre& centre) {
+/// The disk's motion by q: a point fixed in F moves in P with velocity x_P x omega_k - v_k, so a
+/// direction n of P sees (n x x_P) . omega_k - n . v_k. Rows 0-2: omega, rows 3-5: v; columns: q.
+Matrix63 disk_twist(const RigidMotion& motion) {
+  const Matrix3& rotation = motion.X_BP.rotation;
   Matrix63 twist = Matrix63::Zero();
-  const auto column = [&](int k, double PlaneFunction::*part) {
-    const Matrix3 spin = rotation.transpose() * tilt.derivative(part);
+  for (int k = 0; k < motion.count; ++k) {
+    const PoseRate& rate = motion.rate[static_cast<std::size_t>(k)];
+    const Matrix3 spin = rotation.transpose() * rate.rotation;
     twist(0, k) = spin(2, 1);
     twist(1, k) = spin(0, 2);
     twist(2, k) = spin(1, 0);
-    twist.block<3, 1>(3, k) = rotation.transpose() * Vector3(centre.x.*part, centre.y.*part, 0.0);
-  };
-  column(0, &PlaneFunction::p);
-  column(1, &PlaneFunction::r);
-  twist.block<3, 1>(3, 2) = rotation.row(2).transpose();
+    twist.block<3, 1>(3, k) = rotation.transpose() * rate.translation;
+  }
   return twist;
 }
 
@@ -113,6 +111,38 @@ class DeviationSums {
   double f_ = 0.0, fx_ = 0.0, fy_ = 0.0, fz_ = 0.0;
 };
 
+/// Second derivatives of x_P = M^T (y - c) by q, contracted with the forces f on the points: `force`
+/// is sum f, `force_point` sum f x^T.
+void add_bending(const RigidMotion& motion, const Vector3& force, const Matrix3& force_point,
+                 Matrix3& exact) {
+  const Matrix3& rotation = motion.X_BP.rotation;
+  const Matrix3 K_world = rotation * force_point.transpose();  // sum (y - c) f^T
+  const Vector3 force_B = rotation * force;
+  std::array<Vector3, RigidMotion::kMostAxes> pushed;
+  for (int k = 0; k < motion.count; ++k) {
+    pushed[static_cast<std::size_t>(k)] = motion.rate[static_cast<std::size_t>(k)].rotation * force;
+  }
+  for (int k = 0; k < motion.count; ++k) {
+    for (int l = k; l < motion.count; ++l) {
+      const auto a = static_cast<std::size_t>(k);
+      const auto b = static_cast<std::size_t>(l);
+      double second = 0.0;
+      if (l < 2) {
+        const PoseRate& bend = motion.bend[a + b];
+        second = bend.rotation.cwiseProduct(K_world).sum() - bend.translation.dot(force_B);
+      }
+      if (k == l) {
+        exact(k, k) += second - 2.0 * motion.rate[a].translation.dot(pushed[a]);
+      } else {
+        second -= motion.rate[a].translation.dot(pushed[b]);
+        second -= motion.rate[b].translation.dot(pushed[a]);
+        exact(k, l) += second;
+        exact(l, k) += second;
+      }
+    }
+  }
+}
+
 /// Whether the nearest surface of the solid is its flat top, without a square root.
 bool sees_top(double radius, double rho2, double z) {
   const double edge = z >= 0.0 ? radius : radius + z * (std::numbers::sqrt2 - 1.0);
@@ -121,45 +151,45 @@ bool sees_top(double radius, double rho2, double z) {
 
 }  // namespace
 
-ClosestPointResidual Platform3rrs::closest_point_residual(const Configuration& q,
+ClosestPointResidual ExactDisk::closest_point_residual(const Kinematics& by, const Configuration& q,
                                                           const Vector3& p_F) const {
-  const Tilt tilt(q[0], q[1]);
-  const PlatformCentre centre = platform_centre(geometry_, tilt);
-  const Pose X_FP = surface_pose(q);
+  const RigidMotion motion = by.motion(q);
+  const Pose X_FP = by.X_FB() * motion.X_BP;
   const Vector3 p_P = X_FP.rotation.transpose() * (p_F - X_FP.translation);
   ClosestPointResidual answer;
-  answer.residual = disk_closest_point_residual(geometry_.disk_radius, p_P);
+  answer.residual = disk_closest_point_residual(disk_radius(), p_P);
   Matrix3 by_point = Vector3::UnitZ() * Vector3::UnitZ().transpose();
   const double rho = std::hypot(p_P.x(), p_P.y());
-  if (rho > geometry_.disk_radius) {
+  if (rho > disk_radius()) {
     const Vector3 outward(p_P.x() / rho, p_P.y() / rho, 0.0);
     const Vector3 tangent(-outward.y(), outward.x(), 0.0);
     by_point += outward * outward.transpose() +
-                (1.0 - geometry_.disk_radius / rho) * tangent * tangent.transpose();
+                (1.0 - disk_radius() / rho) * tangent * tangent.transpose();
   }
-  const Matrix63 twist = platform_twist(tilt.rotation(), tilt, centre);
-  answer.jacobian = by_point * (skew(p_P) * twist.topRows<3>() - twist.bottomRows<3>());
+  const Matrix63 twist = disk_twist(motion);
+  const Matrix3 jacobian = by_point * (skew(p_P) * twist.topRows<3>() - twist.bottomRows<3>());
+  answer.jacobian = jacobian.leftCols(motion.count);
   return answer;
 }
 
-SurfaceDistance Platform3rrs::signed_distance(const Configuration& q, const Vector3& p_F) const {
-  const Tilt tilt(q[0], q[1]);
-  const PlatformCentre centre = platform_centre(geometry_, tilt);
-  const Pose X_FP = surface_pose(q);
+SurfaceDistance ExactDisk::signed_distance(const Kinematics& by, const Configuration& q, const Vector3& p_F) const {
+  const RigidMotion motion = by.motion(q);
+  const Pose X_FP = by.X_FB() * motion.X_BP;
   const Vector3 p_P = X_FP.rotation.transpose() * (p_F - X_FP.translation);
-  const ConeDistance cone = cone_distance(geometry_.disk_radius, p_P);
-  const Matrix63 twist = platform_twist(tilt.rotation(), tilt, centre);
+  const ConeDistance cone = cone_distance(disk_radius(), p_P);
+  const Matrix63 twist = disk_twist(motion);
   SurfaceDistance answer;
   answer.distance = cone.distance;
-  answer.gradient = twist.transpose() * moment_arm(cone.normal, p_P);
+  const Vector3 gradient = twist.transpose() * moment_arm(cone.normal, p_P);
+  answer.gradient = gradient.head(motion.count);
   return answer;
 }
 
-double Platform3rrs::deviation(const Configuration& q, const SurfaceSamples& samples) const {
-  const Pose X_PF = surface_pose(q).inverse();
+double ExactDisk::deviation(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+  const Pose X_PF = pose(by, q).inverse();
   const Matrix3& R = X_PF.rotation;
   const Vector3& t = X_PF.translation;
-  const double radius = geometry_.disk_radius;
+  const double radius = disk_radius();
   const auto contacts = static_cast<std::size_t>(samples.contact_count);
   double sum = 0.0;
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
@@ -184,21 +214,18 @@ double Platform3rrs::deviation(const Configuration& q, const SurfaceSamples& sam
   return sum;
 }
 
-double Platform3rrs::deviation_derivatives(const Configuration& q, const SurfaceSamples& samples,
+double ExactDisk::deviation_derivatives(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples,
                                            Eigen::Ref<Eigen::VectorXd> gradient,
                                            Eigen::Ref<Eigen::MatrixXd> gauss_newton,
                                            Eigen::Ref<Eigen::MatrixXd> hessian) const {
-  const Tilt tilt(q[0], q[1]);
-  const PlatformCentre centre = platform_centre(geometry_, tilt);
-  const Matrix3 rotation = tilt.rotation();
-  const Pose X_PF =
-      (settings().X_FB * Pose{rotation, Vector3(centre.x.v, centre.y.v, q[2])}).inverse();
+  const RigidMotion motion = by.motion(q);
+  const Pose X_PF = (by.X_FB() * motion.X_BP).inverse();
   const Matrix3& R = X_PF.rotation;
   const Vector3& t = X_PF.translation;
-  const double radius = geometry_.disk_radius;
+  const double radius = disk_radius();
   const auto contacts = static_cast<std::size_t>(samples.contact_count);
 
-  DeviationSums sums(platform_twist(rotation, tilt, centre));
+  DeviationSums sums(disk_twist(motion));
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
     const double px = samples.x[i];
     const double py = samples.y[i];
@@ -239,49 +266,13 @@ double Platform3rrs::deviation_derivatives(const Configuration& q, const Surface
   }
   sums.finish();
 
-  gradient = sums.gradient;
-  gauss_newton = sums.gauss_newton;
   Matrix3 exact = sums.gauss_newton + sums.curvature;
-  const Matrix3& K = sums.force_point;
-
-  // Second derivatives of x_P = M^T (y - c), contracted with f.
-  const Matrix3 K_world = rotation * K.transpose();  // sum (y - c) f^T
-  const auto second = [&](double PlaneFunction::*part) {
-    const double turning = tilt.derivative(part).cwiseProduct(K_world).sum();
-    const Vector3 shift(centre.x.*part, centre.y.*part, 0.0);
-    return turning - shift.dot(rotation * sums.force);
-  };
-  const Vector3 pushed_p = tilt.derivative(&PlaneFunction::p) * sums.force;
-  const Vector3 pushed_r = tilt.derivative(&PlaneFunction::r) * sums.force;
-  const Vector3 shift_p(centre.x.p, centre.y.p, 0.0);
-  const Vector3 shift_r(centre.x.r, centre.y.r, 0.0);
-  exact(0, 0) += second(&PlaneFunction::pp) - 2.0 * shift_p.dot(pushed_p);
-  exact(1, 1) += second(&PlaneFunction::rr) - 2.0 * shift_r.dot(pushed_r);
-  const double pr = second(&PlaneFunction::pr) - shift_p.dot(pushed_r) - shift_r.dot(pushed_p);
-  exact(0, 1) += pr;
-  exact(1, 0) += pr;
-  // Travel is z: its product with the tilts comes from the turning alone.
-  exact(0, 2) -= pushed_p.z();
-  exact(2, 0) -= pushed_p.z();
-  exact(1, 2) -= pushed_r.z();
-  exact(2, 1) -= pushed_r.z();
-  hessian = exact;
+  add_bending(motion, sums.force, sums.force_point, exact);
+  const int n = motion.count;
+  gradient = sums.gradient.head(n);
+  gauss_newton = sums.gauss_newton.topLeftCorner(n, n);
+  hessian = exact.topLeftCorner(n, n);
   return sums.value;
-}
-
-double Platform3rrs::least_distance(const Configuration& q, const SurfaceSamples& samples) const {
-  const Pose X_PF = surface_pose(q).inverse();
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < samples.x.size(); ++i) {
-    const Vector3 p_P = X_PF * Vector3(samples.x[i], samples.y[i], samples.z[i]);
-    if (p_P.z() >= least) continue;
-    least = std::min(least, cone_distance(geometry_.disk_radius, p_P).distance);
-  }
-  return least;
-}
-
-void Platform3rrs::solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const {
-  pieces[0] = disk_solid(geometry_.disk_radius, geometry_.disk_edge_radius, surface_pose(q));
 }
 
 }  // namespace softfinger

@@ -1,9 +1,9 @@
-#include "softfinger/device/surface_piece.hpp"
+#include "softfinger/device/surfaces/surface_piece.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/device/disk_surface.hpp"
+#include "softfinger/device/surfaces/disk_geometry.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 
 namespace softfinger {

@@ -1,10 +1,8 @@
-#include "softfinger/device/kinds/membrane.hpp"
+#include "softfinger/device/surfaces/cap_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include "softfinger/base/units.hpp"
 
 namespace softfinger {
 namespace {
@@ -57,20 +55,10 @@ CapResidual cap_residual(double ring, double h, double rho, double z) {
 
 }  // namespace
 
-Membrane::Membrane(DeviceSettings settings, const MembraneGeometry& geometry)
-    : LinearDrives(std::move(settings)),
-      geometry_(geometry),
-      X_BF_(this->settings().X_FB.inverse()) {}
-
-std::vector<ConfigurationAxis> Membrane::axes_for(const MembraneGeometry& geometry) {
-  return {{"height_mm", mm, 1.0, geometry.min_height, geometry.max_height}};
-}
-
-ClosestPointResidual Membrane::closest_point_residual(const Configuration& q,
-                                                      const Vector3& p_F) const {
-  const Vector3 p_B = X_BF_ * p_F;
+ClosestPointResidual CapSurface::Placed::closest_point_residual(const Vector3& p_F) const {
+  const Vector3 p_B = X_BF * p_F;
   const double rho = std::hypot(p_B.x(), p_B.y());
-  const CapResidual cap = cap_residual(geometry_.ring_radius, q[0], rho, p_B.z());
+  const CapResidual cap = cap_residual(ring_radius, height, rho, p_B.z());
   const Vector3 outward =
       rho > 1e-12 ? Vector3(p_B.x() / rho, p_B.y() / rho, 0.0) : Vector3::UnitX();
   ClosestPointResidual answer;
@@ -79,12 +67,12 @@ ClosestPointResidual Membrane::closest_point_residual(const Configuration& q,
   return answer;
 }
 
-SurfaceDistance Membrane::signed_distance(const Configuration& q, const Vector3& p_F) const {
-  const Vector3 p_B = X_BF_ * p_F;
+SurfaceDistance CapSurface::Placed::signed_distance(const Vector3& p_F) const {
+  const Vector3 p_B = X_BF * p_F;
   const double rho = std::hypot(p_B.x(), p_B.y());
   const double z = p_B.z();
-  const double ring = geometry_.ring_radius;
-  const CapResidual cap = cap_residual(ring, q[0], rho, z);
+  const double ring = ring_radius;
+  const CapResidual cap = cap_residual(ring, height, rho, z);
   const double flank = 0.5 * std::numbers::sqrt2 * (rho - ring + z);
   const bool inside = z >= 0.0 ? cap.distance <= 0.0 && rho <= ring : flank <= 0.0;
   const double rim = std::hypot(rho - ring, z);
@@ -97,17 +85,17 @@ SurfaceDistance Membrane::signed_distance(const Configuration& q, const Vector3&
   return answer;
 }
 
-Pose Membrane::surface_pose(const Configuration& q) const {
-  return settings().X_FB * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, q[0])};
+Pose CapSurface::pose(const Kinematics& by, const Configuration& q) const {
+  return by.X_FB() * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, q[0])};
 }
 
-void Membrane::solid_pieces(const Configuration& q, std::span<SolidPiece> pieces) const {
+void CapSurface::solid_pieces(const Kinematics& by, const Configuration& q, std::span<SolidPiece> pieces) const {
   const double h = std::max(q[0], kLeastHeight);
   const double ring = geometry_.ring_radius;
   const double radius = (ring * ring + h * h) / (2.0 * h);
-  pieces[0] = {Ball{radius}, settings().X_FB * Pose{Matrix3::Identity(), {0.0, 0.0, h - radius}}};
+  pieces[0] = {Ball{radius}, by.X_FB() * Pose{Matrix3::Identity(), {0.0, 0.0, h - radius}}};
   pieces[1] = {RoundedCylinder{ring + geometry_.rim_width, kHalfPlate, geometry_.rim_edge_radius},
-               settings().X_FB * Pose{Matrix3::Identity(), {0.0, 0.0, -kHalfPlate}}};
+               by.X_FB() * Pose{Matrix3::Identity(), {0.0, 0.0, -kHalfPlate}}};
 }
 
 }  // namespace softfinger

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "softfinger/device/device.hpp"
+#include "softfinger/device/contacting_surface.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {

@@ -2,12 +2,12 @@
 
 #include <variant>
 
-#include "softfinger/device/device.hpp"
+#include "softfinger/device/contacting_surface.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
 
 namespace softfinger {
 
-/// The disk of disk_surface.hpp.
+/// The disk of disk_geometry.hpp.
 struct DiskPiece {
   double radius;
   double edge_radius;  ///< of its solid's rim

@@ -1,4 +1,4 @@
-#include "softfinger/device/disk_surface.hpp"
+#include "softfinger/device/surfaces/disk_geometry.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/configuration.hpp"
+#include "softfinger/device/device_objectives.hpp"
+#include "softfinger/geometry/pose.hpp"
+#include "softfinger/motors/joint_limits.hpp"
+#include "softfinger/motors/transport_settings.hpp"
+
+namespace softfinger {
+
+/// One component of a configuration q.
+struct ConfigurationAxis {
+  static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+  std::string name;      ///< with the unit people read: "pitch_deg", "travel_mm"
+  bool angular = false;  ///< rad inside and degrees for people; else m and mm
+  double metric = 1.0;   ///< m per SI unit: how far the surface moves; the disk's radius for angles
+  /// Limits of its own; SI. Infinite where only joints or other axes limit it.
+  double min = -kNoLimit, max = kNoLimit;
+  double unit = angular ? deg : mm;  ///< SI per unit of the name
+
+  [[nodiscard]] static ConfigurationAxis angle(std::string name, double metric,
+                                               double min = -kNoLimit, double max = kNoLimit) {
+    return {std::move(name), true, metric, min, max};
+  }
+  [[nodiscard]] static ConfigurationAxis length(std::string name, double min = -kNoLimit,
+                                                double max = kNoLimit) {
+    return {std::move(name), false, 1.0, min, max};
+  }
+};
+
+/// `[matching]` of a device file.
+struct MatchingSettings {
+  double separation_tolerance = 2e-4;  ///< eps, m
+  double approach = 3e-3;              ///< least gap below which the device follows the skin, m
+  std::string objective{kDeviceObjectives.front()};
+};
+
+/// `[force_sensor]` of a device file: what tells the force on the wearer's finger.
+struct ForceSensorSettings {
+  std::string kind;    ///< "emulator"
+  double noise = 0.0;  ///< of the emulated sensor, standard deviation, N
+};
+
+/// What every kind of device has beside its geometry.
+struct DeviceSettings {
+  std::string kind;
+  std::vector<ConfigurationAxis> axes;
+  bool names_axes = false;  ///< the file itself chose the names of its axes
+  Pose X_FB;  ///< mount: neutral frame B' in F
+  /// How far X_FB stands further out, against its z, than the file says, to fit a finger; m.
+  double mount_shift = 0.0;
+  /// Least gap to the resting skin of whoever wears it that the mount is shifted to, where the
+  /// configuration is zero (at home where that is out of reach), m.
+  std::optional<double> clearance;
+  Configuration home;       ///< where the device rests when nothing is near
+  Configuration retracted;  ///< where it goes when a run stops or stalls
+  JointLimits joint_limits;
+  double max_force = 0.0;  ///< normal force on the finger that is never exceeded, N; 0: not given
+  MatchingSettings matching;
+  std::optional<TransportSettings> transport;
+  std::optional<ForceSensorSettings> force_sensor;
+  std::string as_read;  ///< the device file as JSON, defaults filled in
+};
+
+}  // namespace softfinger
