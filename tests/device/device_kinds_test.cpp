@@ -208,8 +208,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, testing::ValuesIn(device_files())
 TEST(PinArray, DistancesAreThoseOfFlatEndedCylinders) {
   const auto device = shipped("pins-wagner-6x6");
   const Device& pins = *device;
-  const PinArrayGeometry& geometry =
-      dynamic_cast<const PinSurface&>(pins.surface()).geometry();
+  const PinArrayGeometry& geometry = dynamic_cast<const PinSurface&>(pins.surface()).geometry();
   const Pose X_BF = pins.settings().X_FB.inverse();
   std::mt19937 random(3);
   std::uniform_real_distribution<double> across(-9.0, 9.0);
@@ -288,7 +287,8 @@ TEST(MembraneSurface, DistancesAgreeWithSearchOverTheCap) {
 
 TEST(DeltaTactor, LinksKeepTheirLengths) {
   const auto device = shipped("delta-schorr");
-  const DeltaTactorGeometry& geometry = dynamic_cast<const DeltaTactor&>(device->kinematics()).geometry();
+  const DeltaTactorGeometry& geometry =
+      dynamic_cast<const DeltaTactor&>(device->kinematics()).geometry();
   std::mt19937 random(5);
   for (int i = 0; i < 1000; ++i) {
     const Configuration q = random_reachable(*device, random);
@@ -328,7 +328,8 @@ TEST(DeltaTactor, ForwardUndoesInverseForAnySizes) {
       ASSERT_NE(i, 0);
       continue;
     }
-    const DeltaTactorGeometry& geometry = dynamic_cast<const DeltaTactor&>(device->kinematics()).geometry();
+    const DeltaTactorGeometry& geometry =
+        dynamic_cast<const DeltaTactor&>(device->kinematics()).geometry();
     for (int k = 0; k < 40; ++k) {
       const Configuration q = k == 0 ? device->home() : random_reachable(*device, random);
       JointAngles joints;
@@ -361,7 +362,8 @@ TEST(DeltaTactor, ReachesTenMillimetresEachWay) {
 
 TEST(CablePlatform, WinchesWindWhatTheCablesLose) {
   const auto device = shipped("cable-prattichizzo");
-  const CablePlatformGeometry& geometry = dynamic_cast<const CablePlatform&>(device->kinematics()).geometry();
+  const CablePlatformGeometry& geometry =
+      dynamic_cast<const CablePlatform&>(device->kinematics()).geometry();
   std::mt19937 random(6);
   std::array<Vector3, 9> neutral;
   device->linkage(Configuration::Zero(3), neutral);

@@ -183,7 +183,8 @@ TEST_P(ShippedMechanism, ClosesEveryLoop) {
     }
     EXPECT_LT(worst, 1e-13);
     LinkageInputs read(device_->degrees_of_freedom());
-    linkage.read(linkage_of(*device_).description().configuration, solution.x, solution.placement, read);
+    linkage.read(linkage_of(*device_).description().configuration, solution.x, solution.placement,
+                 read);
     EXPECT_LT((read - q).norm(), 1e-12);
   }
 }

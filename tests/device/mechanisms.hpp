@@ -21,8 +21,7 @@ inline const Mechanism& linkage_of(const Device& device) {
 /// Draws configurations from a mechanism's workspace: up to `angle_deg` and `length_mm` from home.
 class ReachableConfigurations {
  public:
-  ReachableConfigurations(const Device& device, double angle_deg, double length_mm,
-                          unsigned seed)
+  ReachableConfigurations(const Device& device, double angle_deg, double length_mm, unsigned seed)
       : device_(device), angle_(angle_deg * deg), length_(length_mm * mm), random_(seed) {}
 
   [[nodiscard]] Configuration draw() {

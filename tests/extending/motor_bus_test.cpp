@@ -39,8 +39,9 @@ TEST(TextLineKind, ReadsItsOwnExampleAndRefusesPulsesThatCross) {
   EXPECT_EQ(servo.channel, 2);
   EXPECT_DOUBLE_EQ(servo.max, 2000.0 * us);
   EXPECT_NE(kKind.servo_name_text(servo).find("pin = 2"), std::string::npos);
-  EXPECT_THROW((void)read("pin = 0\nzero_us = 1500.0\nus_per_deg = 1.0\nmin_us = 2.0\nmax_us = 1.0\n"),
-               InputError);
+  EXPECT_THROW(
+      (void)read("pin = 0\nzero_us = 1500.0\nus_per_deg = 1.0\nmin_us = 2.0\nmax_us = 1.0\n"),
+      InputError);
 }
 
 TEST(TextLineBus, MovesItsEmulatorAndHearsWhereItStands) {

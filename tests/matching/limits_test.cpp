@@ -27,8 +27,7 @@ std::shared_ptr<const Device> narrow_thimble() {
     settings.joint_limits.min = home.array() - 17.0 * deg;
     settings.joint_limits.max = home.array() + 34.0 * deg;
     return make_platform_3rrs(
-        std::move(settings),
-        dynamic_cast<const Platform3rrs&>(thimble()->kinematics()).geometry());
+        std::move(settings), dynamic_cast<const Platform3rrs&>(thimble()->kinematics()).geometry());
   }();
   return device;
 }

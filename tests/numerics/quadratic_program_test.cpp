@@ -155,14 +155,12 @@ TEST(QuadraticProgram, ScalesAsItsUnitsDo) {
 }
 
 TEST(QuadraticProgram, WithoutConstraintsItIsANewtonStep) {
-  const Program program{(MatrixXd(2, 2) << 4.0, 1.0, 1.0, 3.0).finished(),
-                        (VectorXd(2) << -1.0, 2.0).finished(),
-                        {},
-                        {}};
+  const Eigen::Matrix2d B{{4.0, 1.0}, {1.0, 3.0}};
+  const Eigen::Vector2d g(-1.0, 2.0);
   QuadraticProgram solver(2, 0);
-  ASSERT_TRUE(solver.factor(program.B));
-  solver.solve(program.g);
-  EXPECT_LT((program.B * solver.step() + program.g).norm(), 1e-15);
+  ASSERT_TRUE(solver.factor(B));
+  solver.solve(g);
+  EXPECT_LT((B * solver.step() + g).norm(), 1e-15);
 }
 
 TEST(QuadraticProgram, RefusesWhatIsNotPositiveDefinite) {

@@ -26,7 +26,6 @@ extern "C" void* malloc(std::size_t size) noexcept {
 namespace softfinger {
 namespace {
 
-
 const PressedFinger& held() {
   static const PressedFinger finger(1.0 * mm);
   return finger;

@@ -14,7 +14,6 @@
 namespace softfinger {
 namespace {
 
-
 /// q moved along its first and its last component.
 Configuration moved(Configuration q, double first, double last) {
   q[0] += first;

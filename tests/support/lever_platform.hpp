@@ -34,8 +34,7 @@ class LeverPlatform : public Kinematics {
   static constexpr double kGain = 40.0;    ///< rad/m
   static constexpr double kLever = 12e-3;  ///< m
 
-  LeverPlatform(const DeviceSettings& settings, bool wedge)
-      : Kinematics(settings), wedge_(wedge) {}
+  LeverPlatform(const DeviceSettings& settings, bool wedge) : Kinematics(settings), wedge_(wedge) {}
 
   bool inverse_kinematics(const Configuration& q, JointAngles& joints) const override {
     if (q.size() != 3 || !q.allFinite()) return false;

@@ -47,8 +47,8 @@ bool TextLineBus::ask() noexcept {
 
 bool TextLineBus::take_positions(std::span<std::int32_t> positions) noexcept {
   if (answered_ == answer_.size()) answered_ = 0;  // so long a line is none
-  answered_ += port_.read({reinterpret_cast<std::uint8_t*>(answer_.data()) + answered_,
-                           answer_.size() - answered_});
+  answered_ += port_.read(
+      {reinterpret_cast<std::uint8_t*>(answer_.data()) + answered_, answer_.size() - answered_});
   // Several answers may have come late: the last whole one counts.
   bool known = false;
   std::size_t begin = 0;

@@ -9,8 +9,8 @@
 
 namespace softfinger {
 
-/// A microcontroller on a serial port that reads lines: "m 1500 1480 1520" moves its servos to these
-/// pulse widths, in microseconds; to "?" it answers "p 1500 1480 1520".
+/// A microcontroller on a serial port that reads lines: "m 1500 1480 1520" moves its servos to
+/// these pulse widths, in microseconds; to "?" it answers "p 1500 1480 1520".
 class TextLineBus : public ServoBus {
  public:
   explicit TextLineBus(const TransportSettings& transport);

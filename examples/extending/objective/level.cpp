@@ -16,8 +16,7 @@ const RenderedSurface& LevelObjective::tick(const VirtualFinger& finger, double 
   if (axis < 0) return rendered_;
   Configuration level = device_->home();
   level[axis] = rendered_.configuration[axis];
-  rendered_.configuration =
-      device_->reachable(level) ? level : clamped_to_limits(*device_, level);
+  rendered_.configuration = device_->reachable(level) ? level : clamped_to_limits(*device_, level);
   static_cast<void>(device_->inverse_kinematics(rendered_.configuration, rendered_.joints));
   return rendered_;
 }

@@ -18,8 +18,7 @@ TrackedPose CircleTracker::sample(double time) {
   const double angle = 2.0 * std::numbers::pi * time / period_;
   TrackedPose tracked;
   tracked.time = time;
-  tracked.X_WFt.translation =
-      centre_W_ + radius_ * Vector3(std::cos(angle), std::sin(angle), 0.0);
+  tracked.X_WFt.translation = centre_W_ + radius_ * Vector3(std::cos(angle), std::sin(angle), 0.0);
   tracked.valid = true;
   return tracked;
 }

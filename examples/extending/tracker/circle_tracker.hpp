@@ -8,8 +8,8 @@ namespace softfinger {
 /// period: for exploring an object the same way each time.
 class CircleTracker final : public Tracker {
  public:
-  /// centre_W: of Ft's way, m; radius in m, >= 0; period in s, > 0; turns: after which it ends, > 0.
-  /// Throws InputError for others.
+  /// centre_W: of Ft's way, m; radius in m, >= 0; period in s, > 0; turns: after which it ends, >
+  /// 0. Throws InputError for others.
   CircleTracker(const Vector3& centre_W, double radius, double period, double turns);
 
   [[nodiscard]] TrackedPose sample(double time) override;

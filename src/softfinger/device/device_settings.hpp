@@ -54,7 +54,7 @@ struct DeviceSettings {
   std::string kind;
   std::vector<ConfigurationAxis> axes;
   bool names_axes = false;  ///< the file itself chose the names of its axes
-  Pose X_FB;  ///< mount: neutral frame B' in F
+  Pose X_FB;                ///< mount: neutral frame B' in F
   /// How far X_FB stands further out, against its z, than the file says, to fit a finger; m.
   double mount_shift = 0.0;
   /// Least gap to the resting skin of whoever wears it that the mount is shifted to, where the

@@ -34,8 +34,7 @@ Configuration read_configuration(const ConfigTable& table, const DeviceSettings&
   Configuration q(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const ConfigurationAxis& axis = settings.axes[static_cast<std::size_t>(k)];
-    q[k] =
-        table.number(axis.name, axis.angular ? Range::between(-90.0, 90.0) : Range::any(), 0.0);
+    q[k] = table.number(axis.name, axis.angular ? Range::between(-90.0, 90.0) : Range::any(), 0.0);
     if (settings.names_axes) table.any_name(axis.name, axis.angular ? "_deg$" : "_mm$");
   }
   return q;

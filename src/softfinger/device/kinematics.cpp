@@ -66,7 +66,9 @@ void Kinematics::add_motion_curvature(const Configuration& q, std::span<const Bo
   const Matrix3& R = here.X_BP.rotation;
   const Vector3& force = loads[0].force;
   const Matrix3 turned = loads[0].force_arm.transpose() * R;
-  const auto pushed = [&](const PoseRate& rate) { return Vector3(rate.rotation * (R.transpose() * force)); };
+  const auto pushed = [&](const PoseRate& rate) {
+    return Vector3(rate.rotation * (R.transpose() * force));
+  };
   for (int k = 0; k < here.count; ++k) {
     const PoseRate& by_k = here.rate[static_cast<std::size_t>(k)];
     for (int l = 0; l < here.count; ++l) {

@@ -60,8 +60,7 @@ Pose LinearDrives::pose(const Configuration& q) const {
 }
 
 RigidMotion LinearDrives::motion(const Configuration& q) const {
-  RigidMotion motion{
-      .X_BP = pose(q), .count = static_cast<int>(directions_.size()), .exact = true};
+  RigidMotion motion{.X_BP = pose(q), .count = static_cast<int>(directions_.size()), .exact = true};
   for (std::size_t k = 0; k < directions_.size(); ++k) {
     motion.rate[k].translation = directions_[k];
   }

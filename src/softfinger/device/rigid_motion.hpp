@@ -30,8 +30,7 @@ struct RigidMotion {
 inline constexpr std::size_t kMostBodies = 25;
 inline constexpr int kMostTwistAxes = 12;
 /// Twist of a body by q: rows 0-2 velocity of its origin, rows 3-5 angular velocity, in B'.
-using BodyTwist =
-    Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMostTwistAxes>;
+using BodyTwist = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMostTwistAxes>;
 
 /// What presses on a body, as derivatives g of a function by points r from its origin, in B'.
 struct BodyLoad {

@@ -5,8 +5,8 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_tables.hpp"
 #include "softfinger/device/kinds/cable_platform.hpp"
-#include "softfinger/device/surfaces/disk_surface.hpp"
 #include "softfinger/device/kinds/device_readers.hpp"
+#include "softfinger/device/surfaces/disk_surface.hpp"
 
 namespace softfinger {
 

@@ -28,10 +28,10 @@ std::vector<ConfigurationAxis> DeltaTactor::axes_for(const DeltaTactorGeometry& 
   // As far as stretched legs reach, over the base.
   const double reach = geometry.crank + geometry.forearm;
   const double across = reach + std::abs(geometry.base_radius - geometry.platform_radius);
-  return {ConfigurationAxis::length("x_mm", -across, across),
-          ConfigurationAxis::length("y_mm", -across, across),
-          ConfigurationAxis::length("z_mm", -geometry.neutral_height,
-                                    reach - geometry.neutral_height)};
+  return {
+      ConfigurationAxis::length("x_mm", -across, across),
+      ConfigurationAxis::length("y_mm", -across, across),
+      ConfigurationAxis::length("z_mm", -geometry.neutral_height, reach - geometry.neutral_height)};
 }
 
 DeltaTactor::Leg DeltaTactor::leg(const Configuration& q, int i) const {
@@ -199,12 +199,12 @@ std::span<const std::string> DeltaTactor::constraint_names(int k) const {
 Pose DeltaTactor::pose(const Configuration& q) const { return {Matrix3::Identity(), Vector3(q)}; }
 
 RigidMotion DeltaTactor::motion(const Configuration& q) const {
-  return {.X_BP = pose(q),
-          .count = 3,
-          .rate = {PoseRate{.translation = Vector3::UnitX()},
-                   PoseRate{.translation = Vector3::UnitY()},
-                   PoseRate{.translation = Vector3::UnitZ()}},
-          .exact = true};
+  return {
+      .X_BP = pose(q),
+      .count = 3,
+      .rate = {PoseRate{.translation = Vector3::UnitX()}, PoseRate{.translation = Vector3::UnitY()},
+               PoseRate{.translation = Vector3::UnitZ()}},
+      .exact = true};
 }
 
 void DeltaTactor::linkage(const Configuration& q, std::span<Vector3> points_F) const {
@@ -219,8 +219,7 @@ void DeltaTactor::linkage(const Configuration& q, std::span<Vector3> points_F) c
     const auto at = static_cast<std::size_t>(3 * i);
     points_F[at] = X_FB() * base;
     points_F[at + 1] = X_FB() * knee;
-    points_F[at + 2] =
-        X_FB() * Vector3(Vector3(q) + geometry_.platform_radius * here.outward);
+    points_F[at + 2] = X_FB() * Vector3(Vector3(q) + geometry_.platform_radius * here.outward);
   }
 }
 

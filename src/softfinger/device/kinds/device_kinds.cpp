@@ -124,7 +124,8 @@ unit = "m"
 travel_mm = 0.0
 [matching]
 approach = "travel_mm"
-)toml", read_linear_drives_keys},
+)toml",
+               read_linear_drives_keys},
     DeviceKind{"mechanism", "mechanism", read_mechanism, kMechanismExample, read_mechanism_keys},
 };
 

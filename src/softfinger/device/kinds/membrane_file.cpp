@@ -30,8 +30,8 @@ std::shared_ptr<const Device> read_membrane(const ConfigFile& file, DeviceSettin
   LinearDrives::set_joint_limits(settings, read_linear_rate(limits));
   read_shared_tables(file, settings);
   // Height shapes the surface; nothing carries it along.
-  auto kinematics = std::make_unique<const LinearDrives>(
-      settings, std::vector<Vector3>{Vector3::Zero()}, 0);
+  auto kinematics =
+      std::make_unique<const LinearDrives>(settings, std::vector<Vector3>{Vector3::Zero()}, 0);
   check_rest_poses(file, settings,
                    [&](const Configuration& q) { return axis_obstacle(*kinematics, q); });
   return std::make_shared<const Device>(std::move(settings), std::move(kinematics),

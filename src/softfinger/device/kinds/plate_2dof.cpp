@@ -17,10 +17,10 @@ Plate2dof::Plate2dof(const DeviceSettings& settings, const Plate2dofGeometry& ge
 std::vector<ConfigurationAxis> Plate2dof::axes_for(const Plate2dofGeometry& geometry,
                                                    const JointLimits& limits) {
   const double r = geometry.pinion_radius;
-  return {ConfigurationAxis::angle(geometry.rolls ? "roll_deg" : "pitch_deg", geometry.disk_radius,
-                                   -geometry.max_tilt, geometry.max_tilt),
-          ConfigurationAxis::length("travel_mm", r * limits.min.minCoeff(),
-                                    r * limits.max.maxCoeff())};
+  return {
+      ConfigurationAxis::angle(geometry.rolls ? "roll_deg" : "pitch_deg", geometry.disk_radius,
+                               -geometry.max_tilt, geometry.max_tilt),
+      ConfigurationAxis::length("travel_mm", r * limits.min.minCoeff(), r * limits.max.maxCoeff())};
 }
 
 bool Plate2dof::inverse_kinematics(const Configuration& q, JointAngles& joints) const {
@@ -106,9 +106,9 @@ Tilt Plate2dof::tilt(const Configuration& q) const {
 }
 
 std::optional<PlatformSpace> Plate2dof::platform_space() const {
-  return space_of({.pitch = geometry_.rolls ? -1 : 0, .roll = geometry_.rolls ? 0 : -1,
-                   .travel = 1},
-                  axes()[1].min, axes()[1].max, geometry_.max_tilt);
+  return space_of(
+      {.pitch = geometry_.rolls ? -1 : 0, .roll = geometry_.rolls ? 0 : -1, .travel = 1},
+      axes()[1].min, axes()[1].max, geometry_.max_tilt);
 }
 
 }  // namespace softfinger

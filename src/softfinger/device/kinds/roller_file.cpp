@@ -8,9 +8,9 @@
 
 namespace softfinger {
 
-// q = (position along x, height of the crest over z = 0 of B'). After the contact location display of
-// Provancher, Cutkosky, Kuchenbecker, Niemeyer, "Contact location display for haptic perception of
-// curvature and object motion", Int. J. Robotics Research 24, 2005.
+// q = (position along x, height of the crest over z = 0 of B'). After the contact location display
+// of Provancher, Cutkosky, Kuchenbecker, Niemeyer, "Contact location display for haptic perception
+// of curvature and object motion", Int. J. Robotics Research 24, 2005.
 std::shared_ptr<const Device> read_roller(const ConfigFile& file, DeviceSettings settings) {
   const ConfigTable sizes = file.root().table("geometry");
   RollerGeometry geometry;

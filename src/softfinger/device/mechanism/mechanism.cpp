@@ -241,8 +241,8 @@ RigidMotion Mechanism::motion(const Configuration& q) const {
   const BodyTwist by_q = twist(q, description_.surface.front().body);
   RigidMotion motion{.X_BP = pose(q), .count = degrees_of_freedom()};
   for (int k = 0; k < std::min(motion.count, RigidMotion::kMostAxes); ++k) {
-    motion.rate[static_cast<std::size_t>(k)] = {
-        skew(by_q.col(k).tail<3>()) * motion.X_BP.rotation, by_q.col(k).head<3>()};
+    motion.rate[static_cast<std::size_t>(k)] = {skew(by_q.col(k).tail<3>()) * motion.X_BP.rotation,
+                                                by_q.col(k).head<3>()};
   }
   return motion;
 }

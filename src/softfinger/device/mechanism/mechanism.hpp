@@ -113,7 +113,7 @@ class Mechanism final : public Kinematics {
 
   // Motion of everything at rate 1 of axis l, and how the derivatives of equations change with it.
   void axis_motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
-              LinkageMatrix& rates) const;
+                   LinkageMatrix& rates) const;
   [[nodiscard]] BodyTwist twist(const LinkageSolution& solution, int body) const;
 
   struct Solved {

@@ -321,8 +321,9 @@ std::shared_ptr<const Device> read_mechanism(const ConfigFile& file, DeviceSetti
   description.home = home.x;
   measure_axes(description, settings);
   auto kinematics = std::make_unique<const Mechanism>(settings, std::move(description));
-  check_rest_poses(file, settings,
-                   [&](const Configuration& q) { return mechanism_obstacle(*kinematics, tables, q); });
+  check_rest_poses(file, settings, [&](const Configuration& q) {
+    return mechanism_obstacle(*kinematics, tables, q);
+  });
   return std::make_shared<const Device>(std::move(settings), std::move(kinematics),
                                         std::make_unique<const PieceSurface>(keys.surface));
 }

@@ -83,7 +83,7 @@ std::span<const std::string> Mechanism::constraint_names(int k) const {
 }
 
 void Mechanism::axis_motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
-                       LinkageMatrix& rates) const {
+                            LinkageMatrix& rates) const {
   const ClosedLinkage& linkage = description_.linkage;
   linkage.linkage().velocity(solution.placement, solution.by_value.col(l), velocity);
   linkage.derivative_rates(description_.configuration, solution.placement, velocity, rates);

@@ -89,7 +89,8 @@ Pose CapSurface::pose(const Kinematics& by, const Configuration& q) const {
   return by.X_FB() * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, q[0])};
 }
 
-void CapSurface::solid_pieces(const Kinematics& by, const Configuration& q, std::span<SolidPiece> pieces) const {
+void CapSurface::solid_pieces(const Kinematics& by, const Configuration& q,
+                              std::span<SolidPiece> pieces) const {
   const double h = std::max(q[0], kLeastHeight);
   const double ring = geometry_.ring_radius;
   const double radius = (ring * ring + h * h) / (2.0 * h);

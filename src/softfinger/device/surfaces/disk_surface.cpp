@@ -44,8 +44,9 @@ Matrix3 DiskSurface::residual_rate(const Vector3& p_P) const {
   return rate;
 }
 
-ClosestPointResidual DiskSurface::closest_point_residual(const Kinematics& by, const Configuration& q,
-                                                       const Vector3& p_F) const {
+ClosestPointResidual DiskSurface::closest_point_residual(const Kinematics& by,
+                                                         const Configuration& q,
+                                                         const Vector3& p_F) const {
   const Motion here = in_disk(by.X_FB(), by.motion(q));
   const Vector3 p_P = here.X_PF * p_F;
   ClosestPointResidual answer;
@@ -54,14 +55,16 @@ ClosestPointResidual DiskSurface::closest_point_residual(const Kinematics& by, c
   return answer;
 }
 
-SurfaceDistance DiskSurface::signed_distance(const Kinematics& by, const Configuration& q, const Vector3& p_F) const {
+SurfaceDistance DiskSurface::signed_distance(const Kinematics& by, const Configuration& q,
+                                             const Vector3& p_F) const {
   const Motion here = in_disk(by.X_FB(), by.motion(q));
   const Vector3 p_P = here.X_PF * p_F;
   const ConeDistance cone = cone_distance(radius_, p_P);
   return {cone.distance, (here.rates(p_P).transpose() * cone.normal).head(here.count)};
 }
 
-double DiskSurface::deviation(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+double DiskSurface::deviation(const Kinematics& by, const Configuration& q,
+                              const SurfaceSamples& samples) const {
   const Pose X_PF = pose(by, q).inverse();
   double sum = 0.0;
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
@@ -76,10 +79,11 @@ double DiskSurface::deviation(const Kinematics& by, const Configuration& q, cons
   return sum;
 }
 
-double DiskSurface::deviation_derivatives(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples,
-                                        Eigen::Ref<Eigen::VectorXd> gradient,
-                                        Eigen::Ref<Eigen::MatrixXd> gauss_newton,
-                                        Eigen::Ref<Eigen::MatrixXd> hessian) const {
+double DiskSurface::deviation_derivatives(const Kinematics& by, const Configuration& q,
+                                          const SurfaceSamples& samples,
+                                          Eigen::Ref<Eigen::VectorXd> gradient,
+                                          Eigen::Ref<Eigen::MatrixXd> gauss_newton,
+                                          Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const Motion here = in_disk(by.X_FB(), by.motion(q));
   double sum = 0.0;
   Vector3 slope = Vector3::Zero();
@@ -109,7 +113,8 @@ double DiskSurface::deviation_derivatives(const Kinematics& by, const Configurat
   return sum;
 }
 
-double DiskSurface::least_distance(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+double DiskSurface::least_distance(const Kinematics& by, const Configuration& q,
+                                   const SurfaceSamples& samples) const {
   const Pose X_PF = pose(by, q).inverse();
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
@@ -120,7 +125,8 @@ double DiskSurface::least_distance(const Kinematics& by, const Configuration& q,
   return least;
 }
 
-void DiskSurface::solid_pieces(const Kinematics& by, const Configuration& q, std::span<SolidPiece> pieces) const {
+void DiskSurface::solid_pieces(const Kinematics& by, const Configuration& q,
+                               std::span<SolidPiece> pieces) const {
   pieces[0] = disk_solid(radius_, edge_radius_, pose(by, q));
 }
 

@@ -111,8 +111,8 @@ class DeviationSums {
   double f_ = 0.0, fx_ = 0.0, fy_ = 0.0, fz_ = 0.0;
 };
 
-/// Second derivatives of x_P = M^T (y - c) by q, contracted with the forces f on the points: `force`
-/// is sum f, `force_point` sum f x^T.
+/// Second derivatives of x_P = M^T (y - c) by q, contracted with the forces f on the points:
+/// `force` is sum f, `force_point` sum f x^T.
 void add_bending(const RigidMotion& motion, const Vector3& force, const Matrix3& force_point,
                  Matrix3& exact) {
   const Matrix3& rotation = motion.X_BP.rotation;
@@ -152,7 +152,7 @@ bool sees_top(double radius, double rho2, double z) {
 }  // namespace
 
 ClosestPointResidual ExactDisk::closest_point_residual(const Kinematics& by, const Configuration& q,
-                                                          const Vector3& p_F) const {
+                                                       const Vector3& p_F) const {
   const RigidMotion motion = by.motion(q);
   const Pose X_FP = by.X_FB() * motion.X_BP;
   const Vector3 p_P = X_FP.rotation.transpose() * (p_F - X_FP.translation);
@@ -163,8 +163,8 @@ ClosestPointResidual ExactDisk::closest_point_residual(const Kinematics& by, con
   if (rho > disk_radius()) {
     const Vector3 outward(p_P.x() / rho, p_P.y() / rho, 0.0);
     const Vector3 tangent(-outward.y(), outward.x(), 0.0);
-    by_point += outward * outward.transpose() +
-                (1.0 - disk_radius() / rho) * tangent * tangent.transpose();
+    by_point +=
+        outward * outward.transpose() + (1.0 - disk_radius() / rho) * tangent * tangent.transpose();
   }
   const Matrix63 twist = disk_twist(motion);
   const Matrix3 jacobian = by_point * (skew(p_P) * twist.topRows<3>() - twist.bottomRows<3>());
@@ -172,7 +172,8 @@ ClosestPointResidual ExactDisk::closest_point_residual(const Kinematics& by, con
   return answer;
 }
 
-SurfaceDistance ExactDisk::signed_distance(const Kinematics& by, const Configuration& q, const Vector3& p_F) const {
+SurfaceDistance ExactDisk::signed_distance(const Kinematics& by, const Configuration& q,
+                                           const Vector3& p_F) const {
   const RigidMotion motion = by.motion(q);
   const Pose X_FP = by.X_FB() * motion.X_BP;
   const Vector3 p_P = X_FP.rotation.transpose() * (p_F - X_FP.translation);
@@ -185,7 +186,8 @@ SurfaceDistance ExactDisk::signed_distance(const Kinematics& by, const Configura
   return answer;
 }
 
-double ExactDisk::deviation(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+double ExactDisk::deviation(const Kinematics& by, const Configuration& q,
+                            const SurfaceSamples& samples) const {
   const Pose X_PF = pose(by, q).inverse();
   const Matrix3& R = X_PF.rotation;
   const Vector3& t = X_PF.translation;
@@ -214,10 +216,11 @@ double ExactDisk::deviation(const Kinematics& by, const Configuration& q, const 
   return sum;
 }
 
-double ExactDisk::deviation_derivatives(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples,
-                                           Eigen::Ref<Eigen::VectorXd> gradient,
-                                           Eigen::Ref<Eigen::MatrixXd> gauss_newton,
-                                           Eigen::Ref<Eigen::MatrixXd> hessian) const {
+double ExactDisk::deviation_derivatives(const Kinematics& by, const Configuration& q,
+                                        const SurfaceSamples& samples,
+                                        Eigen::Ref<Eigen::VectorXd> gradient,
+                                        Eigen::Ref<Eigen::MatrixXd> gauss_newton,
+                                        Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const RigidMotion motion = by.motion(q);
   const Pose X_PF = (by.X_FB() * motion.X_BP).inverse();
   const Matrix3& R = X_PF.rotation;

@@ -82,7 +82,8 @@ std::size_t PieceSurface::nearest_solid(const Placed& placed, const Vector3& p_B
   if (pieces_.size() == 1) return nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
-    const double distance = solid_distance(pieces_[k].shape, in_frame(placed.pieces[k], p_B)).distance;
+    const double distance =
+        solid_distance(pieces_[k].shape, in_frame(placed.pieces[k], p_B)).distance;
     if (distance < least) {
       least = distance;
       nearest = k;
@@ -91,8 +92,9 @@ std::size_t PieceSurface::nearest_solid(const Placed& placed, const Vector3& p_B
   return nearest;
 }
 
-ClosestPointResidual PieceSurface::closest_point_residual(const Kinematics& by, const Configuration& q,
-                                                       const Vector3& p_F) const {
+ClosestPointResidual PieceSurface::closest_point_residual(const Kinematics& by,
+                                                          const Configuration& q,
+                                                          const Vector3& p_F) const {
   const Vector3 p_B = by.X_FB().rotation.transpose() * (p_F - by.X_FB().translation);
   const Placed here = placed(by, q);
   const std::size_t k = nearest_face(here, p_B);
@@ -109,7 +111,8 @@ ClosestPointResidual PieceSurface::closest_point_residual(const Kinematics& by, 
   return answer;
 }
 
-SurfaceDistance PieceSurface::signed_distance(const Kinematics& by, const Configuration& q, const Vector3& p_F) const {
+SurfaceDistance PieceSurface::signed_distance(const Kinematics& by, const Configuration& q,
+                                              const Vector3& p_F) const {
   const Vector3 p_B = by.X_FB().rotation.transpose() * (p_F - by.X_FB().translation);
   const Placed here = placed(by, q);
   const std::size_t k = nearest_solid(here, p_B);
@@ -127,7 +130,8 @@ SurfaceDistance PieceSurface::signed_distance(const Kinematics& by, const Config
   return answer;
 }
 
-double PieceSurface::deviation(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+double PieceSurface::deviation(const Kinematics& by, const Configuration& q,
+                               const SurfaceSamples& samples) const {
   const Placed here = placed(by, q);
   const Pose X_BF = by.X_FB().inverse();
   double sum = 0.0;
@@ -148,10 +152,11 @@ double PieceSurface::deviation(const Kinematics& by, const Configuration& q, con
   return sum;
 }
 
-double PieceSurface::deviation_derivatives(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples,
-                                        Eigen::Ref<Eigen::VectorXd> gradient,
-                                        Eigen::Ref<Eigen::MatrixXd> gauss_newton,
-                                        Eigen::Ref<Eigen::MatrixXd> hessian) const {
+double PieceSurface::deviation_derivatives(const Kinematics& by, const Configuration& q,
+                                           const SurfaceSamples& samples,
+                                           Eigen::Ref<Eigen::VectorXd> gradient,
+                                           Eigen::Ref<Eigen::MatrixXd> gauss_newton,
+                                           Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const Placed here = placed(by, q);
   const Pose X_BF = by.X_FB().inverse();
   std::array<BodySums, kMostBodies> sums;
@@ -206,7 +211,8 @@ double PieceSurface::deviation_derivatives(const Kinematics& by, const Configura
   return value;
 }
 
-double PieceSurface::least_distance(const Kinematics& by, const Configuration& q, const SurfaceSamples& samples) const {
+double PieceSurface::least_distance(const Kinematics& by, const Configuration& q,
+                                    const SurfaceSamples& samples) const {
   const Placed here = placed(by, q);
   const Pose X_BF = by.X_FB().inverse();
   double least = std::numeric_limits<double>::infinity();

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-
 namespace softfinger {
 namespace {
 
@@ -28,7 +27,7 @@ PinSurface::Nearest PinSurface::nearest_end(const Configuration& q, const Vector
 }
 
 PinSurface::Nearest PinSurface::nearest_pin(const Configuration& q, const Vector3& p_B,
-                                        double within) const {
+                                            double within) const {
   Nearest nearest{-1, within};
   field_.around(
       p_B.x(), p_B.y(), [&] { return nearest.distance; },
@@ -39,8 +38,9 @@ PinSurface::Nearest PinSurface::nearest_pin(const Configuration& q, const Vector
   return nearest;
 }
 
-ClosestPointResidual PinSurface::closest_point_residual(const Kinematics& /*by*/, const Configuration& q,
-                                                      const Vector3& p_F) const {
+ClosestPointResidual PinSurface::closest_point_residual(const Kinematics& /*by*/,
+                                                        const Configuration& q,
+                                                        const Vector3& p_F) const {
   const Vector3 p_B = field_.in_mount(p_F);
   const int pin = nearest_end(q, p_B).pin;
   const double dx = p_B.x() - field_.x(pin);
@@ -54,7 +54,8 @@ ClosestPointResidual PinSurface::closest_point_residual(const Kinematics& /*by*/
   return answer;
 }
 
-SurfaceDistance PinSurface::signed_distance(const Kinematics& /*by*/, const Configuration& q, const Vector3& p_F) const {
+SurfaceDistance PinSurface::signed_distance(const Kinematics& /*by*/, const Configuration& q,
+                                            const Vector3& p_F) const {
   const Vector3 p_B = field_.in_mount(p_F);
   const int pin = nearest_pin(q, p_B, kInfinity).pin;
   const PinDistance distance = pin_distance(field_.beyond(pin, p_B.x(), p_B.y()), p_B.z() - q[pin]);
@@ -66,7 +67,8 @@ SurfaceDistance PinSurface::signed_distance(const Kinematics& /*by*/, const Conf
 
 // A sample that must keep clear lacks nothing where it is higher over all pins than its margin, and
 // no pin further aside than that makes it lack anything.
-double PinSurface::deviation(const Kinematics& /*by*/, const Configuration& q, const SurfaceSamples& samples) const {
+double PinSurface::deviation(const Kinematics& /*by*/, const Configuration& q,
+                             const SurfaceSamples& samples) const {
   const double highest = q.maxCoeff();
   double sum = 0.0;
   for (int i = 0; i < samples.size(); ++i) {
@@ -84,10 +86,11 @@ double PinSurface::deviation(const Kinematics& /*by*/, const Configuration& q, c
   return sum;
 }
 
-double PinSurface::deviation_derivatives(const Kinematics& /*by*/, const Configuration& q, const SurfaceSamples& samples,
-                                       Eigen::Ref<Eigen::VectorXd> gradient,
-                                       Eigen::Ref<Eigen::MatrixXd> gauss_newton,
-                                       Eigen::Ref<Eigen::MatrixXd> hessian) const {
+double PinSurface::deviation_derivatives(const Kinematics& /*by*/, const Configuration& q,
+                                         const SurfaceSamples& samples,
+                                         Eigen::Ref<Eigen::VectorXd> gradient,
+                                         Eigen::Ref<Eigen::MatrixXd> gauss_newton,
+                                         Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const double highest = q.maxCoeff();
   gradient.setZero();
   gauss_newton.setZero();
@@ -118,7 +121,8 @@ double PinSurface::deviation_derivatives(const Kinematics& /*by*/, const Configu
   return sum;
 }
 
-double PinSurface::least_distance(const Kinematics& /*by*/, const Configuration& q, const SurfaceSamples& samples) const {
+double PinSurface::least_distance(const Kinematics& /*by*/, const Configuration& q,
+                                  const SurfaceSamples& samples) const {
   const double highest = q.maxCoeff();
   double least = kInfinity;
   for (std::size_t i = 0; i < samples.x.size(); ++i) {
@@ -131,7 +135,8 @@ double PinSurface::least_distance(const Kinematics& /*by*/, const Configuration&
 
 Pose PinSurface::pose(const Kinematics& by, const Configuration& /*q*/) const { return by.X_FB(); }
 
-void PinSurface::solid_pieces(const Kinematics& by, const Configuration& q, std::span<SolidPiece> pieces) const {
+void PinSurface::solid_pieces(const Kinematics& by, const Configuration& q,
+                              std::span<SolidPiece> pieces) const {
   // As long as what may stick out of the array, and twice the radius more.
   const double half = 0.5 * geometry_.stroke + geometry_.pin_radius;
   for (int pin = 0; pin < field_.count(); ++pin) {
