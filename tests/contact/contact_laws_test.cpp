@@ -12,11 +12,11 @@
 namespace softfinger {
 namespace {
 
-constexpr double um = 1e-3 * mm;
-constexpr ContactPotential::Options kOptions;
+constexpr double kMicrometre = 1e-3 * mm;
+constexpr ContactPotential::Options kLawOptions;
 constexpr double kArea = 2.0 * mm2;
-constexpr double kStiffness = kOptions.stiffness_per_area * kArea;      // N/m
-constexpr double kTangential = kOptions.tangential_ratio * kStiffness;  // N/m
+constexpr double kStiffness = kLawOptions.stiffness_per_area * kArea;      // N/m
+constexpr double kTangential = kLawOptions.tangential_ratio * kStiffness;  // N/m
 constexpr double kFriction = 0.5;
 
 Vector3 drawn(std::mt19937& random) {
@@ -31,7 +31,7 @@ Pose drawn_pose(std::mt19937& random) {
 /// One obstacle of a kind, anywhere, with points that touch it and the anchors of a step before.
 struct Scene {
   Scene(const Shape& solid, std::mt19937& random)
-      : shape(solid), potential(std::vector<double>(kPoints, kArea), kPoints, 1, kOptions) {
+      : shape(solid), potential(std::vector<double>(kPoints, kArea), kPoints, 1, kLawOptions) {
     obstacle.shape = &shape;
     obstacle.X_WO = drawn_pose(random);
     obstacle.friction_coefficient = kFriction;
@@ -41,10 +41,11 @@ struct Scene {
       Vector3 p_O = 1.5 * mm * drawn(random);
       for (int k = 0; k < 3; ++k) {
         const SignedDistance at = signed_distance(shape, p_O);
-        p_O -= (at.distance + (3.0 + static_cast<double>(i % 7)) * um) * at.gradient;
+        p_O -= (at.distance + (3.0 + static_cast<double>(i % 7)) * kMicrometre) * at.gradient;
       }
       const SignedDistance at = signed_distance(shape, p_O);
-      anchors[i] = {p_O + 2 * um * drawn(random), at.gradient, i % 3 == 0 ? 1e-4 : 1.0, {}};
+      anchors[i] = {
+          p_O + 2 * kMicrometre * drawn(random), at.gradient, i % 3 == 0 ? 1e-4 : 1.0, {}};
       points.push_back(obstacle.X_WO * p_O);
     }
     potential.begin({&obstacle, 1}, anchors);
@@ -157,7 +158,7 @@ TEST(ContactLaws, ForcesAreWhatLowersTheEnergy) {
 
 /// A point on the half space z <= 0 at depth `depth`, dragged step by step.
 struct Dragged {
-  Dragged() : potential({kArea}, 1, 1, kOptions), anchors(potential.no_anchors()) {
+  Dragged() : potential({kArea}, 1, 1, kLawOptions), anchors(potential.no_anchors()) {
     obstacle.shape = &shape;
     obstacle.friction_coefficient = kFriction;
   }
@@ -179,7 +180,7 @@ struct Dragged {
 
 TEST(ContactLaws, FrictionSticksThenSlidesAndNeverLeavesTheCone) {
   Dragged dragged;
-  constexpr double kDepth = 5 * um;
+  constexpr double kDepth = 5 * kMicrometre;
   const double limit = kFriction * kStiffness * kDepth;
   dragged.step({0.0, 0.0, -kDepth});
   std::mt19937 random(4);
@@ -213,10 +214,10 @@ TEST(ContactLaws, FrictionSticksThenSlidesAndNeverLeavesTheCone) {
 // this one.
 TEST(ContactLaws, LimitsFollowTheNormalForce) {
   Dragged dragged;
-  dragged.step({0.0, 0.0, -8 * um});
-  const Vector3 p(1 * mm, 0.0, -2 * um);  // far along and nearly off
+  dragged.step({0.0, 0.0, -8 * kMicrometre});
+  const Vector3 p(1 * mm, 0.0, -2 * kMicrometre);  // far along and nearly off
   const ContactPotential::Forces lagged = dragged.step(p);
-  EXPECT_NEAR(lagged.tangential.norm(), kFriction * kStiffness * 8 * um, 1e-9);
+  EXPECT_NEAR(lagged.tangential.norm(), kFriction * kStiffness * 8 * kMicrometre, 1e-9);
   EXPECT_FALSE(dragged.potential.is_in_cone());
   for (const bool only_lower : {false, true}) {
     std::vector<FrictionAnchor> anchors = dragged.before;
@@ -228,7 +229,7 @@ TEST(ContactLaws, LimitsFollowTheNormalForce) {
     dragged.potential.energy_gradient({&p, 1}, {&gradient, 1});
     EXPECT_TRUE(dragged.potential.is_in_cone());
     EXPECT_LE(dragged.potential.forces(0).tangential.norm(),
-              kFriction * kStiffness * 2 * um * (1.0 + 1e-9));
+              kFriction * kStiffness * 2 * kMicrometre * (1.0 + 1e-9));
   }
 }
 
@@ -237,16 +238,16 @@ TEST(ContactLaws, APlaneIsTheBallOfInfiniteRadius) {
     Obstacle obstacle;
     obstacle.shape = &shape;
     obstacle.X_WO.translation.z() = centre_z;
-    ContactPotential potential({kArea}, 1, 1, kOptions);
+    ContactPotential potential({kArea}, 1, 1, kLawOptions);
     const std::vector<FrictionAnchor> anchors = potential.no_anchors();
     potential.begin({&obstacle, 1}, anchors);
-    const Vector3 p(0.3 * mm, -0.4 * mm, -200 * um);  // deeper than the ball falls away
+    const Vector3 p(0.3 * mm, -0.4 * mm, -200 * kMicrometre);  // deeper than the ball falls away
     Vector3 gradient = Vector3::Zero();
     potential.energy_gradient({&p, 1}, {&gradient, 1});
     return gradient;
   };
   const Vector3 plane = touched(HalfSpace{}, 0.0);
-  EXPECT_NEAR(plane.z(), -kStiffness * 200 * um, 1e-9);
+  EXPECT_NEAR(plane.z(), -kStiffness * 200 * kMicrometre, 1e-9);
   double last = 0.0;
   for (const double radius : {0.01, 0.1, 1.0, 10.0}) {
     const double error = (touched(Ball{radius}, -radius) - plane).norm() / plane.norm();
@@ -265,10 +266,10 @@ TEST(ContactLaws, APointOnAPlaneFeelsAsASampleOnAHalfSpace) {
   Obstacle obstacle;
   obstacle.shape = &shape;
   obstacle.X_WO = drawn_pose(random);
-  ContactPotential potential({kArea, kArea}, 1, 1, kOptions);
+  ContactPotential potential({kArea, kArea}, 1, 1, kLawOptions);
   const std::vector<FrictionAnchor> anchors = potential.no_anchors();
   const Vector3 normal = obstacle.X_WO.rotation.col(2);
-  for (const double gap : {-5 * um, -1 * um, 3 * um}) {
+  for (const double gap : {-5 * kMicrometre, -1 * kMicrometre, 3 * kMicrometre}) {
     const Vector3 p = obstacle.X_WO * Vector3(1 * mm, 2 * mm, gap);
     potential.begin({&obstacle, 1}, anchors);
     potential.add_plane({0, normal, -normal.dot(obstacle.X_WO.translation)});

@@ -13,8 +13,6 @@ namespace {
 
 using Corners = std::array<Vector3, 3>;
 
-constexpr double um = 1e-3 * mm;
-
 /// A triangle of the size of the skin's, near a solid at the origin.
 Corners drawn_triangle(std::mt19937& random, double away) {
   std::normal_distribution<double> normal;
@@ -64,7 +62,7 @@ TEST(DeepestPoint, ComesToBeAsDeepAsAnyPointOfTheTriangle) {
         point = deeper;
       }
       expect_point_of(solid, corners, point);
-      EXPECT_LE(point.gap, least_gap(solid, corners) + 10 * um) << solid.index() << ' ' << k;
+      EXPECT_LE(point.gap, least_gap(solid, corners) + 10e-6) << solid.index() << ' ' << k;
     }
   }
 }
@@ -77,7 +75,7 @@ TEST(DeepestPoint, DoesNotKnowTheOrderOfTheCorners) {
     const Corners turned{c[1], c[2], c[0]};
     const TrianglePoint other =
         deepest_point(kSolids[1], {}, turned, least_of_few(kSolids[1], {}, turned));
-    EXPECT_NEAR(one.gap, other.gap, 1 * um);
+    EXPECT_NEAR(one.gap, other.gap, 1e-6);
   }
 }
 
@@ -89,7 +87,7 @@ TEST(DeepestPoint, IsSeenFromTheSideItCameFrom) {
   const TrianglePoint point =
       deepest_point(plate, above, corners, least_of_few(plate, above, corners));
   EXPECT_NEAR(point.weights[2], 1.0, 1e-3);
-  EXPECT_NEAR(point.gap, -0.9 * mm, 1 * um);
+  EXPECT_NEAR(point.gap, -0.9 * mm, 1e-6);
   EXPECT_GT(deepest_point(plate, {}, corners, least_of_few(plate, {}, corners)).gap, -0.55 * mm);
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/finger/finger_model.hpp"
 #include "softfinger/loop/finger_loop.hpp"
 #include "softfinger/tracking/conditioned_tracker.hpp"
 #include "softfinger/tracking/degraded_tracker.hpp"

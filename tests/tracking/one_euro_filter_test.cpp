@@ -11,7 +11,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kStep = 1e-3;
+constexpr double kFilterStep = 1e-3;
 
 // Without speed in it, it is the low-pass of its cutoff: in 1 / (2 pi cutoff) a jump falls to 1 /
 // e.
@@ -46,10 +46,11 @@ TEST(OneEuroFilter, StillsWhatTremblesAndFollowsWhatMoves) {
   for (int k = 1; k <= 2000; ++k) {
     const Vector3 jitter(noise(random), noise(random), noise(random));
     trembling += jitter.squaredNorm();
-    smoothed += at_rest.update({Matrix3::Identity(), jitter}, kStep).translation.squaredNorm();
-    const Pose moving{Matrix3::Identity(), Vector3(0.2 * k * kStep, 0.0, 0.0)};  // 200 mm/s
-    lag = (moving.translation - open.update(moving, kStep).translation).norm();
-    lag_shut = (moving.translation - shut.update(moving, kStep).translation).norm();
+    smoothed +=
+        at_rest.update({Matrix3::Identity(), jitter}, kFilterStep).translation.squaredNorm();
+    const Pose moving{Matrix3::Identity(), Vector3(0.2 * k * kFilterStep, 0.0, 0.0)};  // 200 mm/s
+    lag = (moving.translation - open.update(moving, kFilterStep).translation).norm();
+    lag_shut = (moving.translation - shut.update(moving, kFilterStep).translation).norm();
   }
   EXPECT_LT(smoothed, 0.25 * trembling);
   // v / (2 pi f), of the cutoff that the speed opens.
@@ -63,11 +64,11 @@ TEST(OneEuroFilter, DoesNotKnowWhereItIsSeenFrom) {
   one.reset({});
   other.reset(X_VW);
   for (int k = 0; k < 200; ++k) {
-    const double t = k * kStep;
+    const double t = k * kFilterStep;
     const Pose pose{exp_rotation({std::sin(30 * t), 2 * t, 0.0}),
                     Vector3(std::sin(20 * t), t, 0.0)};
-    const Pose expected = X_VW * one.update(pose, kStep);
-    const Pose seen = other.update(X_VW * pose, kStep);
+    const Pose expected = X_VW * one.update(pose, kFilterStep);
+    const Pose seen = other.update(X_VW * pose, kFilterStep);
     EXPECT_LT((seen.translation - expected.translation).norm(), 1e-12);
     EXPECT_LT((seen.rotation - expected.rotation).norm(), 1e-12);
   }
