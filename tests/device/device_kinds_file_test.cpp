@@ -85,11 +85,13 @@ TEST(DeviceKindFiles, LinearDrives) {
   EXPECT_EQ(said_about(name, "type = \"disk\"\nradius_mm = 6.0\nedge_radius_mm = 0.5",
                        "type = \"box\"\nsize_mm = [8.0, 6.0, 2.0]"),
             "");
-  EXPECT_THAT(said_about(name, "[[surface]]", "[[drive]]\nname = \"aside_mm\"\naxis = [0.0, 0.0, "
-                                              "2.0]\njoint_mm = [-1.0, 1.0]\n[[surface]]"),
+  EXPECT_THAT(said_about(name, "[[surface]]",
+                         "[[drive]]\nname = \"aside_mm\"\naxis = [0.0, 0.0, "
+                         "2.0]\njoint_mm = [-1.0, 1.0]\n[[surface]]"),
               HasSubstr("not independent"));
-  EXPECT_THAT(said_about(name, "[[surface]]", "[[drive]]\nname = \"travel_mm\"\naxis = [1.0, 0.0, "
-                                              "0.0]\njoint_mm = [-1.0, 1.0]\n[[surface]]"),
+  EXPECT_THAT(said_about(name, "[[surface]]",
+                         "[[drive]]\nname = \"travel_mm\"\naxis = [1.0, 0.0, "
+                         "0.0]\njoint_mm = [-1.0, 1.0]\n[[surface]]"),
               HasSubstr("travel_mm"));
   EXPECT_THAT(said_about(name, "name = \"travel_mm\"", "name = \"travel\""), HasSubstr("_mm"));
   EXPECT_THAT(said_about(name, "joint_mm = [-3.0, 7.0]", "joint_mm = [7.0, -3.0]"),
