@@ -11,7 +11,7 @@
 namespace softfinger {
 namespace {
 
-std::shared_ptr<const Device> read(const std::string& text) {
+std::shared_ptr<const Device> lead_screw_of(const std::string& text) {
   const ConfigFile file("device.toml", text);
   DeviceSettings settings;
   settings.kind = lead_screw_kind().name;
@@ -19,7 +19,7 @@ std::shared_ptr<const Device> read(const std::string& text) {
 }
 
 TEST(LeadScrew, TurnsOnceForItsLeadAndCarriesADisk) {
-  const auto device = read(lead_screw_kind().example);
+  const auto device = lead_screw_of(lead_screw_kind().example);
   Configuration q = Configuration::Constant(1, 2.0 * mm);
   JointAngles joints;
   ASSERT_TRUE(device->inverse_kinematics(q, joints));
@@ -36,7 +36,7 @@ TEST(LeadScrew, TurnsOnceForItsLeadAndCarriesADisk) {
 }
 
 TEST(LeadScrew, ItsWorkspaceIsThatOfItsScrew) {
-  const auto device = read(lead_screw_kind().example);
+  const auto device = lead_screw_of(lead_screw_kind().example);
   EXPECT_TRUE(device->reachable(Configuration::Constant(1, 1200.0 / 360.0 * 2.0 * mm)));
   EXPECT_FALSE(device->reachable(Configuration::Constant(1, 1201.0 / 360.0 * 2.0 * mm)));
 }
@@ -46,7 +46,7 @@ TEST(LeadScrew, AKeyThatIsNoneAndARestOutOfReachAreRefusedByName) {
   for (const std::string& wrong :
        {example + "\n[home]\ntravel_mm = 9.0\n", example + "\n[gear]\n"}) {
     try {
-      (void)read(wrong);
+      (void)lead_screw_of(wrong);
       ADD_FAILURE() << wrong;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find("device.toml:"), std::string::npos) << error.what();

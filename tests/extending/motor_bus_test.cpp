@@ -17,7 +17,7 @@ namespace {
 
 const MotorKind& kKind = text_line_kind();
 
-ServoSettings read(const std::string& text) {
+ServoSettings read_servo_of(const std::string& text) {
   const ConfigFile file("device.toml", text);
   JointLimits limits;
   limits.min = JointAngles::Constant(3, -1.0);
@@ -29,19 +29,19 @@ TransportSettings three_servos() {
   TransportSettings transport;
   transport.kind = kKind.name;
   for (int joint = 0; joint < 3; ++joint) {
-    transport.servos.push_back(read(kKind.servo_example(slope_key(kKind, false), joint)));
+    transport.servos.push_back(read_servo_of(kKind.servo_example(slope_key(kKind, false), joint)));
   }
   return transport;
 }
 
 TEST(TextLineKind, ReadsItsOwnExampleAndRefusesPulsesThatCross) {
-  const ServoSettings servo = read(kKind.servo_example("us_per_deg", 2));
+  const ServoSettings servo = read_servo_of(kKind.servo_example("us_per_deg", 2));
   EXPECT_EQ(servo.channel, 2);
   EXPECT_DOUBLE_EQ(servo.max, 2000.0 * us);
   EXPECT_NE(kKind.servo_name_text(servo).find("pin = 2"), std::string::npos);
-  EXPECT_THROW(
-      (void)read("pin = 0\nzero_us = 1500.0\nus_per_deg = 1.0\nmin_us = 2.0\nmax_us = 1.0\n"),
-      InputError);
+  EXPECT_THROW((void)read_servo_of(
+                   "pin = 0\nzero_us = 1500.0\nus_per_deg = 1.0\nmin_us = 2.0\nmax_us = 1.0\n"),
+               InputError);
 }
 
 TEST(TextLineBus, MovesItsEmulatorAndHearsWhereItStands) {

@@ -21,7 +21,8 @@ TEST(LevelObjective, TravelsWithTheContactAndNeverTurns) {
     EXPECT_TRUE(device->reachable(rendered.configuration));
     EXPECT_DOUBLE_EQ(rendered.configuration[travel], turned.configuration[travel]);
     for (int axis = 0; axis < device->degrees_of_freedom(); ++axis) {
-      if (axis != travel) EXPECT_EQ(rendered.configuration[axis], device->home()[axis]);
+      if (axis == travel) continue;
+      EXPECT_EQ(rendered.configuration[axis], device->home()[axis]);
     }
   }
   EXPECT_GT(level->tick(pressed.finger(), 1.0 / 30.0).configuration[travel],
