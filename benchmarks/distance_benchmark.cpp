@@ -19,7 +19,7 @@
 namespace softfinger {
 namespace {
 
-constexpr int kSamples = 120;
+constexpr int kPoints = 120;
 constexpr int kFrames = 1000;
 
 /// A sphere of radius 30 mm with bumps of 0.6 mm: an icosahedron, each edge divided by 224.
@@ -68,9 +68,9 @@ const std::vector<Vector3>& stroke() {
     for (int f = 0; f < kFrames; ++f) {
       const double azimuth = 0.1 / 30.0 * f;
       const Vector3 centre(std::cos(azimuth), std::sin(azimuth), 0.2);
-      for (int i = 0; i < kSamples; ++i) {
+      for (int i = 0; i < kPoints; ++i) {
         const double angle = 2.39996323 * i;
-        const double radius = 0.2 * std::sqrt((i + 0.5) / kSamples);
+        const double radius = 0.2 * std::sqrt((i + 0.5) / kPoints);
         const Vector3 d =
             (centre + radius * Vector3(-std::sin(azimuth) * std::cos(angle),
                                        std::cos(azimuth) * std::cos(angle), std::sin(angle)))
@@ -108,7 +108,7 @@ void over_stroke(benchmark::State& state, Query&& query) {
   std::size_t f = 0;
   for ([[maybe_unused]] auto unused : state) {
     const double start = thread_cpu_time();
-    for (std::size_t i = f * kSamples; i < (f + 1) * kSamples; ++i) {
+    for (std::size_t i = f * kPoints; i < (f + 1) * kPoints; ++i) {
       benchmark::DoNotOptimize(query(points[i]));
     }
     times.push_back((thread_cpu_time() - start) / us);

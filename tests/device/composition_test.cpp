@@ -16,8 +16,8 @@ constexpr double kRadius = 6.0 * mm;
 constexpr double kEdge = 0.5 * mm;
 
 /// Skin samples about the pad, the first 20 in contact.
-struct Samples {
-  explicit Samples(std::mt19937& random) {
+struct DrawnSamples {
+  explicit DrawnSamples(std::mt19937& random) {
     std::uniform_real_distribution<double> some(0.5, 2.0);
     for (std::size_t i = 0; i < kCount; ++i) {
       const Vector3 p_F = random_pad_point(random);
@@ -63,7 +63,7 @@ TEST(Composition, LegsCarryPiecesAsTheirDisk) {
                       disk_of_pieces(geometry.disk_radius, geometry.disk_edge_radius));
   std::mt19937 random(1);
   for (int i = 0; i < 300; ++i) {
-    expect_alike(thimble(), pieces, random_reachable(random), Samples(random).view());
+    expect_alike(thimble(), pieces, random_reachable(random), DrawnSamples(random).view());
   }
 }
 
@@ -84,7 +84,7 @@ TEST(Composition, DrivesCarryEitherDisk) {
   std::mt19937 random(2);
   for (int i = 0; i < 300; ++i) {
     const Configuration q = random_configuration(disk, random);
-    expect_alike(disk, pieces, q, Samples(random).view());
+    expect_alike(disk, pieces, q, DrawnSamples(random).view());
     const Vector3 p_F = random_pad_point(random);
     const ClosestPointResidual a = disk.closest_point_residual(q, p_F);
     const ClosestPointResidual b = pieces.closest_point_residual(q, p_F);

@@ -18,15 +18,15 @@ std::shared_ptr<const Device> lead_screw_of(const std::string& text) {
   return lead_screw_kind().read(file, settings);
 }
 
-TEST(LeadScrew, TurnsOnceForItsLeadAndCarriesADisk) {
+TEST(LeadScrew, TurnsAQuarterForAQuarterOfItsLeadAndCarriesADisk) {
   const auto device = lead_screw_of(lead_screw_kind().example);
-  Configuration q = Configuration::Constant(1, 2.0 * mm);
+  Configuration q = Configuration::Constant(1, 3.0 * mm);
   JointAngles joints;
   ASSERT_TRUE(device->inverse_kinematics(q, joints));
-  EXPECT_NEAR(joints[0], 360.0 * deg, 1e-9);
+  EXPECT_NEAR(joints[0], 90.0 * deg, 1e-9);
   Configuration back;
   ASSERT_TRUE(device->forward_kinematics(joints, back));
-  EXPECT_NEAR(back[0], 2.0 * mm, 1e-15);
+  EXPECT_NEAR(back[0], 3.0 * mm, 1e-15);
   EXPECT_EQ(device->disk_radius(), 6.0 * mm);
   // 1 mm over the disk's centre, and the distance falls as the disk travels.
   const Vector3 p_F = device->surface_pose(q) * Vector3(0.0, 0.0, 1.0 * mm);
@@ -37,8 +37,8 @@ TEST(LeadScrew, TurnsOnceForItsLeadAndCarriesADisk) {
 
 TEST(LeadScrew, ItsWorkspaceIsThatOfItsScrew) {
   const auto device = lead_screw_of(lead_screw_kind().example);
-  EXPECT_TRUE(device->reachable(Configuration::Constant(1, 1200.0 / 360.0 * 2.0 * mm)));
-  EXPECT_FALSE(device->reachable(Configuration::Constant(1, 1201.0 / 360.0 * 2.0 * mm)));
+  EXPECT_TRUE(device->reachable(Configuration::Constant(1, 0.5 * 12.0 * mm)));
+  EXPECT_FALSE(device->reachable(Configuration::Constant(1, 0.501 * 12.0 * mm)));
 }
 
 TEST(LeadScrew, AKeyThatIsNoneAndARestOutOfReachAreRefusedByName) {

@@ -61,11 +61,11 @@ const DeviceKind& lead_screw_kind() {
 [mount]
 translation_mm = [1.0, 0.0, -10.3]
 [geometry]
-lead_mm = 2.0
+lead_mm = 12.0
 disk_radius_mm = 6.0
 [limits]
-joint_deg = [-600.0, 1200.0]
-joint_rate_deg_per_s = 3600.0
+joint_deg = [-120.0, 180.0]
+joint_rate_deg_per_s = 600.0
 [retract]
 travel_mm = -3.0
 )toml"};
