@@ -14,6 +14,7 @@
 #include "softfinger/geometry/mesh_units.hpp"
 #include "softfinger/geometry/shape_names.hpp"
 #include "softfinger/motors/motor_kinds.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/recording/latency_stages.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
@@ -125,6 +126,18 @@ TEST(NamesOnPages, Devices) {
   const std::string device = section("files.md", "## Device");
   EXPECT_THAT(names(device, "kind | configuration"),
               UnorderedElementsAreArray(device_kind_names()));
+}
+
+TEST(NamesOnPages, Objectives) {
+  std::vector<std::string> every;
+  std::vector<std::string> for_devices;
+  for (const ObjectiveKind& kind : objective_kinds()) {
+    every.emplace_back(kind.name);
+    if (kind.for_devices) for_devices.emplace_back(kind.name);
+  }
+  EXPECT_THAT(values(section("files.md", "## Device"), "objective"), ElementsAreArray(for_devices));
+  const std::string flag = part(section("command-line.md", "## evaluate"), "`--objective`\n(", ")");
+  EXPECT_THAT(code(part(flag, "(", ")")), ElementsAreArray(every));
 }
 
 TEST(NamesOnPages, Motors) {
