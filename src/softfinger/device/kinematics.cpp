@@ -6,11 +6,11 @@
 namespace softfinger {
 
 bool Kinematics::within_axes(const Configuration& q) const {
-  constexpr double kTolerance = 1e-9;
+  constexpr double kOnLimit = 1e-9;
   if (q.size() != degrees_of_freedom() || !q.allFinite()) return false;
   for (int k = 0; k < degrees_of_freedom(); ++k) {
     const ConfigurationAxis& axis = axes_[static_cast<std::size_t>(k)];
-    if (q[k] < axis.min - kTolerance || q[k] > axis.max + kTolerance) return false;
+    if (q[k] < axis.min - kOnLimit || q[k] > axis.max + kOnLimit) return false;
   }
   return true;
 }
