@@ -36,6 +36,7 @@ template <typename Table>
 template <typename Table>
 [[nodiscard]] std::vector<std::string> names_of(const Table& table) {
   std::vector<std::string> names;
+  names.reserve(std::ranges::size(table));
   for (const auto& row : table) names.emplace_back(row.name);
   return names;
 }

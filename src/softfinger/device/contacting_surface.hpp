@@ -66,7 +66,7 @@ class ContactingSurface {
   /// Pose of the surface's frame in F; z towards the finger. That of what carries it, where not
   /// said otherwise.
   [[nodiscard]] virtual Pose pose(const Kinematics& by, const Configuration& q) const {
-    return by.X_FB() * by.pose(q);
+    return by.mount() * by.pose(q);
   }
   /// The solid that presses a finger at q, as solid_piece_count() parts. It is what the surface
   /// above is an ideal of: with the thickness and rounded rims of the thing itself.

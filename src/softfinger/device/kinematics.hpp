@@ -26,7 +26,7 @@ class Kinematics {
   [[nodiscard]] const Configuration& home() const { return home_; }
   [[nodiscard]] const JointLimits& joint_limits() const { return joint_limits_; }
   /// The mount: neutral frame B' in F.
-  [[nodiscard]] const Pose& X_FB() const { return X_FB_; }
+  [[nodiscard]] const Pose& mount() const { return X_FB_; }
 
   /// Joint angles of q; false where the linkage does not close (joints are then unspecified).
   /// Joint limits are not looked at.

@@ -195,7 +195,7 @@ std::span<const std::string> CablePlatform::constraint_names(int k) const {
 }
 
 Configuration CablePlatform::facing(const Vector3& normal_F, const Configuration& q) const {
-  return tilted_towards(X_FB().rotation.transpose() * normal_F, geometry_.max_tilt, q);
+  return tilted_towards(mount().rotation.transpose() * normal_F, geometry_.max_tilt, q);
 }
 
 Pose CablePlatform::pose(const Configuration& q) const {
@@ -212,11 +212,11 @@ RigidMotion CablePlatform::motion(const Configuration& q) const {
 }
 
 void CablePlatform::linkage(const Configuration& q, std::span<Vector3> points_F) const {
-  const Pose X_FP = X_FB() * pose(q);
+  const Pose X_FP = mount() * pose(q);
   for (int i = 0; i < 3; ++i) {
     const double azimuth = 2.0 * std::numbers::pi / 3.0 * i;
     const Vector3 outward(std::cos(azimuth), std::sin(azimuth), 0.0);
-    const Vector3 base = X_FB() * Vector3(geometry_.base_radius * outward +
+    const Vector3 base = mount() * Vector3(geometry_.base_radius * outward +
                                           geometry_.neutral_height * Vector3::UnitZ());
     const Vector3 end = X_FP * Vector3(geometry_.platform_radius * outward);
     const auto at = static_cast<std::size_t>(3 * i);

@@ -217,9 +217,9 @@ void DeltaTactor::linkage(const Configuration& q, std::span<Vector3> points_F) c
     const Vector3 knee = base + geometry_.crank * (std::cos(angle) * here.outward +
                                                    std::sin(angle) * Vector3::UnitZ());
     const auto at = static_cast<std::size_t>(3 * i);
-    points_F[at] = X_FB() * base;
-    points_F[at + 1] = X_FB() * knee;
-    points_F[at + 2] = X_FB() * Vector3(Vector3(q) + geometry_.platform_radius * here.outward);
+    points_F[at] = mount() * base;
+    points_F[at + 1] = mount() * knee;
+    points_F[at + 2] = mount() * Vector3(Vector3(q) + geometry_.platform_radius * here.outward);
   }
 }
 

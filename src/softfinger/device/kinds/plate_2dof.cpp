@@ -78,7 +78,7 @@ std::span<const std::string> Plate2dof::constraint_names(int k) const {
 }
 
 Configuration Plate2dof::facing(const Vector3& normal_F, const Configuration& q) const {
-  const Vector3 n = X_FB().rotation.transpose() * normal_F;
+  const Vector3 n = mount().rotation.transpose() * normal_F;
   const double across = geometry_.rolls ? -n.y() : n.x();
   Configuration turned = q;
   // Straight away from the finger no direction is nearer than another: stay level.

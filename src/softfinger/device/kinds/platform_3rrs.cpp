@@ -213,7 +213,7 @@ RigidMotion Platform3rrs::motion(const Configuration& q) const {
 }
 
 void Platform3rrs::linkage(const Configuration& q, std::span<Vector3> points_F) const {
-  const Pose X_FP = X_FB() * pose(q);
+  const Pose X_FP = mount() * pose(q);
   const Tilt tilt(q[0], q[1]);
   for (int leg = 0; leg < 3; ++leg) {
     const auto i = static_cast<std::size_t>(leg);
@@ -224,14 +224,14 @@ void Platform3rrs::linkage(const Configuration& q, std::span<Vector3> points_F) 
     const Vector3 base = geometry_.base_radius * u + geometry_.neutral_height * Vector3::UnitZ();
     const Vector3 knee = base + geometry_.crank * (std::cos(crank.angle) * u -
                                                    std::sin(crank.angle) * Vector3::UnitZ());
-    points_F[3 * i] = X_FB() * base;
-    points_F[3 * i + 1] = X_FB() * knee;
+    points_F[3 * i] = mount() * base;
+    points_F[3 * i + 1] = mount() * knee;
     points_F[3 * i + 2] = X_FP * Vector3(geometry_.platform_radius * u);
   }
 }
 
 Configuration Platform3rrs::facing(const Vector3& normal_F, const Configuration& q) const {
-  return tilted_towards(X_FB().rotation.transpose() * normal_F, geometry_.max_tilt, q);
+  return tilted_towards(mount().rotation.transpose() * normal_F, geometry_.max_tilt, q);
 }
 
 std::shared_ptr<const Device> make_platform_3rrs(DeviceSettings settings,

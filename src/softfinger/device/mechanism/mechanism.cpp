@@ -213,7 +213,7 @@ Configuration Mechanism::facing(const Vector3& normal_F, const Configuration& q)
   }
   if (reading == nullptr) return q;
   const Vector3 level = reading->reference.rotation * piece.X_LS.rotation.col(2);
-  const Vector3 wanted = X_FB().rotation.transpose() * normal_F;
+  const Vector3 wanted = mount().rotation.transpose() * normal_F;
   const double most = description_.tilt ? description_.tilt->max_tilt : 80.0 * deg;
   Configuration turned = q;
   const Vector3 across = level.cross(wanted);
@@ -309,7 +309,7 @@ void Mechanism::linkage(const Configuration& q, std::span<Vector3> points_F) con
     for (std::size_t k = 0; k < 3; ++k) {
       const BodyPoint& at = legs_[leg][k];
       const Pose& X_BL = solution.placement.body[static_cast<std::size_t>(at.body)];
-      points_F[3 * leg + k] = X_FB() * (X_BL * at.point);
+      points_F[3 * leg + k] = mount() * (X_BL * at.point);
     }
   }
 }

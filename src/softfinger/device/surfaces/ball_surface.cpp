@@ -15,7 +15,7 @@ BallSurface::Placed BallSurface::placed(const Kinematics& by, const Configuratio
   for (int k = 0; k < motion.count; ++k) {
     rates_B.col(k) = motion.rate[static_cast<std::size_t>(k)].translation;
   }
-  return {radius_, by.X_FB() * motion.X_BP.translation, by.X_FB().rotation * rates_B, motion.count};
+  return {radius_, by.mount() * motion.X_BP.translation, by.mount().rotation * rates_B, motion.count};
 }
 
 ClosestPointResidual BallSurface::Placed::closest_point_residual(const Vector3& p_F) const {
@@ -41,12 +41,12 @@ SurfaceDistance BallSurface::Placed::signed_distance(const Vector3& p_F) const {
 }
 
 Pose BallSurface::pose(const Kinematics& by, const Configuration& q) const {
-  return by.X_FB() * (by.pose(q) * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, radius_)});
+  return by.mount() * (by.pose(q) * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, radius_)});
 }
 
 void BallSurface::solid_pieces(const Kinematics& by, const Configuration& q,
                                std::span<SolidPiece> pieces) const {
-  pieces[0] = {Ball{radius_}, by.X_FB() * by.pose(q)};
+  pieces[0] = {Ball{radius_}, by.mount() * by.pose(q)};
 }
 
 }  // namespace softfinger

@@ -86,7 +86,7 @@ SurfaceDistance CapSurface::Placed::signed_distance(const Vector3& p_F) const {
 }
 
 Pose CapSurface::pose(const Kinematics& by, const Configuration& q) const {
-  return by.X_FB() * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, q[0])};
+  return by.mount() * Pose{Matrix3::Identity(), Vector3(0.0, 0.0, q[0])};
 }
 
 void CapSurface::solid_pieces(const Kinematics& by, const Configuration& q,
@@ -94,9 +94,9 @@ void CapSurface::solid_pieces(const Kinematics& by, const Configuration& q,
   const double h = std::max(q[0], kLeastHeight);
   const double ring = geometry_.ring_radius;
   const double radius = (ring * ring + h * h) / (2.0 * h);
-  pieces[0] = {Ball{radius}, by.X_FB() * Pose{Matrix3::Identity(), {0.0, 0.0, h - radius}}};
+  pieces[0] = {Ball{radius}, by.mount() * Pose{Matrix3::Identity(), {0.0, 0.0, h - radius}}};
   pieces[1] = {RoundedCylinder{ring + geometry_.rim_width, kHalfPlate, geometry_.rim_edge_radius},
-               by.X_FB() * Pose{Matrix3::Identity(), {0.0, 0.0, -kHalfPlate}}};
+               by.mount() * Pose{Matrix3::Identity(), {0.0, 0.0, -kHalfPlate}}};
 }
 
 }  // namespace softfinger

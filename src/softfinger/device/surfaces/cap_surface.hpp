@@ -35,7 +35,7 @@ class CapSurface final : public PointwiseSurface<CapSurface> {
     [[nodiscard]] SurfaceDistance signed_distance(const Vector3& p_F) const;
   };
   [[nodiscard]] Placed placed(const Kinematics& by, const Configuration& q) const {
-    return {by.X_FB().inverse(), geometry_.ring_radius, q[0]};
+    return {by.mount().inverse(), geometry_.ring_radius, q[0]};
   }
 
   /// The ring's plane, raised to the top of the cap.

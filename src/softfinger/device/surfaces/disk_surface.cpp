@@ -47,7 +47,7 @@ Matrix3 DiskSurface::residual_rate(const Vector3& p_P) const {
 ClosestPointResidual DiskSurface::closest_point_residual(const Kinematics& by,
                                                          const Configuration& q,
                                                          const Vector3& p_F) const {
-  const Motion here = in_disk(by.X_FB(), by.motion(q));
+  const Motion here = in_disk(by.mount(), by.motion(q));
   const Vector3 p_P = here.X_PF * p_F;
   ClosestPointResidual answer;
   answer.residual = disk_closest_point_residual(radius_, p_P);
@@ -57,7 +57,7 @@ ClosestPointResidual DiskSurface::closest_point_residual(const Kinematics& by,
 
 SurfaceDistance DiskSurface::signed_distance(const Kinematics& by, const Configuration& q,
                                              const Vector3& p_F) const {
-  const Motion here = in_disk(by.X_FB(), by.motion(q));
+  const Motion here = in_disk(by.mount(), by.motion(q));
   const Vector3 p_P = here.X_PF * p_F;
   const ConeDistance cone = cone_distance(radius_, p_P);
   return {cone.distance, (here.rates(p_P).transpose() * cone.normal).head(here.count)};
@@ -84,7 +84,7 @@ double DiskSurface::deviation_derivatives(const Kinematics& by, const Configurat
                                           Eigen::Ref<Eigen::VectorXd> gradient,
                                           Eigen::Ref<Eigen::MatrixXd> gauss_newton,
                                           Eigen::Ref<Eigen::MatrixXd> hessian) const {
-  const Motion here = in_disk(by.X_FB(), by.motion(q));
+  const Motion here = in_disk(by.mount(), by.motion(q));
   double sum = 0.0;
   Vector3 slope = Vector3::Zero();
   Matrix3 square = Matrix3::Zero();

@@ -154,7 +154,7 @@ bool sees_top(double radius, double rho2, double z) {
 ClosestPointResidual ExactDisk::closest_point_residual(const Kinematics& by, const Configuration& q,
                                                        const Vector3& p_F) const {
   const RigidMotion motion = by.motion(q);
-  const Pose X_FP = by.X_FB() * motion.X_BP;
+  const Pose X_FP = by.mount() * motion.X_BP;
   const Vector3 p_P = X_FP.rotation.transpose() * (p_F - X_FP.translation);
   ClosestPointResidual answer;
   answer.residual = disk_closest_point_residual(disk_radius(), p_P);
@@ -175,7 +175,7 @@ ClosestPointResidual ExactDisk::closest_point_residual(const Kinematics& by, con
 SurfaceDistance ExactDisk::signed_distance(const Kinematics& by, const Configuration& q,
                                            const Vector3& p_F) const {
   const RigidMotion motion = by.motion(q);
-  const Pose X_FP = by.X_FB() * motion.X_BP;
+  const Pose X_FP = by.mount() * motion.X_BP;
   const Vector3 p_P = X_FP.rotation.transpose() * (p_F - X_FP.translation);
   const ConeDistance cone = cone_distance(disk_radius(), p_P);
   const Matrix63 twist = disk_twist(motion);
@@ -222,7 +222,7 @@ double ExactDisk::deviation_derivatives(const Kinematics& by, const Configuratio
                                         Eigen::Ref<Eigen::MatrixXd> gauss_newton,
                                         Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const RigidMotion motion = by.motion(q);
-  const Pose X_PF = (by.X_FB() * motion.X_BP).inverse();
+  const Pose X_PF = (by.mount() * motion.X_BP).inverse();
   const Matrix3& R = X_PF.rotation;
   const Vector3& t = X_PF.translation;
   const double radius = disk_radius();

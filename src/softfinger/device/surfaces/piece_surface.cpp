@@ -95,7 +95,7 @@ std::size_t PieceSurface::nearest_solid(const Placed& placed, const Vector3& p_B
 ClosestPointResidual PieceSurface::closest_point_residual(const Kinematics& by,
                                                           const Configuration& q,
                                                           const Vector3& p_F) const {
-  const Vector3 p_B = by.X_FB().rotation.transpose() * (p_F - by.X_FB().translation);
+  const Vector3 p_B = by.mount().rotation.transpose() * (p_F - by.mount().translation);
   const Placed here = placed(by, q);
   const std::size_t k = nearest_face(here, p_B);
   const SurfacePiece& piece = pieces_[k];
@@ -113,7 +113,7 @@ ClosestPointResidual PieceSurface::closest_point_residual(const Kinematics& by,
 
 SurfaceDistance PieceSurface::signed_distance(const Kinematics& by, const Configuration& q,
                                               const Vector3& p_F) const {
-  const Vector3 p_B = by.X_FB().rotation.transpose() * (p_F - by.X_FB().translation);
+  const Vector3 p_B = by.mount().rotation.transpose() * (p_F - by.mount().translation);
   const Placed here = placed(by, q);
   const std::size_t k = nearest_solid(here, p_B);
   const SurfacePiece& piece = pieces_[k];
@@ -133,7 +133,7 @@ SurfaceDistance PieceSurface::signed_distance(const Kinematics& by, const Config
 double PieceSurface::deviation(const Kinematics& by, const Configuration& q,
                                const SurfaceSamples& samples) const {
   const Placed here = placed(by, q);
-  const Pose X_BF = by.X_FB().inverse();
+  const Pose X_BF = by.mount().inverse();
   double sum = 0.0;
   for (int i = 0; i < samples.size(); ++i) {
     const auto s = static_cast<std::size_t>(i);
@@ -158,7 +158,7 @@ double PieceSurface::deviation_derivatives(const Kinematics& by, const Configura
                                            Eigen::Ref<Eigen::MatrixXd> gauss_newton,
                                            Eigen::Ref<Eigen::MatrixXd> hessian) const {
   const Placed here = placed(by, q);
-  const Pose X_BF = by.X_FB().inverse();
+  const Pose X_BF = by.mount().inverse();
   std::array<BodySums, kMostBodies> sums;
   double value = 0.0;
   for (int i = 0; i < samples.size(); ++i) {
@@ -214,7 +214,7 @@ double PieceSurface::deviation_derivatives(const Kinematics& by, const Configura
 double PieceSurface::least_distance(const Kinematics& by, const Configuration& q,
                                     const SurfaceSamples& samples) const {
   const Placed here = placed(by, q);
-  const Pose X_BF = by.X_FB().inverse();
+  const Pose X_BF = by.mount().inverse();
   double least = std::numeric_limits<double>::infinity();
   for (const SurfacePiece& piece : pieces_) {
     const Pose X_SF = piece_pose(here, piece).inverse() * X_BF;
@@ -227,14 +227,14 @@ double PieceSurface::least_distance(const Kinematics& by, const Configuration& q
 }
 
 Pose PieceSurface::pose(const Kinematics& by, const Configuration& q) const {
-  return by.X_FB() * (by.pose(q) * pieces_.front().X_LS);
+  return by.mount() * (by.pose(q) * pieces_.front().X_LS);
 }
 
 void PieceSurface::solid_pieces(const Kinematics& by, const Configuration& q,
                                 std::span<SolidPiece> pieces) const {
   const Placed here = placed(by, q);
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
-    pieces[k] = solid_piece(pieces_[k].shape, by.X_FB() * here.pieces[k]);
+    pieces[k] = solid_piece(pieces_[k].shape, by.mount() * here.pieces[k]);
   }
 }
 

@@ -133,7 +133,7 @@ double PinSurface::least_distance(const Kinematics& /*by*/, const Configuration&
   return least;
 }
 
-Pose PinSurface::pose(const Kinematics& by, const Configuration& /*q*/) const { return by.X_FB(); }
+Pose PinSurface::pose(const Kinematics& by, const Configuration& /*q*/) const { return by.mount(); }
 
 void PinSurface::solid_pieces(const Kinematics& by, const Configuration& q,
                               std::span<SolidPiece> pieces) const {
@@ -142,7 +142,7 @@ void PinSurface::solid_pieces(const Kinematics& by, const Configuration& q,
   for (int pin = 0; pin < field_.count(); ++pin) {
     pieces[static_cast<std::size_t>(pin)] = {
         RoundedCylinder{geometry_.pin_radius, half, geometry_.pin_edge_radius},
-        by.X_FB() *
+        by.mount() *
             Pose{Matrix3::Identity(), Vector3(field_.x(pin), field_.y(pin), q[pin] - half)}};
   }
 }

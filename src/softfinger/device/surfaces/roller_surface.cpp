@@ -12,7 +12,7 @@ constexpr double kOnAxis = 1e-12;  // m
 
 RollerSurface::Placed RollerSurface::placed(const Kinematics& by, const Configuration& q) const {
   const RigidMotion motion = by.motion(q);
-  return {by.X_FB().inverse(), motion, motion.X_BP * middle(), geometry_.roller_radius,
+  return {by.mount().inverse(), motion, motion.X_BP * middle(), geometry_.roller_radius,
           0.5 * geometry_.roller_length};
 }
 
@@ -82,7 +82,7 @@ void RollerSurface::solid_pieces(const Kinematics& by, const Configuration& q,
   across << 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0;
   pieces[0] = {RoundedCylinder{geometry_.roller_radius, 0.5 * geometry_.roller_length,
                                geometry_.roller_edge_radius},
-               by.X_FB() * (by.pose(q) * Pose{across, middle()})};
+               by.mount() * (by.pose(q) * Pose{across, middle()})};
 }
 
 }  // namespace softfinger
