@@ -217,7 +217,7 @@ void CablePlatform::linkage(const Configuration& q, std::span<Vector3> points_F)
     const double azimuth = 2.0 * std::numbers::pi / 3.0 * i;
     const Vector3 outward(std::cos(azimuth), std::sin(azimuth), 0.0);
     const Vector3 base = mount() * Vector3(geometry_.base_radius * outward +
-                                          geometry_.neutral_height * Vector3::UnitZ());
+                                           geometry_.neutral_height * Vector3::UnitZ());
     const Vector3 end = X_FP * Vector3(geometry_.platform_radius * outward);
     const auto at = static_cast<std::size_t>(3 * i);
     points_F[at] = base;

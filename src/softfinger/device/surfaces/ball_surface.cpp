@@ -15,7 +15,8 @@ BallSurface::Placed BallSurface::placed(const Kinematics& by, const Configuratio
   for (int k = 0; k < motion.count; ++k) {
     rates_B.col(k) = motion.rate[static_cast<std::size_t>(k)].translation;
   }
-  return {radius_, by.mount() * motion.X_BP.translation, by.mount().rotation * rates_B, motion.count};
+  return {radius_, by.mount() * motion.X_BP.translation, by.mount().rotation * rates_B,
+          motion.count};
 }
 
 ClosestPointResidual BallSurface::Placed::closest_point_residual(const Vector3& p_F) const {
