@@ -24,7 +24,7 @@ using namespace softfinger;
 ordered_json configuration_json(const Device& device, const Configuration& q) {
   ordered_json result = ordered_json::object();
   for (std::size_t i = 0; i < device.axes().size(); ++i) {
-    result[device.axes()[i].name] = q[static_cast<int>(i)] / device.axes()[i].unit;
+    result[device.axes()[i].name] = q[static_cast<int>(i)] / device.axes()[i].unit();
   }
   return result;
 }
@@ -96,7 +96,7 @@ Configuration parse_configuration(const Device& device, const std::vector<std::s
           fmt::format("device solve: --configuration {}: must be {}=NUMBER", word, name));
     }
     const auto axis = static_cast<std::size_t>(found - names.begin());
-    q[static_cast<int>(axis)] = value * device.axes()[axis].unit;
+    q[static_cast<int>(axis)] = value * device.axes()[axis].unit();
   }
   return q;
 }

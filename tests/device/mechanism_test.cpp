@@ -319,7 +319,7 @@ TEST_P(ShippedMechanism, GoesOnStraightWhereItDoesNotClose) {
   for (const double factor : {1.0, -1.0, 1e6}) {
     Configuration q = device_->home();
     for (int k = 0; k < q.size(); ++k) {
-      q[k] += factor * 100.0 * device_->axes()[static_cast<std::size_t>(k)].unit;
+      q[k] += factor * 100.0 * device_->axes()[static_cast<std::size_t>(k)].unit();
     }
     JointAngles joints;
     EXPECT_FALSE(device_->inverse_kinematics(q, joints));

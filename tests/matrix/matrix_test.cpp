@@ -169,8 +169,8 @@ class Matrix : public testing::Test {
         at_limit(frame.q) ? " at its limit;" : "");
     for (std::size_t k = 0; k < std::min<std::size_t>(axes.size(), 8); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      std::cerr << fmt::format(" {} {:.3f} ({:.3f})", axes[k].name, frame.q[i] / axes[k].unit,
-                               tick.wanted[i] / axes[k].unit);
+      std::cerr << fmt::format(" {} {:.3f} ({:.3f})", axes[k].name, frame.q[i] / axes[k].unit(),
+                               tick.wanted[i] / axes[k].unit());
     }
     std::cerr << "\n";
   }

@@ -24,8 +24,9 @@ struct ConfigurationAxis {
   double metric = 1.0;   ///< m per SI unit: how far the surface moves; the disk's radius for angles
   /// Limits of its own; SI. Infinite where only joints or other axes limit it.
   double min = -kNoLimit, max = kNoLimit;
-  double unit = angular ? deg : mm;  ///< SI per unit of the name
 
+  /// SI per unit of the name.
+  [[nodiscard]] double unit() const { return angular ? deg : mm; }
   [[nodiscard]] static ConfigurationAxis angle(std::string name, double metric,
                                                double min = -kNoLimit, double max = kNoLimit) {
     return {std::move(name), true, metric, min, max};

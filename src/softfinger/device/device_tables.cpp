@@ -135,8 +135,8 @@ std::string axis_obstacle(const Kinematics& kinematics, const Configuration& q) 
   for (Eigen::Index k = 0; k < q.size(); ++k) {
     const ConfigurationAxis& axis = kinematics.axes()[static_cast<std::size_t>(k)];
     if (q[k] < axis.min - 1e-9 || q[k] > axis.max + 1e-9) {
-      return fmt::format("{} is {:g}, out of [{:g}, {:g}]", axis.name, q[k] / axis.unit,
-                         axis.min / axis.unit, axis.max / axis.unit);
+      return fmt::format("{} is {:g}, out of [{:g}, {:g}]", axis.name, q[k] / axis.unit(),
+                         axis.min / axis.unit(), axis.max / axis.unit());
     }
   }
   return {};

@@ -86,7 +86,7 @@ void Kinematics::linkage(const Configuration& /*q*/, std::span<Vector3> /*points
 std::vector<AxisReach> Kinematics::reaches() const {
   std::vector<AxisReach> reaches;
   for (const ConfigurationAxis& axis : axes_) {
-    reaches.push_back({axis.name, axis.min, axis.max, axis.unit});
+    reaches.push_back({axis.name, axis.min, axis.max, axis.unit()});
   }
   return reaches;
 }

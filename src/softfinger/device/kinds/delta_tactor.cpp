@@ -239,7 +239,7 @@ std::vector<AxisReach> DeltaTactor::reaches() const {
       }
       return inside;
     };
-    reaches.push_back({axis.name, end(axis.min), end(axis.max), axis.unit});
+    reaches.push_back({axis.name, end(axis.min), end(axis.max), axis.unit()});
   }
   return reaches;
 }

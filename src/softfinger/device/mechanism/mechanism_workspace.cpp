@@ -77,7 +77,7 @@ std::vector<AxisReach> Mechanism::reaches() const {
       }
       return home()[k] + inside * side * farthest;
     };
-    reaches.push_back({axis.name, end(-1.0), end(1.0), axis.unit});
+    reaches.push_back({axis.name, end(-1.0), end(1.0), axis.unit()});
   }
   return reaches;
 }
