@@ -13,7 +13,7 @@ foreach(program softfinger softfinger-guard)
   endif()
 endforeach()
 install(DIRECTORY src/softfinger DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE PATTERN "config" EXCLUDE)
 
 set(softfinger_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/softfinger)
 install(EXPORT softfingerTargets NAMESPACE softfinger:: DESTINATION ${softfinger_cmake_dir})
