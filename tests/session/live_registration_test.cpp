@@ -11,7 +11,7 @@
 #include "../support/scenes_without_force_limit.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/session/live_session.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
 #include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {

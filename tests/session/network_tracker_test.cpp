@@ -15,9 +15,9 @@
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/session/replay.hpp"
 #include "softfinger/threads/thread_clock.hpp"
-#include "softfinger/tracking/natnet_emulator.hpp"
-#include "softfinger/tracking/osc_pose.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/natnet/natnet_emulator.hpp"
+#include "softfinger/tracking/stream/osc_pose.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
 #include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {

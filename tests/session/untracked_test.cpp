@@ -13,7 +13,7 @@
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/session/replay.hpp"
-#include "softfinger/tracking/natnet_emulator.hpp"
+#include "softfinger/tracking/natnet/natnet_emulator.hpp"
 #include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {

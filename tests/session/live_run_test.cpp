@@ -1,0 +1,152 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "../support/scenes_without_force_limit.hpp"
+#include "../support/temporary_directory.hpp"
+#include "recorded_run.hpp"
+#include "softfinger/session/replay.hpp"
+
+namespace softfinger {
+namespace {
+
+TEST(LiveRun, ReplaysToTheBit) {
+  const ScenesWithoutForceLimit scenes;
+  const TemporaryDirectory directory;
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.duration = 2.5;
+  options.recording = directory / "live.db";
+  LiveSession session(options, false);
+  const std::atomic<bool> stop{false};
+  const RunSummary summary = session.run(stop);
+  EXPECT_EQ(summary.steps, 2500);
+  EXPECT_TRUE(summary.deadline_misses.has_value());
+  EXPECT_TRUE(RecordingReader(directory / "live.db").info().live);
+  const ReplayResult result = replay({.recording = directory / "live.db", .scene = {}});
+  EXPECT_TRUE(result.agree) << *result.first_difference << " " << result.difference;
+}
+
+TEST(LiveRun, PausesRestartsAndChangesScene) {
+  const ScenesWithoutForceLimit scenes;
+  const TemporaryDirectory directory;
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.recording = directory / "live.db";
+  LiveSession session(options, false);
+  EXPECT_THAT(session.description()->scene_names,
+              testing::IsSupersetOf({"edge", "plane", "sphere"}));
+  std::atomic<bool> stop{false};
+  std::thread viewer([&] {
+    const auto wait = [&](const auto& condition) {
+      for (int i = 0; i < 6000; ++i) {  // a minute: sanitizers are slow
+        session.refresh();
+        if (condition(session.latest())) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      return false;
+    };
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 300; }));
+    session.request({LiveRequest::Kind::kPause, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.paused; }));
+    const std::uint64_t step = session.latest().step;
+    // Under a sanitizer no machine keeps up, and the device has retracted before.
+    const bool kept_up = session.latest().fingers.at(0).device_state != "retracting";
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    session.refresh();
+    EXPECT_EQ(session.latest().step, step);
+    // A pause is no stall: the device holds.
+    EXPECT_TRUE(!kept_up || session.latest().fingers.at(0).device_state != "retracting");
+    session.request({LiveRequest::Kind::kResume, ""});
+    EXPECT_TRUE(wait([&](const Snapshot& s) { return s.step > step + 300; }));
+    session.request({LiveRequest::Kind::kScene, "no such scene"});
+    session.request({LiveRequest::Kind::kScene, "edge"});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.generation == 2 && s.step > 100; }));
+    EXPECT_EQ(session.description()->scene_name, "edge");
+    stop = true;
+  });
+  session.run(stop);
+  viewer.join();
+  const ReplayResult paused = replay({.recording = directory / "live.db", .scene = {}});
+  EXPECT_TRUE(paused.agree) << *paused.first_difference << " " << paused.difference;
+  EXPECT_TRUE(replay({.recording = directory / "live-2.db", .scene = {}}).agree);
+}
+
+TEST(LiveRun, APauseTellsWhatTheDeviceDoesAndOutlastsRestartAndScene) {
+  const ScenesWithoutForceLimit scenes;
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.twin = false;
+  LiveSession session(options, true);
+  std::atomic<bool> stop{false};
+  std::thread viewer([&] {
+    bool loaded = false, ended = false;
+    const auto wait = [&](const auto& condition) {
+      for (int i = 0; i < 60000; ++i) {
+        session.refresh();
+        loaded = loaded || session.loading() == "edge";
+        ended = ended || session.latest().finished;
+        if (condition(session.latest())) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      return false;
+    };
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 300; }));
+    session.request({LiveRequest::Kind::kPause, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.paused; }));
+    session.request({LiveRequest::Kind::kEmergencyStop, ""});
+    EXPECT_TRUE(wait(
+        [](const Snapshot& s) { return s.paused && s.fingers[0].device_state == "retracting"; }));
+    for (const bool restart : {true, false}) {
+      const std::uint64_t generation = session.latest().generation;
+      session.request({restart ? LiveRequest::Kind::kRestart : LiveRequest::Kind::kScene, "edge"});
+      EXPECT_TRUE(wait([&](const Snapshot& s) { return s.generation > generation && s.paused; }));
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      session.refresh();
+      EXPECT_TRUE(session.latest().paused);
+      EXPECT_TRUE(session.latest().emergency);
+      EXPECT_EQ(session.latest().step, 0U);
+    }
+    EXPECT_TRUE(loaded);
+    EXPECT_FALSE(ended) << "the script was cut short";
+    EXPECT_EQ(session.loading(), "");
+    session.request({LiveRequest::Kind::kResume, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 0; }));
+    stop = true;
+  });
+  session.run(stop);
+  viewer.join();
+}
+
+TEST(LiveRun, ASceneThatCannotBeLoadedIsToldAndTheRunGoesOn) {
+  const ScenesWithoutForceLimit scenes;
+  std::ofstream(scenes.scene("broken")) << "title = 3\n";
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.twin = false;
+  LiveSession session(options, true);
+  std::atomic<bool> stop{false};
+  std::vector<std::string> told;
+  std::thread viewer([&] {
+    session.request({LiveRequest::Kind::kScene, "broken"});
+    std::optional<std::string> line;
+    for (int i = 0; i < 6000 && !(line = session.take_message()); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_THAT(line.value_or(""), testing::HasSubstr("broken.toml"));
+    session.refresh();
+    const std::uint64_t step = session.latest().step;
+    for (int i = 0; i < 6000 && session.latest().step <= step; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      session.refresh();
+    }
+    EXPECT_GT(session.latest().step, step);
+    EXPECT_EQ(session.description()->generation, 1u);
+    stop = true;
+  });
+  session.run(stop, {.message = [&](const std::string& line) { told.push_back(line); }});
+  viewer.join();
+  EXPECT_THAT(told, testing::Contains(testing::HasSubstr("broken.toml")));
+}
+
+}  // namespace
+}  // namespace softfinger
