@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
-#include "softfinger/tracking/natnet_encoding.hpp"
-#include "softfinger/tracking/natnet_session.hpp"
+#include "softfinger/tracking/natnet/natnet_encoding.hpp"
+#include "softfinger/tracking/natnet/natnet_session.hpp"
 
 // A server that says anything at all: nothing is read past the end, and a pose is one or is not
 // there. The first byte chooses the version, the rest are datagrams, each after its length.

@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "softfinger/tracking/osc_pose.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/stream/osc_pose.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
 
 // What the trackers udp and osc take for a pose is one.
 extern "C" int read_pose_message(const std::uint8_t* data, std::size_t size) {

@@ -9,7 +9,7 @@
 #include "pose_source.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/tracking/conditioning_effect.hpp"
+#include "softfinger/tracking/conditioning/conditioning_effect.hpp"
 
 namespace {
 

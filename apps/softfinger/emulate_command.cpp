@@ -14,9 +14,9 @@
 #include "pose_source.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/threads/thread_clock.hpp"
-#include "softfinger/tracking/natnet_emulator.hpp"
-#include "softfinger/tracking/osc_pose.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/natnet/natnet_emulator.hpp"
+#include "softfinger/tracking/stream/osc_pose.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 #include "stop_signal.hpp"
 

@@ -19,7 +19,7 @@
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/tracking/hand_part.hpp"
 #include "softfinger/tracking/make_tracker.hpp"
-#include "softfinger/tracking/registration_procedure.hpp"
+#include "softfinger/tracking/registration/registration_procedure.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 #include "stop_signal.hpp"
 

@@ -10,7 +10,7 @@
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/run_setup.hpp"
-#include "softfinger/tracking/conditioned_tracker.hpp"
+#include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
 
 namespace softfinger {
 namespace {

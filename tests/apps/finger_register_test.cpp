@@ -10,7 +10,7 @@
 #include "program.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
-#include "softfinger/tracking/registration_procedure.hpp"
+#include "softfinger/tracking/registration/registration_procedure.hpp"
 #include "workplace.hpp"
 
 namespace softfinger {

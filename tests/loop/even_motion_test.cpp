@@ -8,8 +8,8 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/loop/finger_loop.hpp"
-#include "softfinger/tracking/conditioned_tracker.hpp"
-#include "softfinger/tracking/degraded_tracker.hpp"
+#include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
+#include "softfinger/tracking/conditioning/degraded_tracker.hpp"
 
 namespace softfinger {
 namespace {

@@ -13,7 +13,7 @@
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/threads/thread_clock.hpp"
-#include "softfinger/tracking/natnet_emulator.hpp"
+#include "softfinger/tracking/natnet/natnet_emulator.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "step_times.hpp"
 #include "stolen_time.hpp"

@@ -9,7 +9,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/threads/thread_clock.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
 
 namespace softfinger {
 namespace {

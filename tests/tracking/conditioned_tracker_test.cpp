@@ -1,4 +1,4 @@
-#include "softfinger/tracking/conditioned_tracker.hpp"
+#include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/tracking/conditioning_effect.hpp"
+#include "softfinger/tracking/conditioning/conditioning_effect.hpp"
 
 namespace softfinger {
 namespace {

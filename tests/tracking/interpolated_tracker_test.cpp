@@ -1,4 +1,4 @@
-#include "softfinger/tracking/interpolated_tracker.hpp"
+#include "softfinger/tracking/conditioning/interpolated_tracker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/tracking/conditioned_tracker.hpp"
-#include "softfinger/tracking/pose_feed.hpp"
-#include "softfinger/tracking/sender_clock.hpp"
+#include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
+#include "softfinger/tracking/stream/pose_feed.hpp"
+#include "softfinger/tracking/stream/sender_clock.hpp"
 
 namespace softfinger {
 namespace {

@@ -1,4 +1,4 @@
-#include "softfinger/tracking/jump_gate.hpp"
+#include "softfinger/tracking/stream/jump_gate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "softfinger/tracking/natnet_protocol.hpp"
+#include "softfinger/tracking/natnet/natnet_protocol.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "softfinger/tracking/natnet_encoding.hpp"
+#include "softfinger/tracking/natnet/natnet_encoding.hpp"
 
 namespace softfinger {
 namespace {

@@ -1,4 +1,4 @@
-#include "softfinger/tracking/natnet_session.hpp"
+#include "softfinger/tracking/natnet/natnet_session.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "softfinger/tracking/natnet_encoding.hpp"
+#include "softfinger/tracking/natnet/natnet_encoding.hpp"
 #include "softfinger/tracking/up_axis.hpp"
 
 namespace softfinger {

@@ -1,5 +1,5 @@
 // The NatNet client against an emulated server, over sockets of this machine.
-#include "softfinger/tracking/natnet_tracker.hpp"
+#include "softfinger/tracking/natnet/natnet_tracker.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/threads/thread_clock.hpp"
-#include "softfinger/tracking/natnet_emulator.hpp"
+#include "softfinger/tracking/natnet/natnet_emulator.hpp"
 
 namespace softfinger {
 namespace {

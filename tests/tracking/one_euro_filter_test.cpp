@@ -1,4 +1,4 @@
-#include "softfinger/tracking/one_euro_filter.hpp"
+#include "softfinger/tracking/conditioning/one_euro_filter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "softfinger/tracking/osc_pose.hpp"
+#include "softfinger/tracking/stream/osc_pose.hpp"
 
 #include <gtest/gtest.h>
 

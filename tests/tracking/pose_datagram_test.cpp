@@ -1,4 +1,4 @@
-#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
 
 #include <gtest/gtest.h>
 

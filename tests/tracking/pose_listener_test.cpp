@@ -1,4 +1,4 @@
-#include "softfinger/tracking/pose_listener.hpp"
+#include "softfinger/tracking/stream/pose_listener.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/tracking/make_tracker.hpp"
-#include "softfinger/tracking/osc_pose.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
+#include "softfinger/tracking/stream/osc_pose.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
 
 namespace softfinger {
 namespace {

@@ -1,4 +1,4 @@
-#include "softfinger/tracking/registration.hpp"
+#include "softfinger/tracking/registration/registration.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/tracking/registration_procedure.hpp"
+#include "softfinger/tracking/registration/registration_procedure.hpp"
 
 namespace softfinger {
 namespace {

@@ -1,4 +1,4 @@
-#include "softfinger/tracking/sequence_gate.hpp"
+#include "softfinger/tracking/stream/sequence_gate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/tracking/natnet_encoding.hpp"
-#include "softfinger/tracking/natnet_session.hpp"
-#include "softfinger/tracking/osc_pose.hpp"
-#include "softfinger/tracking/pose_datagram.hpp"
-#include "softfinger/tracking/pose_listener.hpp"
+#include "softfinger/tracking/natnet/natnet_encoding.hpp"
+#include "softfinger/tracking/natnet/natnet_session.hpp"
+#include "softfinger/tracking/stream/osc_pose.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
+#include "softfinger/tracking/stream/pose_listener.hpp"
 
 namespace softfinger {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/person/person.hpp"
-#include "softfinger/tracking/registration.hpp"
+#include "softfinger/tracking/registration/registration.hpp"
 
 namespace softfinger {
 

@@ -6,7 +6,7 @@
 #include "softfinger/person/person_registration.hpp"
 #include "softfinger/session/live_feed.hpp"
 #include "softfinger/session/run_setup.hpp"
-#include "softfinger/tracking/registration_procedure.hpp"
+#include "softfinger/tracking/registration/registration_procedure.hpp"
 
 namespace softfinger {
 

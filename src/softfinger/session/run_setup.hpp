@@ -17,7 +17,7 @@
 #include "softfinger/recording/recording_info.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/session/worn_device.hpp"
-#include "softfinger/tracking/conditioned_tracker.hpp"
+#include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
 
 namespace softfinger {
 

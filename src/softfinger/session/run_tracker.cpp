@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/tracking/conditioned_tracker.hpp"
+#include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
 #include "softfinger/tracking/make_tracker.hpp"
 #include "softfinger/tracking/page_tracker.hpp"
-#include "softfinger/tracking/registered_tracker.hpp"
+#include "softfinger/tracking/registration/registered_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/tracking/webxr_tracker.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "softfinger/tracking/sender_clock.hpp"
+#include "softfinger/tracking/stream/sender_clock.hpp"
 
 namespace softfinger {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "softfinger/threads/mailbox.hpp"
-#include "softfinger/tracking/jump_gate.hpp"
 #include "softfinger/tracking/run_clock.hpp"
+#include "softfinger/tracking/stream/jump_gate.hpp"
 #include "softfinger/tracking/tracker.hpp"
 #include "softfinger/tracking/xr_hand.hpp"
 
