@@ -122,7 +122,7 @@ void run(RunFlags flags) {
   if (!flags.recording.empty()) flags.options.recording = flags.recording;
   flags.options.actuator.guard_program = guard_program();
   const std::atomic<bool>& stop = stop_on_signals();
-  flags.options.emergency_stop = &emergency_stop_on_signal();
+  flags.options.stop_signals = &stop_devices_on_signals();
 
   ProgressBar bar;
   flags.options.load_observer = load_observer(bar);

@@ -6,7 +6,7 @@ namespace {
 
 static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<bool> stop_asked{false};
-std::atomic<bool> emergency{false};
+softfinger::StopSignals signals;
 
 void on_signal(int signal, void (*handler)(int)) {
   struct sigaction action {};
@@ -29,7 +29,8 @@ const std::atomic<bool>& stop_on_signals() {
 
 void outlive_quotas() { on_signal(SIGXFSZ, SIG_IGN); }
 
-const std::atomic<bool>& emergency_stop_on_signal() {
-  on_signal(SIGUSR1, [](int) { emergency.store(true); });
-  return emergency;
+const softfinger::StopSignals& stop_devices_on_signals() {
+  on_signal(SIGUSR1, [](int) { signals.stops.fetch_add(1); });
+  on_signal(SIGUSR2, [](int) { signals.releases.fetch_add(1); });
+  return signals;
 }

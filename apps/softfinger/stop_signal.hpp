@@ -2,6 +2,8 @@
 
 #include <atomic>
 
+#include "softfinger/session/stop_signals.hpp"
+
 /// From now on Ctrl-C, the terminate signal and a terminal that closes (unless that is ignored, as
 /// by nohup) no longer end the program but set this flag. More than one does not hurry the end: a
 /// device retracts, which takes about a second.
@@ -11,5 +13,6 @@
 /// and no signal that ends the program.
 void outlive_quotas();
 
-/// From now on SIGUSR1 sets this flag: the emergency stop, for a pedal or a script.
-[[nodiscard]] const std::atomic<bool>& emergency_stop_on_signal();
+/// From now on SIGUSR1 stops devices, for a pedal or a script, and SIGUSR2 asks to release them:
+/// each counts.
+[[nodiscard]] const softfinger::StopSignals& stop_devices_on_signals();

@@ -189,6 +189,16 @@ void SimulatedLine::wake() {
   EXPECT_EQ(::write(wake_, &one, sizeof one), static_cast<ssize_t>(sizeof one));
 }
 
+StopLatch::Number SimulatedLine::stop(StopCause cause) {
+  const StopLatch::Number number = channel_.stop.stop(cause);
+  wake();
+  return number;
+}
+
+void SimulatedLine::ask_release(StopLatch::Number number) {
+  if (channel_.stop.ask_release(number)) wake();
+}
+
 void SimulatedLine::settle() {
   if (board_ != nullptr) board_->bus->advance_to(time());
   if (near_ < 0) return;

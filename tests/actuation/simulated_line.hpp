@@ -62,6 +62,9 @@ class SimulatedLine final : public LineClock {
   /// Where the board's servos stand; rad.
   [[nodiscard]] JointAngles standing() const;
   [[nodiscard]] const LineChannel& channel() const { return channel_; }
+  /// As LineEnd has them.
+  StopLatch::Number stop(StopCause cause = StopCause::kPerson);
+  void ask_release(StopLatch::Number number);
   /// What the servos reported last, where they did.
   [[nodiscard]] std::optional<JointAngles> reported();
   [[nodiscard]] double period() const;  ///< of device ticks, s

@@ -82,6 +82,8 @@ class RegisteringSession : public testing::Test {
   void ask(LiveRequest::Kind kind) {
     LiveRequest request;
     request.kind = kind;
+    request.generation = session_->latest().generation;
+    request.stops = session_->latest().stops;
     session_->request(request);
   }
   [[nodiscard]] const RegistrationState& state() const { return session_->registration(); }
@@ -135,10 +137,12 @@ TEST_F(RegisteringSession, FindsTheBodyAndGoesOnWithItRetracted) {
     const Pose lies = body_.pose(Posture::kPad) * body_.X_BodyFt;
     return finger.tracked && (finger.X_WFt.translation - lies.translation).norm() < 0.02 * mm;
   }));
-  EXPECT_TRUE(session_->latest().emergency);
+  EXPECT_TRUE(session_->latest().stopped.asked);
   EXPECT_TRUE(device_is("retracting"));
-  ask(LiveRequest::Kind::kRelease);
-  EXPECT_TRUE(watch([&] { return !session_->latest().emergency; }));
+  EXPECT_TRUE(watch([&] {
+    ask(LiveRequest::Kind::kRelease);
+    return !session_->latest().stopped.asked;
+  }));
 }
 
 TEST_F(RegisteringSession, CancelledNothingIsWritten) {
@@ -148,7 +152,7 @@ TEST_F(RegisteringSession, CancelledNothingIsWritten) {
   ask(LiveRequest::Kind::kCancelRegistration);
   EXPECT_EQ(state().phase, Phase::kIdle);
   EXPECT_FALSE(std::filesystem::exists(person_));
-  EXPECT_TRUE(watch([&] { return session_->latest().emergency; }));
+  EXPECT_TRUE(watch([&] { return session_->latest().stopped.asked; }));
   LiveRequest absent;
   absent.kind = LiveRequest::Kind::kRegister;
   absent.finger = 7;

@@ -93,7 +93,7 @@ TEST(LiveRun, APauseTellsWhatTheDeviceDoesAndOutlastsRestartAndScene) {
     EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 300; }));
     session.request({LiveRequest::Kind::kPause, ""});
     EXPECT_TRUE(wait([](const Snapshot& s) { return s.paused; }));
-    session.request({LiveRequest::Kind::kEmergencyStop, ""});
+    session.request({LiveRequest::Kind::kStop, ""});
     EXPECT_TRUE(wait(
         [](const Snapshot& s) { return s.paused && s.fingers[0].device_state == "retracting"; }));
     for (const bool restart : {true, false}) {
@@ -103,14 +103,34 @@ TEST(LiveRun, APauseTellsWhatTheDeviceDoesAndOutlastsRestartAndScene) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       session.refresh();
       EXPECT_TRUE(session.latest().paused);
-      EXPECT_TRUE(session.latest().emergency);
+      EXPECT_TRUE(session.latest().stopped.asked);
       EXPECT_EQ(session.latest().step, 0U);
     }
+    // Nor is a release that names another stop than the newest, or is of a run before.
+    const auto release = [&](std::uint64_t generation, std::uint32_t stops) {
+      LiveRequest request;
+      request.kind = LiveRequest::Kind::kRelease;
+      request.generation = generation;
+      request.stops = stops;
+      session.request(request);
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      session.refresh();
+      return !session.latest().stopped.asked;
+    };
+    EXPECT_FALSE(release(session.latest().generation - 1, session.latest().stops));
+    EXPECT_FALSE(release(session.latest().generation, session.latest().stops - 1));
     EXPECT_TRUE(loaded);
     EXPECT_FALSE(ended) << "the script was cut short";
     EXPECT_EQ(session.loading(), "");
     session.request({LiveRequest::Kind::kResume, ""});
     EXPECT_TRUE(wait([](const Snapshot& s) { return s.step > 0; }));
+    EXPECT_TRUE(session.latest().stopped.asked);
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.stopped.confirmed; }));
+    bool released = false;
+    for (int i = 0; i < 50 && !released; ++i) {
+      released = release(session.latest().generation, session.latest().stops);
+    }
+    EXPECT_TRUE(released);
     stop = true;
   });
   session.run(stop);

@@ -76,19 +76,19 @@ TEST(Run, DeviceHoldsThenRetractsWhileTrackingIsLostAndResumes) {
   EXPECT_TRUE(resumed);
 }
 
-TEST(Run, EmergencyStopRetractsFromTheNextTickOn) {
+TEST(Run, AStopRetractsFromTheNextTickOn) {
   const ScenesWithoutForceLimit scenes;
   const TemporaryDirectory directory;
-  std::atomic<bool> emergency{false};
+  StopSignals signals;
   RunOptions options;
   options.scene = scenes.scene("sphere");
   options.duration = 3.0;
   options.as_fast_as_possible = true;
   options.recording = directory / "run.db";
-  options.emergency_stop = &emergency;
+  options.stop_signals = &signals;
   SceneRun::Hooks hooks;
   hooks.on_tick = [&](std::size_t, const FingerChain& chain) {
-    if (chain.device().record().time > 2.0) emergency = true;
+    if (chain.device().record().time > 2.0) signals.stops = 1;
   };
   const std::atomic<bool> stop{false};
   (void)run_headless(options, stop, {}, hooks);

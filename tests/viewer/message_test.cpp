@@ -25,10 +25,13 @@ TEST(PageRequest, ReadsEachKind) {
             LiveRequest::Kind::kResume);
   EXPECT_EQ(parse_page_request(R"({"request":"restart"})", kScenes)->kind,
             LiveRequest::Kind::kRestart);
-  EXPECT_EQ(parse_page_request(R"({"request":"stop"})", kScenes)->kind,
-            LiveRequest::Kind::kEmergencyStop);
-  EXPECT_EQ(parse_page_request(R"({"request":"release"})", kScenes)->kind,
-            LiveRequest::Kind::kRelease);
+  EXPECT_EQ(parse_page_request(R"({"request":"stop"})", kScenes)->kind, LiveRequest::Kind::kStop);
+  const auto release =
+      parse_page_request(R"({"request":"release","generation":3,"stops":7})", kScenes);
+  ASSERT_TRUE(release);
+  EXPECT_EQ(release->kind, LiveRequest::Kind::kRelease);
+  EXPECT_EQ(release->generation, 3U);
+  EXPECT_EQ(release->stops, 7U);
   const auto scene = parse_page_request(R"({"scene":"edge","request":"scene"})", kScenes);
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->kind, LiveRequest::Kind::kScene);
@@ -229,6 +232,8 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   snapshot.generation = 7;
   snapshot.step = 1234;
   snapshot.paused = true;
+  snapshot.stops = 9;
+  snapshot.stopped.asked = true;
   snapshot.time = 1.234;
   snapshot.wall_time = 4294968.296;  // a second after 2^32 ms
   snapshot.step_cpu_time = 0.2 * ms;
@@ -264,29 +269,31 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.stuck_fraction = 0.875;
   finger.tick = 17;
   finger.stages[LatencyStage::kSend] = 3 * ms;
+  finger.device_said = 12 * ms;
   finger.actual = Eigen::Vector2d(9 * deg, 1.25 * mm);
 
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   const std::size_t pose = 28;
-  const std::size_t samples = 48 + pose + 3 * pose + 28 + 28 + 32 + 16;
+  const std::size_t samples = 52 + pose + 3 * pose + 28 + 32 + 32 + 16;
   const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 2 + 3 + 27);
   const std::size_t twin = pieces + 2 * 32;
   ASSERT_EQ(message.size(), twin + 36 + 5 * 16 + 8);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS7", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS8", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U + 4U);
   EXPECT_EQ(read_at<double>(message, 16), 1.234);
   EXPECT_FLOAT_EQ(read_at<float>(message, 24), 0.2F);
   EXPECT_EQ(read_at<std::uint32_t>(message, 32), 3U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 36), 1U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 40), 1U);
   EXPECT_NEAR(read_at<std::uint32_t>(message, 44), 1000U, 1U);
-  EXPECT_FLOAT_EQ(read_at<float>(message, 48 + 8), 5.0F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, 48 + 24), 1.0F);  // quaternion w
-  const std::size_t forces = 48 + 4 * pose;
+  EXPECT_EQ(read_at<std::uint32_t>(message, 48), 9U);
+  EXPECT_FLOAT_EQ(read_at<float>(message, 52 + 8), 5.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, 52 + 24), 1.0F);  // quaternion w
+  const std::size_t forces = 52 + 4 * pose;
   EXPECT_FLOAT_EQ(read_at<float>(message, forces), 42.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 4), 0.75F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 12), 0.25F);
@@ -296,7 +303,8 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_EQ(read_at<std::uint32_t>(message, forces + 28), 17U);
   EXPECT_TRUE(std::isnan(read_at<float>(message, forces + 32))) << "a stage that is not known";
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 48), 3.0F);
-  const std::size_t counts = forces + 56;
+  EXPECT_FLOAT_EQ(read_at<float>(message, forces + 56), 12.0F);
+  const std::size_t counts = forces + 60;
   EXPECT_EQ(read_at<std::uint32_t>(message, counts), 5U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 12), 9U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 16), 2U);
@@ -353,8 +361,8 @@ TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {
   snapshot.fingers[0].twin.skin.in_contact.resize(3);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 28 + 28 + 20), 0U);
-  EXPECT_EQ(message.size(), 48U + 3 * 28 + 28 + 28 + 32 + 16);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 52 + 3 * 28 + 28 + 32 + 20), 0U);
+  EXPECT_EQ(message.size(), 52U + 3 * 28 + 28 + 32 + 32 + 16);
 }
 
 TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
@@ -366,7 +374,7 @@ TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
   snapshot.fingers[0].skin.in_contact.resize(2);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 48 + 3 * 28 + 28 + 28), 2U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 52 + 3 * 28 + 28 + 32), 2U);
 }
 
 }  // namespace

@@ -213,10 +213,12 @@ void SyntheticFeed::start_scene(const std::string& name) {
     }
   }
   const bool paused = snapshot_.paused;
-  const bool emergency = snapshot_.emergency;
+  const DevicesStopped stopped = snapshot_.stopped;
+  const std::uint32_t stops = snapshot_.stops;
   snapshot_ = {};
   snapshot_.paused = paused;
-  snapshot_.emergency = emergency;
+  snapshot_.stopped = stopped;
+  snapshot_.stops = stops;
   snapshot_.generation = scene->generation;
   snapshot_.X_WO = {X_WO_};
   for (const SceneDescription::Finger& model : scene->fingers) {
@@ -314,7 +316,7 @@ void SyntheticFeed::fill_finger(std::size_t index) {
     finger.twin.measures.normal_force_bias = -0.1;
   }
   finger.deviation = 0.4 * mm2;
-  finger.device_state = snapshot_.emergency       ? "retracting"
+  finger.device_state = snapshot_.stopped.asked   ? "retracting"
                         : finger.normal_force > 0 ? "rendering"
                                                   : "ready";
   for (const SceneDescription::Notice& notice : description_->notices) {
@@ -352,9 +354,14 @@ void SyntheticFeed::request(const LiveRequest& request) {
     case LiveRequest::Kind::kCancelRegistration:
       registration_ = {};
       break;
-    case LiveRequest::Kind::kEmergencyStop:
+    case LiveRequest::Kind::kStop:
+      ++snapshot_.stops;
+      snapshot_.stopped = {.asked = true, .confirmed = true};
+      break;
     case LiveRequest::Kind::kRelease:
-      snapshot_.emergency = request.kind == LiveRequest::Kind::kEmergencyStop;
+      if (request.generation == snapshot_.generation && request.stops == snapshot_.stops) {
+        snapshot_.stopped = {};
+      }
       break;
     case LiveRequest::Kind::kPose:
     case LiveRequest::Kind::kReload:

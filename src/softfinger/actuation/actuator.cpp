@@ -17,6 +17,7 @@
 #include "softfinger/device/device.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/emulation/emulated_bus.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {
@@ -127,6 +128,8 @@ struct Actuator::Impl {
   std::unique_ptr<EmulatedBus> emulated;
   std::unique_ptr<LineEnd> line;
   std::uint64_t sent_to_simulated = 0;
+  StopLatch latch;  ///< without a line, which has its own
+  void obey_latch(const WantedMotion& wanted);
 
   std::string absence;  ///< why the port was not open at the start; empty: it was
   bool absence_told = false;
@@ -134,6 +137,9 @@ struct Actuator::Impl {
   std::uint32_t connections_told = 0;
   std::uint32_t stalls_told = 0;
   bool guard_loss_told = false;
+  StopLatch::Number stops_told = 0;
+  StopLatch::Number releases_told = 0;
+  std::uint32_t refusals_told = 0;
 };
 
 void Actuator::Impl::open() {
@@ -190,6 +196,15 @@ void Actuator::Impl::send_to_simulated(double time) {
   ++sent_to_simulated;
 }
 
+void Actuator::Impl::obey_latch(const WantedMotion& wanted) {
+  if (!wanted.emergency || !latch.is_stopped()) return;
+  latch.confirm(latch.newest());
+  const bool retracted = formed.state == DeviceState::kRetracting && guard.arrived();
+  if (latch.release_is_asked()) {
+    latch.answer_release(retracted ? ReleaseRefusal::kNone : ReleaseRefusal::kRetracting);
+  }
+}
+
 Actuator::Actuator(std::shared_ptr<const Device> device, const ActuatorOptions& options)
     : impl_(std::make_unique<Impl>(std::move(device), options)) {
   impl_->open();
@@ -227,7 +242,11 @@ const FormedCommand& Actuator::command(const WantedMotion& wanted, double time) 
       break;
   }
   if (self.simulated) self.send_to_simulated(self.last_time);
-  if (self.line) self.line->submit(self.formed.configuration, self.formed.state);
+  if (self.line) {
+    self.line->submit(self.formed.configuration, self.formed.state);
+  } else {
+    self.obey_latch(wanted);
+  }
   return self.formed;
 }
 
@@ -252,6 +271,18 @@ void Actuator::finish() noexcept {
   self.formed.state = DeviceState::kStopped;
 }
 
+StopLatch::Number Actuator::stop(StopCause cause) noexcept {
+  return impl_->line ? impl_->line->stop(cause) : impl_->latch.stop(cause);
+}
+
+bool Actuator::ask_release(StopLatch::Number number) noexcept {
+  return impl_->line ? impl_->line->ask_release(number) : impl_->latch.ask_release(number);
+}
+
+const StopLatch& Actuator::stop_latch() const noexcept {
+  return impl_->line ? impl_->line->channel().stop : impl_->latch;
+}
+
 bool Actuator::finished() const noexcept { return impl_->finished; }
 
 DeviceState Actuator::state() const noexcept {
@@ -261,6 +292,11 @@ DeviceState Actuator::state() const noexcept {
 std::optional<DeviceState> Actuator::line_state() const noexcept {
   if (!impl_->line) return std::nullopt;
   return impl_->line->channel().state.load(std::memory_order_relaxed);
+}
+
+double Actuator::line_silence() const noexcept {
+  if (!impl_->line) return std::numeric_limits<double>::quiet_NaN();
+  return impl_->line->channel().silence(monotonic_time());
 }
 
 bool Actuator::connected() const noexcept {
@@ -308,6 +344,20 @@ const std::string& Actuator::port() const noexcept { return impl_->port; }
 
 std::optional<ActuatorEvent> Actuator::take_event() noexcept {
   Impl& self = *impl_;
+  const StopLatch& stop = stop_latch();
+  // In the order in which they happen.
+  if (stop.newest() != self.stops_told) {
+    self.stops_told = stop.newest();
+    return ActuatorEvent::kStopped;
+  }
+  if (stop.refusals() != self.refusals_told) {
+    self.refusals_told = stop.refusals();
+    return ActuatorEvent::kReleaseRefused;
+  }
+  if (stop.released() != self.releases_told) {
+    self.releases_told = stop.released();
+    return ActuatorEvent::kReleased;
+  }
   if (!self.line) return std::nullopt;
   const LineChannel& line = self.line->channel();
   if (!self.absence.empty() && !self.absence_told) {
@@ -354,6 +404,14 @@ std::string Actuator::message(ActuatorEvent event) const {
     case ActuatorEvent::kGuardLost:
       return fmt::format("the process that guards port {} has died; the device no longer moves",
                          impl_->port);
+    case ActuatorEvent::kStopped:
+      return fmt::format("the device is stopped by {}; it stays retracted until it is released",
+                         row_of(kStopCauses, stop_latch().cause()).words);
+    case ActuatorEvent::kReleased:
+      return "the device is released";
+    case ActuatorEvent::kReleaseRefused:
+      return fmt::format("the device is not released: {}",
+                         row_of(kReleaseRefusals, stop_latch().refusal()).words);
     case ActuatorEvent::kLoopStalled:
       break;
   }

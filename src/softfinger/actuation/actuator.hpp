@@ -11,6 +11,7 @@
 
 #include "softfinger/actuation/command_delivery.hpp"
 #include "softfinger/actuation/device_state.hpp"
+#include "softfinger/actuation/stop_latch.hpp"
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/motors/transport_settings.hpp"
 
@@ -44,7 +45,7 @@ struct WantedMotion {
   Configuration configuration;  ///< q in the device's order; anything, NaN and infinity included
   bool tracked = true;          ///< false while the tracker has lost the finger
   bool touching = false;        ///< contact set not empty (only names the state)
-  bool emergency = false;       ///< emergency stop: retract at once, whatever is wanted
+  bool emergency = false;       ///< the device is stopped: retract at once, whatever is wanted
 };
 
 /// What is sent for it: within joint, rate, tilt and workspace limits whatever was wanted.
@@ -67,6 +68,9 @@ enum class ActuatorEvent : std::uint8_t {
   kPortLost,
   kPortConnected,
   kLoopStalled,
+  kStopped,         ///< by whom, see stop_latch()
+  kReleased,        ///< follows again
+  kReleaseRefused,  ///< why, see stop_latch()
   kGuardLost  ///< the process that owned the port has died: nothing more is sent
 };
 
@@ -101,11 +105,24 @@ class Actuator {
   void finish() noexcept;
   [[nodiscard]] bool finished() const noexcept;
 
+  /// Stops the device: it retracts at once, whatever is commanded, and stays so until the stop of
+  /// this number is released. With a line even where nothing is commanded any more; without one
+  /// (simulated time, no transport) WantedMotion::emergency has to say it. Any thread; signal
+  /// handlers too.
+  StopLatch::Number stop(StopCause cause) noexcept;
+  /// Asks to release the device from this stop; granted or refused by whoever leads the servos.
+  /// False: it is not the newest stop, or was released. Any thread.
+  bool ask_release(StopLatch::Number number) noexcept;
+  /// What is known of stops: asked for, confirmed, refused releases. Any thread.
+  [[nodiscard]] const StopLatch& stop_latch() const noexcept;
+
   /// State on the wire (disconnected while the port is gone, retracting while the loop stalls); of
   /// the last command with the emulator in simulated time. For display: not deterministic.
   [[nodiscard]] DeviceState state() const noexcept;
   /// The same of what has a line, from any thread; else empty.
   [[nodiscard]] std::optional<DeviceState> line_state() const noexcept;
+  /// How long ago who leads the servos last showed life, s; NaN without a line. Any thread.
+  [[nodiscard]] double line_silence() const noexcept;
   [[nodiscard]] bool connected() const noexcept;
   /// Waits in wall time until the port is open; for --wait-for-device.
   [[nodiscard]] bool wait_until_connected(std::chrono::milliseconds timeout) const;

@@ -5,6 +5,7 @@
 
 #include "softfinger/actuation/command_delivery.hpp"
 #include "softfinger/actuation/device_state.hpp"
+#include "softfinger/actuation/stop_latch.hpp"
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/threads/mailbox.hpp"
 
@@ -33,7 +34,15 @@ struct LineChannel {
   Mailbox<CommandDelivery> delivery;  ///< from the line, of each wanted q that was sent
   std::atomic<bool> ending{false};    ///< the loop wants the line to retract the device and to end
 
+  StopLatch stop;                     ///< the line obeys it, whatever the loop wants
+
   // What the line says of itself.
+  /// When it last showed life, s on the monotonic clock; 0: not yet.
+  std::atomic<double> beat{0.0};
+  /// How long ago that was, s.
+  [[nodiscard]] double silence(double now) const noexcept {
+    return now - beat.load(std::memory_order_acquire);
+  }
   std::atomic<bool> connected{false};
   std::atomic<DeviceState> state{DeviceState::kDisconnected};
   std::atomic<std::uint64_t> commands_sent{0};
@@ -44,6 +53,7 @@ struct LineChannel {
 
 static_assert(std::atomic<bool>::is_always_lock_free &&
               std::atomic<DeviceState>::is_always_lock_free &&
-              std::atomic<std::uint64_t>::is_always_lock_free);
+              std::atomic<std::uint64_t>::is_always_lock_free &&
+              std::atomic<double>::is_always_lock_free);
 
 }  // namespace softfinger

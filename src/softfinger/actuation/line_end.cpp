@@ -28,6 +28,18 @@ void LineEnd::submit(const Configuration& q, DeviceState state) noexcept {
   wake();
 }
 
+StopLatch::Number LineEnd::stop(StopCause cause) noexcept {
+  const StopLatch::Number number = channel_->stop.stop(cause);
+  wake();
+  return number;
+}
+
+bool LineEnd::ask_release(StopLatch::Number number) noexcept {
+  const bool asked = channel_->stop.ask_release(number);
+  if (asked) wake();
+  return asked;
+}
+
 std::optional<CommandDelivery> LineEnd::take_delivery() noexcept {
   if (!channel_->delivery.refresh()) return std::nullopt;
   return channel_->delivery.latest();

@@ -28,6 +28,10 @@ class LineEnd {
 
   /// Newest wanted q and the state of the loop that wants it. From one thread; wait-free.
   void submit(const Configuration& q, DeviceState state) noexcept;
+  /// Stops the device at once, see StopLatch. Any thread; signal handlers too.
+  StopLatch::Number stop(StopCause cause) noexcept;
+  /// Asks to release it. Any thread.
+  bool ask_release(StopLatch::Number number) noexcept;
   /// Joint angles by the positions the servos report; false where they never answered. From the
   /// thread that submits.
   bool read_joints(JointAngles& joints) noexcept;

@@ -43,7 +43,7 @@ ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, Line
       channel_(channel),
       wake_(wake),
       loop_(loop),
-      clock_(clock),
+      clock_(clock, channel.beat),
       most_unheard_(std::max(kMostUnheard, static_cast<int>(kLongestUnheard * options_.rate))),
       period_(seconds(1.0 / options_.rate)),
       bus_(make_servo_bus(*device_->settings().transport, clock_)),
@@ -142,7 +142,7 @@ void ServoLine::follow() {
   TimePoint due = clock_.now() + period_;
   while (true) {
     wait_until(due);
-    if (bus_->is_open()) clock_.sleep_until(last_sent_ + spacing);
+    if (bus_->is_open() && !stop_is_news()) clock_.sleep_until(last_sent_ + spacing);
     TimePoint now = clock_.now();
     if (channel_.wanted.refresh()) {
       last_fresh_ = now;
@@ -151,6 +151,7 @@ void ServoLine::follow() {
     if (!bus_->is_open()) {
       if (channel_.connected.load()) note_loss();
       if (ending()) return;
+      channel_.stop.answer_release(ReleaseRefusal::kPortClosed);
       try_to_connect(now);
       if (!bus_->is_open()) {
         due = now + std::min<LineClock::Duration>(period_, kAttemptEvery);
@@ -158,7 +159,7 @@ void ServoLine::follow() {
       }
       now = clock_.now();  // opening takes its time
     }
-    if (!fresh_ever_) {
+    if (!fresh_ever_ && !channel_.stop.is_stopped()) {
       if (ending()) return;
       bus_->drain();  // nothing to say yet
       due = now + period_;
@@ -176,10 +177,27 @@ void ServoLine::tell_delivery() {
   delivery_ = CommandDelivery();
 }
 
+bool ServoLine::stop_is_news() const {
+  return channel_.stop.is_stopped() && channel_.stop.confirmed() != channel_.stop.newest();
+}
+
+void ServoLine::answer_release(TimePoint now) {
+  if (!channel_.stop.release_is_asked()) return;
+  ReleaseRefusal reason = ReleaseRefusal::kNone;
+  if (stalled_ || now - last_fresh_ >= 2 * period_) {
+    reason = ReleaseRefusal::kNoCommands;
+  } else if (unheard_ > most_unheard_) {
+    reason = ReleaseRefusal::kServoFault;
+  } else if (!retracted_since_ || now - *retracted_since_ < seconds(kRetractedRepeatTime)) {
+    reason = ReleaseRefusal::kRetracting;
+  }
+  channel_.stop.answer_release(reason);
+}
+
 bool ServoLine::tick(TimePoint now) {
   const LineClock::Duration stall_time = std::max(seconds(kStallTime), 3 * period_);
   const bool stalled = now - last_fresh_ >= stall_time;
-  if (stalled && !stalled_ && !ending())
+  if (stalled && !stalled_ && fresh_ever_ && !ending())
     channel_.times_stalled.fetch_add(1, std::memory_order_release);
   stalled_ = stalled;
 
@@ -203,10 +221,14 @@ bool ServoLine::tick(TimePoint now) {
     positions_unknown_ = false;
   }
 
+  answer_release(now);
+  const StopLatch::Number stop = channel_.stop.newest();
+  const bool stopped = channel_.stop.is_stopped();
   const LineChannel::Wanted& wanted = channel_.wanted.latest();
   DeviceState state = machine_.advance({.time = to_seconds(now - start_),
                                         .touching = wanted.state == DeviceState::kRendering,
                                         .ending = ending(),
+                                        .emergency = stopped,
                                         .stalled = stalled && !ending(),
                                         .arrived = guard_.arrived() && now >= homing_until_});
   if (state == DeviceState::kStopped) return false;
@@ -225,6 +247,12 @@ bool ServoLine::tick(TimePoint now) {
   if (bus_->write(guard_.targets())) {
     channel_.commands_sent.fetch_add(1, std::memory_order_relaxed);
     channel_.state.store(state, std::memory_order_relaxed);
+    if (stopped) channel_.stop.confirm(stop);
+    if (!retracting || !guard_.arrived()) {
+      retracted_since_.reset();
+    } else if (!retracted_since_) {
+      retracted_since_ = now;
+    }
     lag_.sent(to_seconds(now - start_), guard_.joints());
     if (fresh_) tell_delivery();
     fresh_ = false;

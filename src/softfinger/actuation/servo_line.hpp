@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "softfinger/actuation/beating_clock.hpp"
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/actuation/line_channel.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
@@ -15,10 +17,10 @@ namespace softfinger {
 
 /// The servos of one device on their bus, served in wall time by whoever calls serve(): a thread
 /// of the loop's process (LineThread) or a process of its own (GuardProcess). It owns the port and
-/// is the watchdog: when no fresh command comes it repeats the last one, after kStallTime it
-/// retracts the device, and it opens a port that went away again. Its own MotionGuard starts from
-/// what was really sent last (or from where the servos say they are), so nothing upstream can cause
-/// a jump.
+/// is the watchdog: a stop is obeyed at once, whatever the loop says or does not say; when no fresh
+/// command comes it repeats the last one, after kStallTime it retracts the device, and it opens a
+/// port that went away again. Its own MotionGuard starts from what was really sent last (or from
+/// where the servos say they are), so nothing upstream can cause a jump.
 class ServoLine {
  public:
   struct Options {
@@ -57,6 +59,8 @@ class ServoLine {
   /// Takes an answer that has arrived complete; false if there is none.
   bool take_positions(JointAngles& joints);
   bool tick(TimePoint now);  ///< false: stopped
+  void answer_release(TimePoint now);
+  [[nodiscard]] bool stop_is_news() const;
   void tell_delivery();
 
   std::shared_ptr<const Device> device_;
@@ -64,7 +68,7 @@ class ServoLine {
   LineChannel& channel_;
   int wake_;
   int loop_;
-  LineClock& clock_;
+  BeatingClock clock_;
   int most_unheard_;  ///< ticks
   LineClock::Duration period_;
   std::unique_ptr<ServoBus> bus_;
@@ -86,6 +90,7 @@ class ServoLine {
   bool answers_ = false;  ///< the servos answered when the port was opened
   int unheard_ = kNever;  ///< ticks since they last said where they are
   static constexpr int kNever = -1;
+  std::optional<TimePoint> retracted_since_;  ///< the retracted pose is commanded; empty: it is not
   bool loop_gone_ = false;  ///< the loop's process has ended
 };
 

@@ -67,7 +67,8 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   record_.step = input.step;
   record_.time = input.time;
   record_.tracked = input.tracked;
-  record_.emergency = input.emergency;
+  // Once a tick: what is recorded is what is done.
+  record_.emergency = input.emergency || actuator_.stop_latch().is_stopped();
   record_.reading = reading_;
   record_.wanted = surface.configuration;
   record_.deviation = surface.deviation;
@@ -75,7 +76,7 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   record_.command = actuator_.command({.configuration = corrected,
                                        .tracked = input.tracked,
                                        .touching = contact.contact_count > 0,
-                                       .emergency = input.emergency},
+                                       .emergency = record_.emergency},
                                       input.time);
   record_.command.force_limited = record_.command.force_limited || corrected != unlimited;
   note_latency(input);

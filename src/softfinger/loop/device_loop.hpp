@@ -21,7 +21,7 @@ struct TickInput {
   std::int64_t step = 0;
   double time = 0.0;       ///< s, end of that step
   bool tracked = true;     ///< the tracker knows where the finger is
-  bool emergency = false;  ///< somebody asked for an emergency stop
+  bool emergency = false;  ///< the device was stopped: for a replay, which has no latch
   /// Stages before the step: NaN where they are not known.
   double exposure = std::numeric_limits<double>::quiet_NaN();  ///< s
   double waited = std::numeric_limits<double>::quiet_NaN();    ///< s, the pose for the step

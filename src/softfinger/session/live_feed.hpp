@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,6 +66,12 @@ struct SceneDescription {
   std::vector<Notice> notices;
 };
 
+/// Whether devices of a run are stopped: as asked, and as a fact.
+struct DevicesStopped {
+  bool asked = false;      ///< any of them
+  bool confirmed = false;  ///< all that are asked retract, as those say that lead their servos
+};
+
 /// State of the loop at one instant, as the page draws it. Vectors keep their size while a scene
 /// runs, so that filling one allocates nothing.
 struct Snapshot {
@@ -104,6 +111,9 @@ struct Snapshot {
     std::vector<Eigen::Vector3f> linkage_F;
     std::vector<Piece> pieces;   ///< of the commanded q
     std::string device_state;    ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    /// How long ago who leads the servos, and says device_state, last showed life, s; NaN: nobody
+    /// does.
+    double device_said = std::numeric_limits<double>::quiet_NaN();
     bool force_limited = false;  ///< the device would advance further but for its limit of force
     Twin twin;
   };
@@ -112,7 +122,8 @@ struct Snapshot {
   double time = 0.0;       ///< s, simulated
   double wall_time = 0.0;  ///< s, on the monotonic clock: when this was taken
   bool paused = false;
-  bool emergency = false;       ///< devices retract, or are retracted, since somebody said stop
+  std::uint32_t stops = 0;      ///< how often devices were stopped so far; see kRelease
+  DevicesStopped stopped;
   bool finished = false;        ///< the script has come to its end
   double step_cpu_time = 0.0;   ///< s, of the last step
   double match_cpu_time = 0.0;  ///< s, of the last match
@@ -129,14 +140,16 @@ struct LiveRequest {
     kRestart,
     kScene,
     kPose,
-    kEmergencyStop,
-    kRelease,
+    kStop,     ///< the devices; latched
+    kRelease,  ///< asks to, from the stop that a snapshot told of
     kRegister,
     kCancelRegistration,
     kReload,  ///< not of the page: the person's file has changed
   };
   Kind kind = Kind::kPause;
   std::string scene;                   ///< for kScene: one of SceneDescription::scene_names
+  std::uint64_t generation = 0;        ///< for kRelease: of that snapshot
+  std::uint32_t stops = 0;             ///< for kRelease: of that snapshot
   std::size_t finger = 0;              ///< for kPose, kRegister: which of the scene's
   Pose X_WFt;                          ///< for kPose: where the person wants it
   FingerSize measured;                 ///< for kRegister

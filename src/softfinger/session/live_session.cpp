@@ -94,8 +94,7 @@ void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
   description->duration = run->duration().value_or(0.0);
   description->fingers[0].twin = options_.twin && setup_->devices[0];
   const std::lock_guard lock(mutex_);
-  run->set_emergency(emergency_);           // a restart is no release
-  run->set_paused(run_ && run_->paused());  // nor does it resume
+  if (run_) run->continue_after(*run_);
   loading_.clear();
   run_ = std::move(run);
   description_ = std::move(description);
@@ -146,7 +145,7 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
             next = load(setup_->scene.file, observer);
             break;
           case LiveRequest::Kind::kPose:
-          case LiveRequest::Kind::kEmergencyStop:
+          case LiveRequest::Kind::kStop:
           case LiveRequest::Kind::kRelease:
           case LiveRequest::Kind::kRegister:
           case LiveRequest::Kind::kCancelRegistration:
@@ -237,11 +236,13 @@ const RegistrationState& LiveSession::registration() const { return registration
 // table.
 void LiveSession::begin_registration(const LiveRequest& wanted) {
   if (!registration_.begin(wanted, viewed_->setup(), latest().generation)) return;
-  LiveRequest plain;
-  plain.kind = LiveRequest::Kind::kEmergencyStop;
-  request(plain);
-  plain.kind = LiveRequest::Kind::kResume;
-  request(plain);
+  {
+    const std::lock_guard lock(mutex_);
+    run_->stop_devices(StopCause::kRun);
+  }
+  LiveRequest resume;
+  resume.kind = LiveRequest::Kind::kResume;
+  request(resume);
 }
 
 const Snapshot& LiveSession::latest() const { return viewed_->snapshots().latest(); }
@@ -253,16 +254,20 @@ void LiveSession::request(const LiveRequest& request) {
   }
   if (request.kind == LiveRequest::Kind::kRegister) return begin_registration(request);
   if (request.kind == LiveRequest::Kind::kCancelRegistration) return registration_.cancel();
-  const bool registering = registration_.state().phase == RegistrationState::Phase::kRunning;
-  if (registering && request.kind == LiveRequest::Kind::kRelease) return;
   const std::lock_guard lock(mutex_);
-  if (request.kind == LiveRequest::Kind::kEmergencyStop ||
-      request.kind == LiveRequest::Kind::kRelease) {
-    emergency_ = request.kind == LiveRequest::Kind::kEmergencyStop;
-    run_->set_emergency(emergency_);
-    return;
-  }
+  if (request.kind == LiveRequest::Kind::kStop) return run_->stop_devices(StopCause::kPerson);
+  if (request.kind == LiveRequest::Kind::kRelease) return release(request);
   if (requests_.size() < kMostRequests) requests_.push_back(request);
+}
+
+/// With the lock.
+void LiveSession::release(const LiveRequest& request) {
+  const bool registering = registration_.state().phase == RegistrationState::Phase::kRunning;
+  const bool seen = request.generation == generation_ && request.stops == run_->stops();
+  if (registering || !seen || !run_->ask_release(request.stops)) {
+    messages_.push_back(registering ? "the device is not released: a finger is being registered"
+                                    : "the device is not released: it was stopped again");
+  }
 }
 
 void LiveSession::offer_hand(const XrHand& hand) { viewed_->offer_hand(hand); }

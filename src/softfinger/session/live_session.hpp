@@ -60,6 +60,7 @@ class LiveSession final : public LiveFeed {
   void begin(std::shared_ptr<const RunSetup> setup);
   void set_loading(std::string scene);
   bool take_request(LiveRequest& request);
+  void release(const LiveRequest& request);
   void begin_registration(const LiveRequest& request);
   std::shared_ptr<const RunSetup> other_scene(const std::string& name, const RunObserver& observer);
   std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
@@ -79,7 +80,6 @@ class LiveSession final : public LiveFeed {
   std::vector<LiveRequest> requests_;
   std::deque<std::string> messages_;  ///< for the page
   std::string loading_;               ///< see LiveFeed
-  bool emergency_ = false;            ///< the page said stop, and has not released it
   // Viewer's thread only: keeps the mailbox alive that latest() points into.
   std::shared_ptr<SceneRun> viewed_;
   LiveRegistration registration_;

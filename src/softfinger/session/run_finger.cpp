@@ -21,9 +21,12 @@ RunFinger::RunFinger(const RunSetup& setup, std::size_t finger, const RunOptions
   live = std::make_unique<LiveDevice>(*chain, *setup.models[finger], std::move(twin));
 }
 
+Actuator* RunFinger::actuator() const {
+  return chain->has_device() ? &chain->device().actuator() : nullptr;
+}
+
 void RunFinger::close() {
   live.reset();
-  chain.reset();
   tracker.close();
 }
 

@@ -17,12 +17,14 @@ struct RunFinger {
   RunFinger(const RunSetup& setup, std::size_t finger, const RunOptions& options, bool live,
             ThreadTeam* team);
 
-  /// After the last step: frees ports for the next run, where a viewer keeps this one a little
-  /// longer.
+  /// After the last step, with the device's port closed: frees other ports for the next run, where
+  /// a viewer keeps this one a little longer.
   void close();
+  /// Null: no device.
+  [[nodiscard]] Actuator* actuator() const;
 
   RunTracker tracker;
-  std::unique_ptr<FingerChain> chain;           ///< null: closed
+  std::unique_ptr<FingerChain> chain;
   std::unique_ptr<LiveDevice> live;             ///< null: headless, or no device
   std::chrono::steady_clock::time_point taken;  ///< when the last step took its pose
   TrackedPose tracked;                          ///< that pose

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "softfinger/person/person.hpp"
 #include "softfinger/recording/recording_info.hpp"
 #include "softfinger/scene/scene.hpp"
+#include "softfinger/session/stop_signals.hpp"
 #include "softfinger/session/worn_device.hpp"
 #include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
 
@@ -51,8 +51,8 @@ struct RunOptions : SetupOptions {
   /// Live only: a second finger is pressed by the first one's device, for the page, which shows the
   /// first.
   bool twin = true;
-  /// Where it is true, all devices retract at once, until the end; null: it never is.
-  const std::atomic<bool>* emergency_stop = nullptr;
+  /// Each of these stops all devices, or asks to release them; null: nothing does.
+  const StopSignals* stop_signals = nullptr;
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
 };

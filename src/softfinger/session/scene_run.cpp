@@ -28,7 +28,7 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       hooks_(std::move(hooks)),
       snapshot_interval_(
           std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))),
-      emergency_stop_(options.emergency_stop) {
+      signals_(options.stop_signals) {
   if (options.threads > 1) {
     team_ = std::make_unique<ThreadTeam>(options.threads, [this] {
       std::optional<AwakeProcessors> awake;
@@ -109,9 +109,69 @@ void SceneRun::offer_hand(const XrHand& hand) noexcept {
   for (const auto& finger : fingers_) finger->tracker.offer(hand);
 }
 
-bool SceneRun::emergency() const noexcept {
-  return emergency_.load(std::memory_order_relaxed) ||
-         (emergency_stop_ != nullptr && emergency_stop_->load(std::memory_order_relaxed));
+void SceneRun::stop_devices(StopCause cause) noexcept {
+  bool any = false;
+  for (const auto& finger : fingers_) {
+    if (Actuator* actuator = finger->actuator()) {
+      actuator->stop(cause);
+      any = true;
+    }
+  }
+  if (!any) no_device_.confirm(no_device_.stop(cause));
+}
+
+bool SceneRun::ask_release(StopLatch::Number stops) noexcept {
+  if (stops != this->stops()) return false;
+  for (const auto& finger : fingers_) {
+    if (Actuator* actuator = finger->actuator()) {
+      actuator->ask_release(actuator->stop_latch().newest());
+    }
+  }
+  if (no_device_.ask_release(no_device_.newest())) {
+    no_device_.answer_release(ReleaseRefusal::kNone);
+  }
+  return true;
+}
+
+StopLatch::Number SceneRun::stops() const noexcept {
+  StopLatch::Number sum = no_device_.newest();
+  for (const auto& finger : fingers_) {
+    if (const Actuator* actuator = finger->actuator()) sum += actuator->stop_latch().newest();
+  }
+  return sum;
+}
+
+DevicesStopped SceneRun::stopped() const noexcept {
+  DevicesStopped stopped{.asked = no_device_.is_stopped(), .confirmed = true};
+  for (const auto& finger : fingers_) {
+    const Actuator* actuator = finger->actuator();
+    if (actuator == nullptr || !actuator->stop_latch().is_stopped()) continue;
+    const StopLatch& latch = actuator->stop_latch();
+    stopped.asked = true;
+    stopped.confirmed = stopped.confirmed && latch.confirmed() == latch.newest();
+  }
+  return stopped;
+}
+
+void SceneRun::continue_after(const SceneRun& before) noexcept {
+  paused_.store(before.paused());
+  // What came since the last look of the run before is for this one.
+  stop_signals_seen_.store(before.stop_signals_seen_.load());
+  release_signals_seen_.store(before.release_signals_seen_.load());
+  if (before.stopped().asked) stop_devices(StopCause::kRun);
+}
+
+void SceneRun::obey_signals() noexcept {
+  if (signals_ == nullptr) return;
+  // Whoever looks first takes them.
+  const std::uint32_t stops = signals_->stops.load(std::memory_order_relaxed);
+  if (stop_signals_seen_.exchange(stops, std::memory_order_relaxed) != stops) {
+    stop_devices(StopCause::kSignal);
+  }
+  const std::uint32_t releases = signals_->releases.load(std::memory_order_relaxed);
+  if (release_signals_seen_.exchange(releases, std::memory_order_relaxed) != releases) {
+    ask_release(this->stops());
+  }
 }
 
 void SceneRun::simulate() {
@@ -134,6 +194,7 @@ void SceneRun::simulate() {
       pacer.restart(step + 1);
       continue;
     }
+    obey_signals();
     ++step;
     simulate_step(step);
     step_.store(step, std::memory_order_relaxed);
@@ -171,7 +232,6 @@ void SceneRun::conclude_step(RunFinger& finger, std::int64_t step) {
   FingerChain& chain = *finger.chain;
   if (chain.tick_is_due()) {
     TickInput input = chain.tick_input(finger.taken);
-    input.emergency = emergency();
     note_way_here(finger.tracked, static_cast<double>(step) / rate_, input);
     if (finger.live) {
       finger.live->hand_over(input);
@@ -193,7 +253,7 @@ void SceneRun::tick_here(RunFinger& finger, const TickInput& input) {
 }
 
 void SceneRun::keep_devices_alive() {
-  if (emergency()) return;  // a device without fresh commands retracts
+  obey_signals();
   for (const auto& finger : fingers_) {
     if (finger->live) finger->live->hand_over_again();
   }
@@ -203,7 +263,8 @@ void SceneRun::publish_snapshot(std::int64_t step, bool finished) {
   snapshots_->publish({.step = step,
                        .time = static_cast<double>(step) / rate_,
                        .paused = paused_.load(std::memory_order_relaxed),
-                       .emergency = emergency(),
+                       .stops = stops(),
+                       .stopped = stopped(),
                        .finished = finished,
                        .deadline_misses = deadline_misses_.load(std::memory_order_relaxed)},
                       fingers_);

@@ -54,8 +54,17 @@ class SceneRun {
   /// Live only. Simulated time stands still; the device keeps its pose.
   void set_paused(bool paused) noexcept { paused_.store(paused); }
   [[nodiscard]] bool paused() const noexcept { return paused_.load(); }
-  /// Emergency stop: every device retracts at once, and stays so until it is released.
-  void set_emergency(bool emergency) noexcept { emergency_.store(emergency); }
+  /// Every device retracts at once, also in a pause, and stays so until it is released. Any thread.
+  void stop_devices(StopCause cause) noexcept;
+  /// Paused, and stopped, where the run before it was: neither a restart nor another scene resumes,
+  /// or releases. Before start().
+  void continue_after(const SceneRun& before) noexcept;
+  /// Asks to release them. Says nothing, and does nothing, where devices were stopped again since
+  /// stops() was `stops`. Any thread.
+  bool ask_release(StopLatch::Number stops) noexcept;
+  /// How often devices were stopped so far, by whomever.
+  [[nodiscard]] StopLatch::Number stops() const noexcept;
+  [[nodiscard]] DevicesStopped stopped() const noexcept;
   /// Live only: X_WFt of a finger whose tracker is the page; others are not moved. One thread.
   void offer_pose(std::size_t finger, const Pose& X_WFt) noexcept;
   /// Live only: a hand for every finger whose tracker is a headset. The same thread.
@@ -84,7 +93,7 @@ class SceneRun {
   void step_finger(RunFinger& finger, std::int64_t step);
   void conclude_step(RunFinger& finger, std::int64_t step);
   void tick_here(RunFinger& finger, const TickInput& input);
-  [[nodiscard]] bool emergency() const noexcept;
+  void obey_signals() noexcept;
   void keep_devices_alive();
   void publish_snapshot(std::int64_t step, bool finished);
   void end_threads();
@@ -108,8 +117,10 @@ class SceneRun {
   std::thread thread_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> paused_{false};
-  std::atomic<bool> emergency_{false};
-  const std::atomic<bool>* emergency_stop_;  ///< see RunOptions
+  StopLatch no_device_;         ///< what a scene without devices has to stop
+  const StopSignals* signals_;  ///< see RunOptions; null: none
+  std::atomic<std::uint32_t> stop_signals_seen_{0};
+  std::atomic<std::uint32_t> release_signals_seen_{0};
   std::atomic<bool> ended_{false};
   std::atomic<std::int64_t> step_{0};
   std::atomic<std::uint64_t> deadline_misses_{0};

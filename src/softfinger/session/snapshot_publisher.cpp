@@ -33,7 +33,8 @@ void SnapshotPublisher::publish(const Moment& moment, const Fingers& fingers) {
   draft.time = moment.time;
   draft.wall_time = monotonic_time();
   draft.paused = moment.paused;
-  draft.emergency = moment.emergency;
+  draft.stops = moment.stops;
+  draft.stopped = moment.stopped;
   draft.finished = moment.finished;
   draft.step_cpu_time = 0.0;
   draft.match_cpu_time = 0.0;
@@ -53,6 +54,7 @@ void SnapshotPublisher::publish(const Moment& moment, const Fingers& fingers) {
     // Also where no tick tells it: stopped in a pause.
     if (const auto state = chain.device().actuator().line_state()) {
       finger.device_state = state_name(*state);
+      finger.device_said = chain.device().actuator().line_silence();
     }
     if (LiveTwin* twin = device->twin()) {
       twin->refresh();

@@ -18,7 +18,8 @@ class SnapshotPublisher {
     std::int64_t step = 0;
     double time = 0.0;  ///< s
     bool paused = false;
-    bool emergency = false;
+    StopLatch::Number stops = 0;
+    DevicesStopped stopped;
     bool finished = false;
     std::uint64_t deadline_misses = 0;
   };

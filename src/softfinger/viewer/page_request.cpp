@@ -62,6 +62,20 @@ std::optional<LiveRequest> register_request(const nlohmann::json& json) {
   return request;
 }
 
+std::optional<LiveRequest> release_request(const nlohmann::json& json) {
+  const auto generation = json.find("generation");
+  const auto stops = json.find("stops");
+  if (json.size() != 3 || generation == json.end() || stops == json.end() ||
+      !generation->is_number_unsigned() || !stops->is_number_unsigned()) {
+    return {};
+  }
+  LiveRequest request;
+  request.kind = LiveRequest::Kind::kRelease;
+  request.generation = generation->get<std::uint64_t>();
+  request.stops = stops->get<std::uint32_t>();
+  return request;
+}
+
 std::optional<LiveRequest> pose_request(const nlohmann::json& json) {
   const auto finger = finger_of(json);
   const auto position = numbers<3>(json, "position_mm");
@@ -103,6 +117,7 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
   }
   if (word == "pose") return pose_request(json);
   if (word == "register") return register_request(json);
+  if (word == "release") return release_request(json);
   if (json.size() != 1) return {};
   LiveRequest plain;
   if (word == "pause") {
@@ -112,9 +127,7 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
   } else if (word == "restart") {
     plain.kind = Kind::kRestart;
   } else if (word == "stop") {
-    plain.kind = Kind::kEmergencyStop;
-  } else if (word == "release") {
-    plain.kind = Kind::kRelease;
+    plain.kind = Kind::kStop;
   } else if (word == "cancel_registration") {
     plain.kind = Kind::kCancelRegistration;
   } else {

@@ -9,7 +9,8 @@
 
 namespace softfinger {
 
-/// Reads a message of the page, strictly: {"request": "pause" | "resume" | "restart"},
+/// Reads a message of the page, strictly: {"request": "pause" | "resume" | "restart" | "stop"},
+/// {"request": "release", "generation": N, "stops": N} with what the newest snapshot said,
 /// {"request": "scene", "scene": NAME} with NAME one of `scene_names`, or
 /// {"request": "pose", "finger": INDEX, "position_mm": [x, y, z], "quaternion": [w, x, y, z]} with
 /// X_WFt within a metre of the origin and a quaternion of length 1 within 1 %, or

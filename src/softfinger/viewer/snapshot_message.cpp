@@ -78,6 +78,7 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
   out.real(finger.deviation / mm2);
   out.put(static_cast<std::uint32_t>(finger.tick));
   for (const double stage : finger.stages.all()) out.real(stage / ms);
+  out.real(finger.device_said / ms);
 
   const std::size_t samples = sample_count(finger.skin);
   const std::size_t twin_samples = finger.twin.pressed ? sample_count(finger.twin.skin) : 0;
@@ -118,7 +119,8 @@ void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& sc
   out.put(static_cast<std::uint32_t>(snapshot.generation));
   out.put(static_cast<std::uint32_t>(snapshot.step));
   out.put(static_cast<std::uint32_t>((snapshot.paused ? 1U : 0U) | (snapshot.finished ? 2U : 0U) |
-                                     (snapshot.emergency ? 4U : 0U)));
+                                     (snapshot.stopped.asked ? 4U : 0U) |
+                                     (snapshot.stopped.confirmed ? 8U : 0U)));
   out.put(snapshot.time);
   out.real(snapshot.step_cpu_time / ms);
   out.real(snapshot.match_cpu_time / ms);
@@ -126,6 +128,7 @@ void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& sc
   out.count(snapshot.X_WO.size());
   out.count(snapshot.fingers.size());
   out.put(static_cast<std::uint32_t>(static_cast<std::uint64_t>(snapshot.wall_time / ms)));
+  out.put(snapshot.stops);
   for (const Pose& X_WO : snapshot.X_WO) out.pose(X_WO);
   for (std::size_t i = 0; i < snapshot.fingers.size(); ++i) {
     static const SceneDescription::Finger kUnknown;

@@ -8,25 +8,27 @@
 
 namespace softfinger {
 
-inline constexpr std::uint32_t kSnapshotMagic = 0x37534653;  ///< "SFS7"
+inline constexpr std::uint32_t kSnapshotMagic = 0x38534653;  ///< "SFS8"
 
 /// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
 /// configuration; it must be the one of the snapshot's generation.
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
-///     u32 magic "SFS7"        u32 generation (low bits)
-///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 stopped
+///     u32 magic "SFS8"        u32 generation (low bits)
+///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 to be stopped, 8 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
 ///     u32 deadline_misses     u32 objects         u32 fingers
 ///     u32 wall_ms (low bits), of a clock of any origin
+///     u32 stops: how often devices were stopped so far
 ///     per object: pose X_WO
 ///     per finger:
 ///       pose X_WFt, pose X_WF, pose X_FP
 ///       f32 each of for_each_live_field, which the page knows as kContactSums
 ///       f32 deviation_mm2
 ///       u32 tick (low bits)   f32 stages_ms[6] of that tick, see LatencyStage; NaN: unknown
+///       f32 device_said_ms: how long ago who leads the servos last showed life; NaN: nobody does
 ///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
 ///       u32 pieces k          u32 samples t of the twin; 0: not pressed
 ///       u32 actual a: m, or 0 where the servos do not say where they are

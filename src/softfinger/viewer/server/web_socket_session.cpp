@@ -18,16 +18,16 @@ using boost::system::error_code;
 namespace {
 
 constexpr auto kIdleTimeout = std::chrono::minutes(5);
-constexpr auto kRequestInterval = std::chrono::milliseconds(20);
-constexpr auto kHandInterval = std::chrono::milliseconds(3);  // two hands at 144 Hz
+/// Two hands at 144 Hz are 288 a second; what was held up on the way comes all at once.
+constexpr int kMostMessages = 4000;
+constexpr auto kMessageWindow = std::chrono::seconds(1);
 
 }  // namespace
 
 WebSocketSession::WebSocketSession(PageStream&& stream, PageHub& hub, ConnectionCount&& count)
     : hub_(hub),
       count_(std::move(count)),
-      socket_(std::move(stream)),
-      pause_(socket_.get_executor()) {}
+      socket_(std::move(stream)) {}
 
 WebSocketSession::~WebSocketSession() {
   if (hub_.mover == this) hub_.mover = nullptr;
@@ -113,12 +113,24 @@ void WebSocketSession::read() {
 void WebSocketSession::obey() {
   const auto data = buffer_.cdata();
   const std::string_view message(static_cast<const char*>(data.data()), data.size());
-  if (socket_.got_text() ? obey_request(message) : obey_hand(message)) {
-    pause_.expires_after(socket_.got_text() ? kRequestInterval : kHandInterval);
-    return read_after_pause();
+  if (is_flood()) return refuse("more than any page sends");
+  // Nothing waits here: of queued hands only the newest counts, and a stop waits for none of them.
+  if (socket_.got_text() ? obey_request(message) : obey_hand(message)) return read();
+  refuse("not a request of the live page");
+}
+
+bool WebSocketSession::is_flood() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - window_began_ >= kMessageWindow) {
+    window_began_ = now;
+    messages_ = 0;
   }
+  return ++messages_ > kMostMessages;
+}
+
+void WebSocketSession::refuse(const char* reason) {
   open_ = false;
-  socket_.async_close({websocket::close_code::policy_error, "not a request of the live page"},
+  socket_.async_close({websocket::close_code::policy_error, reason},
                       [self = shared_from_this()](error_code) {});
 }
 
@@ -140,12 +152,6 @@ bool WebSocketSession::obey_hand(std::string_view message) {
 bool WebSocketSession::is_mover() {
   if (hub_.mover == nullptr) hub_.mover = this;
   return hub_.mover == this;
-}
-
-void WebSocketSession::read_after_pause() {
-  pause_.async_wait([self = shared_from_this()](error_code error) {
-    if (!error) self->read();
-  });
 }
 
 }  // namespace softfinger

@@ -2,10 +2,10 @@
 
 #include <utility>  // before Boost: its 1.74 headers use std::exchange without it
 
-#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/stream.hpp>
 
+#include <chrono>
 #include <memory>
 #include <string_view>
 
@@ -40,18 +40,20 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   bool obey_hand(std::string_view message);
   /// Whether this page moves the fingers, now that it wants to.
   bool is_mover();
-  void read_after_pause();
+  [[nodiscard]] bool is_flood();
+  void refuse(const char* reason);
 
   PageHub& hub_;
   ConnectionCount count_;
   boost::beast::websocket::stream<PageStream> socket_;
-  boost::asio::steady_timer pause_;
   boost::beast::flat_buffer buffer_{PageHub::kMaxRequestBytes};
   PageHub::Text next_scene_, next_registration_, next_loading_, next_notification_;
   PageHub::Text text_in_flight_;
   PageHub::Bytes next_snapshot_, snapshot_in_flight_;
   bool open_ = false;
   bool writing_ = false;
+  std::chrono::steady_clock::time_point window_began_;
+  int messages_ = 0;  ///< since then
 };
 
 }  // namespace softfinger

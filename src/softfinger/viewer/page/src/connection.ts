@@ -13,6 +13,7 @@ export interface Listener {
 export class Connection {
   private socket: WebSocket | null = null;
   private scene: Scene | null = null;
+  private stopWanted = false; // and not known to have come
 
   constructor(private readonly listener: Listener) {
     listener.onState("connecting");
@@ -21,6 +22,12 @@ export class Connection {
 
   send(request: Request): void {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
+  }
+
+  /** Stops devices: now, or first of all when the program can be reached again. */
+  stop(): void {
+    this.stopWanted = true;
+    this.send({ request: "stop" });
   }
 
   /** Of the newest kind: dropped while older ones wait to be sent. */
@@ -32,7 +39,10 @@ export class Connection {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}/ws`);
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => this.listener.onState("live");
+    socket.onopen = () => {
+      if (this.stopWanted) this.send({ request: "stop" });
+      this.listener.onState("live");
+    };
     socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data);
     socket.onclose = () => {
       this.listener.onState("lost");
@@ -53,6 +63,8 @@ export class Connection {
       return;
     }
     const snapshot = this.scene && readSnapshot(data, this.scene);
-    if (snapshot && snapshot.generation === this.scene?.generation) this.listener.onSnapshot(snapshot);
+    if (!snapshot || snapshot.generation !== this.scene?.generation) return;
+    if (snapshot.stopped) this.stopWanted = false;
+    this.listener.onSnapshot(snapshot);
   }
 }

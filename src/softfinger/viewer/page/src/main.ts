@@ -146,6 +146,7 @@ function follow(elapsed: number, eye: Vector3): void {
 
 const panel = new Panel(marks, {
   send: (request) => connection.send(request),
+  stop: () => connection.stop(),
   resetView: () => {
     stage.reset();
     arrived = false;

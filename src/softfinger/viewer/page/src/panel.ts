@@ -2,9 +2,11 @@ import { type DeviceMarks, noticeLines, showWarning } from "./device_marks";
 import { commonState, contactCount, HandTable, stateOf, toneOf } from "./hand_table";
 import { RadioGroup } from "./radio_group";
 import { kHand, type Shown } from "./shown";
+import { Stopping } from "./stopping";
 import type { FingerSnapshot, Request, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
+const kSilence = 1000; // ms, of who leads the servos
 const kSoon = 250; // ms; what is loaded sooner is not told
 
 /** Everything on the page that is neither a drawing nor a plot. */
@@ -12,7 +14,7 @@ export class Panel {
   private scene: Scene | null = null;
   private shown: Shown = 0;
   private paused = false;
-  private stopped = false;
+  private stopped = { asked: false, confirmed: false, silence_ms: 0 };
   private state = ""; // running, paused, finished
   private connection = "connecting";
   private device = { state: "", text: "", limited: false }; // as last drawn
@@ -23,11 +25,13 @@ export class Panel {
   private readonly scenes: RadioGroup;
   private readonly fingers: RadioGroup;
   private readonly table: HandTable;
+  private readonly stopping: Stopping;
 
   constructor(
     private readonly marks: DeviceMarks,
     private readonly actions: {
       send(request: Request): void;
+      stop(): void;
       resetView(): void;
       choose(shown: Shown): void;
     },
@@ -42,12 +46,12 @@ export class Panel {
       element("fingers").querySelector<HTMLElement>('[aria-checked="true"]')?.focus(); // the table is gone
     });
     element("pause").onclick = () => this.togglePause();
-    element("stop").onclick = () => actions.send({ request: this.stopped ? "release" : "stop" });
+    this.stopping = new Stopping(actions);
     element("restart").onclick = () => actions.send({ request: "restart" });
     element("reset-view").onclick = () => actions.resetView();
     window.addEventListener("keydown", (event) => {
       // Nothing keeps this key from stopping, and it never releases.
-      if (event.key === "Escape") return actions.send({ request: "stop" });
+      if (event.key === "Escape") return this.stopping.stop();
       if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
       // Space presses a button, but for one that is chosen already.
       const button = event.target instanceof HTMLButtonElement ? event.target : null;
@@ -140,11 +144,14 @@ export class Panel {
     document.body.dataset.time = snapshot.time_s.toFixed(3);
 
     this.paused = snapshot.paused;
-    this.stopped = snapshot.stopped;
+    this.stopped = {
+      asked: snapshot.stopped,
+      confirmed: snapshot.stop_confirmed,
+      silence_ms: Math.max(0, ...snapshot.fingers.map(({ device_said_ms }) => device_said_ms || 0)),
+    };
+    this.stopping.show(snapshot);
     this.state = snapshot.finished ? "finished" : snapshot.paused ? "paused" : "running";
     document.body.dataset.state = this.state;
-    document.body.dataset.stopped = String(snapshot.stopped);
-    element("stop-label").textContent = snapshot.stopped ? "Release" : "Stop device";
     element("pause-label").textContent = snapshot.paused ? "Resume" : "Pause";
     this.tell();
 
@@ -213,7 +220,9 @@ export class Panel {
     const line =
       this.connection === "lost" ? "No connection: the program has ended, or cannot be reached"
       : this.loading !== "" ? `Loading ${this.loading} …`
-      : this.stopped ? (this.paused ? "Device stopped, run paused" : "Device stopped")
+      : this.stopped.silence_ms > kSilence ? "Nothing is heard of the device: it may still press. Take it off"
+      : this.stopped.asked && !this.stopped.confirmed ? "Stopping the device …"
+      : this.stopped.asked ? (this.paused ? "Device stopped, run paused" : "Device stopped")
       : this.state === "paused" ? "Paused"
       : this.state === "finished" ? "End of the script"
       : "";

@@ -145,6 +145,7 @@ export interface FingerSnapshot extends Skin, ContactSums {
   deviation_mm2: number;
   tick: number; // of the device
   stages_ms: Float32Array; // of that tick, one each of latency_stages; NaN: unknown
+  device_said_ms: number; // how long ago who leads the servos last showed life; NaN: nobody does
   device_state: string;
   force_limited: boolean; // the device would advance further but for its limit of force
   configuration: Float32Array; // in the units of configuration_names
@@ -159,8 +160,11 @@ export interface Snapshot {
   generation: number;
   step: number;
   paused: boolean;
-  /** Somebody said stop: devices are retracted until they are released. */
+  /** A device is to be stopped: it is led away, and stays so until it is released. */
   stopped: boolean;
+  /** All that are to be stopped are, as those say that lead their servos. */
+  stop_confirmed: boolean;
+  stops: number; // how often devices were stopped so far
   finished: boolean;
   time_s: number;
   wall_ms: number; // of the program's clock, when it was taken; wraps around
@@ -171,7 +175,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x37534653;
+const kMagic = 0x38534653;
 
 /** Reads a binary frame of a scene; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null {
@@ -191,7 +195,7 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
     return { positions_mm, pressures_kPa, in_contact };
   };
 
-  if (frame.byteLength < 48 || u32() !== kMagic) return null;
+  if (frame.byteLength < 52 || u32() !== kMagic) return null;
   const generation = u32();
   const step = u32();
   const flags = u32();
@@ -202,6 +206,7 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
   const objects = u32();
   const fingers = u32();
   const wall_ms = u32();
+  const stops = u32();
   const readTwin = (samples: number): Twin => ({
     iou: f32(),
     centroid_shift_mm: f32(),
@@ -222,6 +227,7 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
     const deviation_mm2 = f32();
     const tick = u32();
     const stages_ms = floats(scene.latency_stages.length);
+    const device_said_ms = f32();
     const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
     const known = u32();
     const flags = u32();
@@ -234,15 +240,16 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
     const pieces = floats(8 * count);
     const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
     return {
-      X_WFt, X_WF, X_FP, ...sums, deviation_mm2, tick, stages_ms, device_state, force_limited: (flags & 1) !== 0,
+      X_WFt, X_WF, X_FP, ...sums, deviation_mm2, tick, stages_ms, device_said_ms, device_state, force_limited: (flags & 1) !== 0,
       ...touched, configuration, actual,
       joint_values, linkage_mm, pieces, twin,
     };
   };
   return {
-    generation, step, time_s, wall_ms, step_ms, match_ms, deadline_misses,
+    generation, step, time_s, wall_ms, stops, step_ms, match_ms, deadline_misses,
     paused: (flags & 1) !== 0,
     stopped: (flags & 4) !== 0,
+    stop_confirmed: (flags & 8) !== 0,
     finished: (flags & 2) !== 0,
     X_WO: Array.from({ length: objects }, pose),
     fingers: Array.from({ length: fingers }, readFinger),
@@ -254,7 +261,7 @@ export type Request =
   | { request: "resume" }
   | { request: "restart" }
   | { request: "stop" }
-  | { request: "release" }
+  | { request: "release"; generation: number; stops: number } // as the newest snapshot had them
   | { request: "register"; finger: number; length_mm?: number; breadth_mm?: number; depth_mm?: number; table_mm?: number }
   | { request: "cancel_registration" }
   | { request: "scene"; scene: string }
