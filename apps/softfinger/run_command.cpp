@@ -12,6 +12,7 @@
 #include "port_option.hpp"
 #include "progress_bar.hpp"
 #include "run_report.hpp"
+#include "softfinger/actuation/guard_program.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
@@ -46,15 +47,12 @@ struct RunFlags {
   Certificate certificate;
 };
 
-/// Beside this program.
 std::filesystem::path guard_program() {
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path guard = program.parent_path() / "softfinger-guard";
-  if (!std::filesystem::exists(guard, error)) {
+  const std::filesystem::path guard = find_guard_program();
+  if (guard.empty()) {
     throw OperationError(
-        fmt::format("{}: is not there; it belongs beside softfinger and owns the ports of devices",
-                    guard.string()));
+        "softfinger-guard: is not there; it belongs beside softfinger and owns the ports of "
+        "devices");
   }
   return guard;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "softfinger/actuation/guard_program.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/recording/recording_writer.hpp"
@@ -65,10 +66,25 @@ void check_device(const RunSetup& setup) {
   }
 }
 
+std::filesystem::path guard_of(const RenderingOptions& options) {
+  if (options.without_guard_process) return {};
+  if (!options.guard_program.empty()) return options.guard_program;
+  std::filesystem::path guard = find_guard_program();
+  if (guard.empty()) {
+    throw InputError(
+        "guard_program: softfinger-guard is neither beside this program nor where softfinger was "
+        "installed; name it, or set without_guard_process");
+  }
+  return guard;
+}
+
 FingerChainOptions chain_of(const RunSetup& setup, const RenderingOptions& options) {
   if (options.open_device) check_device(setup);
-  ActuatorOptions actuator;
-  if (!options.open_device) actuator = {.port = "emulator", .simulated_time = true};
+  ActuatorOptions actuator = {.port = "emulator", .simulated_time = true};
+  if (options.open_device) {
+    actuator = {};
+    actuator.guard_program = guard_of(options);
+  }
   FingerChainOptions chain = chain_options(setup, 0, actuator);
   chain.with_state = options.record_state && !options.recording.empty();
   return chain;
@@ -127,6 +143,12 @@ struct Rendering::Implementation {
   }
 
   const RenderingCommand& advance(const TrackedPose& given, double time) {
+    const RenderingCommand& told = simulate_to(given, time);
+    if (chain.has_device()) tell_stops();
+    return told;
+  }
+
+  const RenderingCommand& simulate_to(const TrackedPose& given, double time) {
     const auto arrival = std::chrono::steady_clock::now();
     if (!std::isfinite(time)) return command;
     handed = given;
@@ -158,6 +180,13 @@ struct Rendering::Implementation {
     }
     if (steps > 0) from = target.X_WFt;
     return command;
+  }
+
+  void tell_stops() {
+    const StopLatch& latch = chain.device().actuator().stop_latch();
+    command.stops = latch.newest();
+    command.stopped = latch.is_stopped();
+    command.stop_confirmed = command.stopped && latch.confirmed() == command.stops;
   }
 
   void tick(std::chrono::steady_clock::time_point arrival) {
@@ -209,6 +238,17 @@ const RenderingCommand& Rendering::step(const Pose& X_WFt, double time) {
 const RenderingCommand& Rendering::lost(double time) {
   return implementation_->advance({.time = time, .X_WFt = implementation_->from, .valid = false},
                                   time);
+}
+
+void Rendering::stop() noexcept {
+  FingerChain& chain = implementation_->chain;
+  if (chain.has_device()) chain.device().actuator().stop(StopCause::kProgram);
+}
+
+bool Rendering::release() noexcept {
+  FingerChain& chain = implementation_->chain;
+  return chain.has_device() &&
+         chain.device().actuator().ask_release(implementation_->command.stops);
 }
 
 RenderingSnapshot Rendering::snapshot() const {

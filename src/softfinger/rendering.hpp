@@ -22,6 +22,13 @@ struct RenderingOptions {
   /// watchdog: when calls stop coming, the device retracts. Else commands are only formed. Refused
   /// where there is no device, or its file names no port.
   bool open_device = false;
+  /// softfinger-guard, which then owns the port, in a process of its own: whatever becomes of this
+  /// one, the device is retracted. Empty: the one beside this program, or where softfinger was
+  /// installed; where there is none, opening a device is refused.
+  std::filesystem::path guard_program;
+  /// A thread of this process owns the port instead. It outlives a program that hangs, not one that
+  /// is killed or crashes.
+  bool without_guard_process = false;
   /// Person file: sizes of the fingers, instead of the finger files'; see also registration().
   std::filesystem::path person;
   /// Poses are smoothed by the one-euro filter of `softfinger run --filter`.
@@ -46,6 +53,10 @@ struct RenderingCommand {
   Eigen::VectorXd pulse_widths;  ///< the same numbers under their older name
   double deviation = 0.0;        ///< E of the match, m^2; 0 when nothing is touched
   std::string_view state;        ///< homing, ready, rendering, holding, retracting, ...
+  bool stopped = false;          ///< see Rendering::stop()
+  /// The stop is a fact: who leads the servos has led them away since.
+  bool stop_confirmed = false;
+  std::uint32_t stops = 0;  ///< how often the device was stopped so far, by whomever
 };
 
 /// The finger as simulated, with the sums of its contact: contact_area, normal_force, centroid_F,
@@ -89,6 +100,14 @@ class Rendering {
   const RenderingCommand& step(const Pose& X_WFt, double time);
   /// Tracking is lost; else as step().
   const RenderingCommand& lost(double time);
+
+  /// Stops the device: it retracts at once, whatever is wanted, also while nobody calls step(), and
+  /// stays so until it is released. Any thread; signal handlers too.
+  void stop() noexcept;
+  /// Asks to release it from the stops that the last call of step() told of. A stop since then
+  /// stays. Granted once the device is retracted and nothing is wrong: RenderingCommand::stopped
+  /// says so. False: nothing is stopped, or it was stopped again.
+  bool release() noexcept;
 
   /// The finger after the last step.
   [[nodiscard]] RenderingSnapshot snapshot() const;

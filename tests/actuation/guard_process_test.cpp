@@ -161,15 +161,55 @@ TEST_F(GuardedThimble, NobodyElseGetsThePort) {
   }
 }
 
-TEST_F(GuardedThimble, TellsOnceThatItsProcessDied) {
+/// What happens to a guard, and the signal that does it.
+struct GuardFault {
+  const char* name;
+  int signal;
+};
+class FaultyGuard : public GuardedThimble, public testing::WithParamInterface<GuardFault> {};
+INSTANTIATE_TEST_SUITE_P(Faults, FaultyGuard,
+                         testing::Values(GuardFault{"Killed", SIGKILL}, GuardFault{"Stopped", SIGSTOP},
+                                         GuardFault{"Crashed", SIGSEGV}),
+                         [](const auto& fault) { return fault.param.name; });
+
+TEST_P(FaultyGuard, IsReplacedByOneThatRetractsUntilItIsReleased) {
   GuardProcess guard(SOFTFINGER_GUARD, device->home(),
                      {.device_file = kThimble, .line = {.port = terminal.port()}});
   ASSERT_EQ(guard.start(false), "");
+  const auto follow = [&](const std::function<bool()>& done) {
+    for (int k = 0; k < 300; ++k) {
+      guard.submit(wanted, DeviceState::kRendering);
+      std::this_thread::sleep_for(std::chrono::milliseconds(33));
+      if (done()) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(follow([&] { return away_from(wanted) < kNear; }));
+  const int first = guard.process();
+  const auto began = std::chrono::steady_clock::now();
+  ASSERT_EQ(::kill(first, GetParam().signal), 0);
+  while (!guard.channel().stop.is_stopped()) {
+    ASSERT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  const std::chrono::duration<double> noticed = std::chrono::steady_clock::now() - began;
+  EXPECT_LT(noticed.count(), 0.1 + 0.4) << "0.1 s, and what a busy machine takes";
+  EXPECT_EQ(guard.channel().stop.cause(), StopCause::kGuard);
+
+  ASSERT_TRUE(follow([&] { return away_from(device->retracted()) < kNear; }));
+  EXPECT_NE(guard.process(), first);
   EXPECT_TRUE(guard.is_served());
-  ASSERT_EQ(::kill(guard.process(), SIGKILL), 0);
-  EXPECT_TRUE(soon([&] { return !guard.is_served(); }));
-  EXPECT_FALSE(guard.channel().connected);
+  EXPECT_EQ(guard.replacements(), 1U);
+  for (int k = 0; k < 20; ++k) {
+    guard.submit(wanted, DeviceState::kRendering);
+    std::this_thread::sleep_for(std::chrono::milliseconds(33));
+    EXPECT_LT(away_from(device->retracted()), kNear) << "nobody released it";
+  }
+  ASSERT_TRUE(guard.ask_release(guard.channel().stop.newest()));
+  EXPECT_TRUE(follow([&] { return away_from(wanted) < kNear; }));
   guard.finish();
+  EXPECT_FALSE(guard.is_served());
+  EXPECT_LT(away_from(device->retracted()), kNear);
 }
 
 }  // namespace

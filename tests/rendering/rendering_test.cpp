@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <string_view>
+#include <thread>
 
 #include "../support/temporary_directory.hpp"
 #include "softfinger/recording/recording_reader.hpp"
@@ -271,6 +275,65 @@ TEST(Rendering, ADeviceThatCannotBeOpenedIsAnError) {
                           "rotation_vector_deg = [0.0, 0.0, 0.0]\n";
   options.device.clear();
   EXPECT_THAT(message(options, scene), testing::HasSubstr("no device"));
+}
+
+/// Holds the finger in contact from `time` on until `done`; false where it never is.
+bool hold(Rendering& rendering, double& time, double most,
+          const std::function<bool(const RenderingCommand&)>& done) {
+  for (const double end = time + most; time < end; time += 1e-3) {
+    if (done(rendering.step(at_height(26.5e-3), time))) return true;
+  }
+  return false;
+}
+
+TEST(Rendering, AStopLastsUntilItIsReleasedAndReplays) {
+  const TemporaryDirectory directory;
+  RenderingOptions options;
+  options.recording = directory / "stopped.db";
+  Rendering rendering(kScene, options);
+  double time = 0.0;
+  EXPECT_FALSE(rendering.release()) << "nothing is stopped";
+  ASSERT_TRUE(hold(rendering, time, 2.0, [](const auto& c) { return c.state == "rendering"; }));
+  rendering.stop();
+  ASSERT_TRUE(hold(rendering, time, 0.05, [](const auto& c) { return c.stop_confirmed; }));
+  EXPECT_FALSE(hold(rendering, time, 1.0, [](const auto& c) { return c.state != "retracting"; }));
+  rendering.stop();
+  EXPECT_FALSE(rendering.release()) << "it was stopped again since the last step";
+  EXPECT_FALSE(hold(rendering, time, 0.2, [](const auto& c) { return !c.stopped; }));
+  EXPECT_TRUE(rendering.release());
+  EXPECT_TRUE(hold(rendering, time, 0.1, [](const auto& c) { return !c.stopped; }));
+  EXPECT_TRUE(hold(rendering, time, 2.0, [](const auto& c) { return c.state == "rendering"; }));
+  rendering.close_recording();
+  EXPECT_TRUE(replay({.recording = directory / "stopped.db", .scene = {}}).agree);
+}
+
+// The line leads the device away by itself, in a process of its own.
+TEST(Rendering, AStopNeedsNoCallOfStep) {
+  RenderingOptions options;
+  options.open_device = true;
+  options.guard_program = SOFTFINGER_GUARD;
+  Rendering rendering(kScene, options);
+  const auto began = std::chrono::steady_clock::now();
+  const auto now = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  };
+  std::string_view state;
+  while (now() < 30.0 && state != "rendering") {
+    state = rendering.step(at_height(26.5e-3), now()).state;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ASSERT_EQ(state, "rendering");
+  rendering.stop();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_TRUE(rendering.step(at_height(26.5e-3), now()).stop_confirmed);
+}
+
+TEST(Rendering, ADeviceIsNotOpenedWithoutAGuardUnlessAskedTo) {
+  RenderingOptions options;
+  options.open_device = true;  // nor is there one beside this test
+  EXPECT_THROW((void)Rendering(kScene, options), std::runtime_error);
+  options.without_guard_process = true;
+  EXPECT_NO_THROW((void)Rendering(kScene, options));
 }
 
 }  // namespace

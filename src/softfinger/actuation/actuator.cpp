@@ -137,6 +137,7 @@ struct Actuator::Impl {
   std::uint32_t connections_told = 0;
   std::uint32_t stalls_told = 0;
   bool guard_loss_told = false;
+  std::uint32_t replacements_told = 0;
   StopLatch::Number stops_told = 0;
   StopLatch::Number releases_told = 0;
   std::uint32_t refusals_told = 0;
@@ -344,6 +345,10 @@ const std::string& Actuator::port() const noexcept { return impl_->port; }
 
 std::optional<ActuatorEvent> Actuator::take_event() noexcept {
   Impl& self = *impl_;
+  if (self.line && self.line->replacements() != self.replacements_told) {
+    self.replacements_told = self.line->replacements();
+    return ActuatorEvent::kGuardReplaced;
+  }
   const StopLatch& stop = stop_latch();
   // In the order in which they happen.
   if (stop.newest() != self.stops_told) {
@@ -401,8 +406,13 @@ std::string Actuator::message(ActuatorEvent event) const {
                          impl_->port);
     case ActuatorEvent::kPortConnected:
       return fmt::format("port {} is open", impl_->port);
+    case ActuatorEvent::kGuardReplaced:
+      return fmt::format(
+          "the process that guards port {} died or hung; another one retracts the device",
+          impl_->port);
     case ActuatorEvent::kGuardLost:
-      return fmt::format("the process that guards port {} has died; the device no longer moves",
+      return fmt::format("the process that guards port {} has died and cannot be replaced; the device no longer "
+                         "moves, take it off",
                          impl_->port);
     case ActuatorEvent::kStopped:
       return fmt::format("the device is stopped by {}; it stays retracted until it is released",

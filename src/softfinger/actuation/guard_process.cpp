@@ -18,7 +18,9 @@
 #include <utility>
 
 #include "softfinger/actuation/guard_socket.hpp"
+#include "softfinger/actuation/process_state.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {
@@ -27,9 +29,9 @@ using std::chrono::milliseconds;
 
 /// To start, to load the device and to open the port.
 constexpr milliseconds kStartTime{10'000};
-/// A guard that is not done so long after it was told to end is ended.
-constexpr milliseconds kLongestEnd{35'000};
-constexpr milliseconds kLookEvery{2};
+constexpr milliseconds kLookEvery{10};
+/// For one that was killed to be gone; in a driver that hangs it may stay.
+constexpr milliseconds kLongestDeath{1'000};
 
 /// Descriptors go to the guard by low numbers; none of their sources may be one of those.
 constexpr int kAboveGuardDescriptors = 64;
@@ -120,12 +122,15 @@ void GuardProcess::spawn() {
   plan.hand_over(ends[1], guard_socket::kSocket);
   plan.hand_over(memory_, guard_socket::kMemory);
   plan.hand_over(wake_descriptor(), guard_socket::kWake);
-  const int error = plan.spawn(process_, program_.string());
+  int process = -1;
+  const int error = plan.spawn(process, program_.string());
   ::close(ends[1]);
-  if (error == 0) return;
-  process_ = -1;
-  ::close(socket_);
-  socket_ = -1;
+  if (error == 0) {
+    process_ = process;
+    began_ = std::chrono::steady_clock::now();
+    return;
+  }
+  close_socket();
   throw OperationError(fmt::format("{}: the guard of the device's port cannot be started: {}",
                                    program_.string(), std::generic_category().message(error)));
 }
@@ -143,29 +148,84 @@ std::string GuardProcess::start(bool wait_for_device) {
   setup_.wait_for_device = wait_for_device;
   spawn();
   std::string reason = tell_and_ask();
-  if (!reason.empty() && !wait_for_device) finish();
+  if (reason.empty() || wait_for_device) {
+    watch_ = std::thread([this] { watch(); });
+    return reason;
+  }
+  ::kill(process_, SIGKILL);  // it serves nobody
+  ::waitpid(process_, nullptr, 0);
+  process_ = -1;
+  close_socket();
   return reason;
 }
 
-bool GuardProcess::is_served() noexcept {
-  if (process_ < 0) return false;
-  if (::waitpid(process_, nullptr, WNOHANG) == 0) return true;
+void GuardProcess::close_socket() noexcept {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+}
+
+bool GuardProcess::has_ended() noexcept {
+  return process_ < 0 || ::waitpid(process_, nullptr, WNOHANG) != 0;
+}
+
+bool GuardProcess::hangs() const noexcept {
+  const double silence = channel_->silence(monotonic_time());
+  if (silence < kSilence) return false;
+  return silence >= kStarved || process_state(process_) != ProcessState::kRunning;
+}
+
+/// False: not any more.
+bool GuardProcess::replace() noexcept {
+  const auto now = std::chrono::steady_clock::now();
+  const bool short_life = std::chrono::duration<double>(now - began_).count() < kShortLife;
+  short_lives_ = short_life ? short_lives_ + 1 : 0;
+  if (short_lives_ > kMostReplacements) return false;
+  close_socket();
+  setup_.wait_for_device = true;
+  try {
+    spawn();
+    (void)tell_and_ask();  // where the port cannot be opened at once it goes on trying
+  } catch (const std::exception&) {
+    return false;
+  }
+  ++replacements_;
+  return true;
+}
+
+void GuardProcess::watch() noexcept {
+  while (true) {
+    // Its end is seen at once.
+    pollfd end{.fd = socket_, .events = 0, .revents = 0};
+    ::poll(&end, 1, static_cast<int>(kLookEvery.count()));
+    const bool ended = has_ended();
+    if (!ended && !hangs()) {
+      if (end.revents != 0) std::this_thread::sleep_for(kLookEvery);  // it is ending
+      continue;
+    }
+    // One that ended as it was told to has said so.
+    if (ended && channel_->ending && channel_->state.load() == DeviceState::kStopped) break;
+    channel_->stop.stop(StopCause::kGuard);
+    channel_->connected = false;
+    channel_->state = DeviceState::kDisconnected;
+    if (!ended) {
+      ::kill(process_, SIGKILL);
+      const auto until = std::chrono::steady_clock::now() + kLongestDeath;
+      while (!has_ended() && std::chrono::steady_clock::now() < until) {
+        std::this_thread::sleep_for(milliseconds(1));
+      }
+    }
+    if (!replace()) break;
+  }
   process_ = -1;
   channel_->connected = false;
   channel_->state = DeviceState::kStopped;
-  return false;
 }
 
 void GuardProcess::finish() noexcept {
   channel_->ending = true;
   wake();
-  const auto until = std::chrono::steady_clock::now() + kLongestEnd;
-  while (is_served()) {
-    if (std::chrono::steady_clock::now() > until) ::kill(process_, SIGKILL);
-    std::this_thread::sleep_for(kLookEvery);
-  }
-  if (socket_ >= 0) ::close(socket_);
-  socket_ = -1;
+  if (watch_.joinable()) watch_.join();
+  close_socket();
 }
 
 }  // namespace softfinger

@@ -27,10 +27,11 @@ struct LineChannel {
   };
 
   explicit LineChannel(const Configuration& home)
-      : wanted(Wanted{home, DeviceState::kHoming, 0.0}), report(Report{home, false}) {}
+      : wanted(Wanted{home, DeviceState::kHoming, 0.0}), report(Report{home, false}), sent(home) {}
 
   Mailbox<Wanted> wanted;             ///< from the loop
   Mailbox<Report> report;             ///< from the line
+  Mailbox<Configuration> sent;        ///< from the line, to the line that takes its place
   Mailbox<CommandDelivery> delivery;  ///< from the line, of each wanted q that was sent
   std::atomic<bool> ending{false};    ///< the loop wants the line to retract the device and to end
 

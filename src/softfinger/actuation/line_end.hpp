@@ -25,6 +25,8 @@ class LineEnd {
   virtual void finish() noexcept = 0;
   /// Whether somebody still serves the line.
   [[nodiscard]] virtual bool is_served() noexcept = 0;
+  /// How often who served it had to be replaced.
+  [[nodiscard]] virtual std::uint32_t replacements() const noexcept { return 0; }
 
   /// Newest wanted q and the state of the loop that wants it. From one thread; wait-free.
   void submit(const Configuration& q, DeviceState state) noexcept;

@@ -67,7 +67,7 @@ void ServoLine::wait_until(TimePoint due) {
 std::string ServoLine::open() {
   std::string reason = bus_->open(options_.port);
   if (!reason.empty()) return reason;
-  positions_unknown_ = !learn_positions();
+  positions_unknown_ = !learn_positions() && !take_over();
   machine_ = DeviceStateMachine();
   lag_.reset();
   channel_.connected.store(true, std::memory_order_release);
@@ -105,6 +105,15 @@ bool ServoLine::learn_positions() {
   guard_.reset(q);
   channel_.report.draft() = LineChannel::Report{joints, true};
   channel_.report.publish();
+  return true;
+}
+
+bool ServoLine::take_over() {
+  if (fresh_ever_ || channel_.commands_sent == 0 || guard_.servos().empty()) return false;
+  channel_.sent.refresh();
+  const Configuration& sent = channel_.sent.latest();
+  if (sent.size() != device_->home().size() || !sent.allFinite()) return false;
+  guard_.reset(sent);
   return true;
 }
 
@@ -248,6 +257,8 @@ bool ServoLine::tick(TimePoint now) {
     channel_.commands_sent.fetch_add(1, std::memory_order_relaxed);
     channel_.state.store(state, std::memory_order_relaxed);
     if (stopped) channel_.stop.confirm(stop);
+    channel_.sent.draft() = guard_.configuration();
+    channel_.sent.publish();
     if (!retracting || !guard_.arrived()) {
       retracted_since_.reset();
     } else if (!retracted_since_) {

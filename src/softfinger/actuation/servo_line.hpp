@@ -56,6 +56,8 @@ class ServoLine {
   void wait_until(TimePoint due);  ///< or until something was submitted
   /// Asks for the positions and waits a little; true when they place the device in its workspace.
   bool learn_positions();
+  /// Where servos say nothing: goes on from what a line before this one sent last, if one did.
+  bool take_over();
   /// Takes an answer that has arrived complete; false if there is none.
   bool take_positions(JointAngles& joints);
   bool tick(TimePoint now);  ///< false: stopped

@@ -8,7 +8,7 @@ namespace softfinger {
 
 /// Passes only the newest value from one writer thread to one reader thread: a triple buffer,
 /// wait-free on both sides, no allocation after construction. The reader may skip values, never
-/// sees a torn or an older one.
+/// sees a torn or an older one. No bytes in it, whoever shares and spoils them, lead out of it.
 template <typename T>
 class Mailbox {
  public:
@@ -16,7 +16,7 @@ class Mailbox {
   explicit Mailbox(const T& initial) : slots_{initial, initial, initial} {}
 
   /// Writer: the slot to fill next. Its old content is some earlier value.
-  T& draft() { return slots_[writing_]; }
+  T& draft() { return slots_[writing_ % slots_.size()]; }
   /// Writer: makes draft() the newest value.
   void publish() {
     writing_ =
@@ -30,7 +30,7 @@ class Mailbox {
     return true;
   }
   /// Reader: the value last taken.
-  [[nodiscard]] const T& latest() const { return slots_[reading_]; }
+  [[nodiscard]] const T& latest() const { return slots_[reading_ % slots_.size()]; }
 
  private:
   static constexpr std::uint8_t kFresh = 4;

@@ -100,7 +100,13 @@ test("stopped, with much to tell", async () => {
   for (let k = 0; k < 4; ++k) running.tell(`say port /dev/serial/by-id/usb-Pololu_Corporation_Maestro-if0${k}: gone; the run goes on and tries to open it again`);
   await page.locator("#notifications li").nth(3).waitFor();
   await lookAtEverySize("stopped with messages");
-  await press("#stop");
+  await press("#release");
+  await lookAtEverySize("asked to release");
+  await press("#release-keep");
+  assert.ok(await page.locator("#release-ask").isHidden());
+  await press("#release");
+  await body("stopped", "true");
+  await press("#release-now");
   await body("stopped", "false");
   await page.evaluate(() => document.getElementById("notifications").replaceChildren());
 });
@@ -253,7 +259,9 @@ test("a dialog takes the focus, keeps it, gives it back; Escape closes it and st
   await page.keyboard.press("Enter");
   await body("registration", "idle");
   assert.equal(await page.evaluate(() => document.activeElement.id), "register");
-  await press("#stop");
+  await press("#release");
+  await body("stopped", "true");
+  await press("#release-now");
   await body("stopped", "false");
 });
 

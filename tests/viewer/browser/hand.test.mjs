@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { resolve, dirname } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { openPage, startProgram } from "./live_program.mjs";
+import { openPage, startProgram, releaseDevice } from "./live_program.mjs";
 
 const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
 const program = process.env.SOFTFINGER_PROGRAM ?? resolve(root, "build/softfinger");
@@ -25,8 +25,14 @@ test("keys and pointer bring the finger to the sphere and away", { timeout: 300_
     // Whatever it touches, it leaves when somebody says stop, and stays away until released.
     await page.keyboard.press("Escape");
     await page.waitForFunction(() => document.body.dataset.device === "retracting");
-    assert.equal(await page.locator("#stop-label").textContent(), "Release");
-    await page.locator("#stop").click();
+    await page.waitForFunction(() => document.body.dataset.stopConfirmed === "true");
+    // However often it is pressed.
+    await page.locator("#stop").dblclick({ delay: 75 });
+    await page.locator("#stop").press("Space");
+    await page.waitForTimeout(500);
+    assert.equal(await browser.data("stopped"), "true");
+    assert.equal(await browser.data("device"), "retracting");
+    await releaseDevice(page);
     await page.waitForFunction(() => document.body.dataset.device === "rendering");
     await page.keyboard.down("w");
     await free();

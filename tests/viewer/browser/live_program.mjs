@@ -95,3 +95,14 @@ export async function pauseInContact(page, contacts) {
   }
   throw new Error(`never paused with ${contacts} samples in contact`);
 }
+
+/** Through the question, as often as it takes until the device may be released. */
+export async function releaseDevice(page) {
+  for (let k = 0; k < 100; ++k) {
+    if (await page.evaluate(() => document.body.dataset.stopped === "false")) return;
+    await page.locator("#release").click();
+    await page.locator("#release-now").click();
+    await page.waitForTimeout(200);
+  }
+  throw new Error("the device is not released");
+}

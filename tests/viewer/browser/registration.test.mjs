@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { openPage, startProgram } from "./live_program.mjs";
+import { openPage, startProgram, releaseDevice } from "./live_program.mjs";
 
 const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
 const program = process.env.SOFTFINGER_PROGRAM ?? resolve(root, "build/softfinger");
@@ -83,12 +83,11 @@ test("a finger is registered, saved, and the device stays away until released", 
 
     await page.waitForFunction(() => document.body.dataset.generation === "2");
     await page.waitForFunction(() => document.body.dataset.device === "retracting");
-    assert.equal(await page.locator("#stop-label").textContent(), "Release");
+    assert.ok(await page.locator("#release").isVisible());
     await page.locator("#register-done").click();
     await page.waitForFunction(() => document.body.dataset.registration === "idle");
     assert.ok(await page.locator("#registration").isHidden());
-    await page.locator("#stop").click();
-    await page.waitForFunction(() => document.body.dataset.stopped === "false");
+    await releaseDevice(page);
     assert.deepEqual(browser.complaints, []);
   } finally {
     clearInterval(sender);
