@@ -168,7 +168,8 @@ struct GuardFault {
 };
 class FaultyGuard : public GuardedThimble, public testing::WithParamInterface<GuardFault> {};
 INSTANTIATE_TEST_SUITE_P(Faults, FaultyGuard,
-                         testing::Values(GuardFault{"Killed", SIGKILL}, GuardFault{"Stopped", SIGSTOP},
+                         testing::Values(GuardFault{"Killed", SIGKILL},
+                                         GuardFault{"Stopped", SIGSTOP},
                                          GuardFault{"Crashed", SIGSEGV}),
                          [](const auto& fault) { return fault.param.name; });
 

@@ -1,5 +1,5 @@
-// Stop and release at the line that leads the servos, in simulated time: how soon, and whatever else
-// goes on.
+// Stop and release at the line that leads the servos, in simulated time: how soon, and whatever
+// else goes on.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,8 +55,8 @@ class StoppedLine : public testing::TestWithParam<std::tuple<const char*, double
     });
   }
 
-  std::shared_ptr<const Device> device_ = lever_platform(
-      {.rate = std::get<1>(GetParam()), .kind = std::get<0>(GetParam())});
+  std::shared_ptr<const Device> device_ =
+      lever_platform({.rate = std::get<1>(GetParam()), .kind = std::get<0>(GetParam())});
   Configuration pressing_ = [] {
     Configuration q(3);
     q << 4.0 * deg, 0.0, 3.0 * mm;

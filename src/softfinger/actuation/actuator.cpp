@@ -411,9 +411,10 @@ std::string Actuator::message(ActuatorEvent event) const {
           "the process that guards port {} died or hung; another one retracts the device",
           impl_->port);
     case ActuatorEvent::kGuardLost:
-      return fmt::format("the process that guards port {} has died and cannot be replaced; the device no longer "
-                         "moves, take it off",
-                         impl_->port);
+      return fmt::format(
+          "the process that guards port {} has died and cannot be replaced; the device no longer "
+          "moves, take it off",
+          impl_->port);
     case ActuatorEvent::kStopped:
       return fmt::format("the device is stopped by {}; it stays retracted until it is released",
                          row_of(kStopCauses, stop_latch().cause()).words);

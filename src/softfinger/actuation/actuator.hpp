@@ -71,8 +71,8 @@ enum class ActuatorEvent : std::uint8_t {
   kStopped,         ///< by whom, see stop_latch()
   kReleased,        ///< follows again
   kReleaseRefused,  ///< why, see stop_latch()
-  kGuardReplaced,  ///< the process that owned the port died or hung; another retracts the device
-  kGuardLost       ///< and none takes its place: nothing more is sent
+  kGuardReplaced,   ///< the process that owned the port died or hung; another retracts the device
+  kGuardLost        ///< and none takes its place: nothing more is sent
 };
 
 /// The way from a wanted configuration to the motors of one device: state machine, limits, servo

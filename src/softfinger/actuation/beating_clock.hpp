@@ -6,8 +6,8 @@
 
 namespace softfinger {
 
-/// A line's clock that shows, whenever it is asked for the time or slept by, that the line is alive,
-/// and lets nobody sleep for longer than kBeatEvery without that.
+/// A line's clock that shows, whenever it is asked for the time or slept by, that the line is
+/// alive, and lets nobody sleep for longer than kBeatEvery without that.
 class BeatingClock final : public LineClock {
  public:
   /// Both outlive this. `beat`: s on the monotonic clock.

@@ -168,10 +168,19 @@ bool GuardProcess::has_ended() noexcept {
   return process_ < 0 || ::waitpid(process_, nullptr, WNOHANG) != 0;
 }
 
-bool GuardProcess::hangs() const noexcept {
+bool GuardProcess::hangs() noexcept {
   const double silence = channel_->silence(monotonic_time());
+  if (silence < 0.5 * kSilence) return false;
+  wake();  // what only sleeps too long says so now
   if (silence < kSilence) return false;
-  return silence >= kStarved || process_state(process_) != ProcessState::kRunning;
+  switch (process_state(process_)) {
+    case ProcessState::kRunning:
+      return silence >= kStarved;
+    case ProcessState::kInDriver:
+      return silence >= kInDriver;
+    default:
+      return true;
+  }
 }
 
 /// False: not any more.

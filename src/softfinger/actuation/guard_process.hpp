@@ -16,14 +16,16 @@ namespace softfinger {
 /// kill -9 included, the device is retracted. The two share a LineChannel; a socket between them
 /// tells each that the other is gone.
 ///
-/// The guard is watched in turn: one that dies, is stopped, or hangs is ended, and another takes its
-/// place. That one begins stopped (StopCause::kGuard): it retracts the device from where the first
-/// one sent it, and nothing starts again before somebody releases it.
+/// The guard is watched in turn: one that dies, is stopped, or hangs is ended, and another takes
+/// its place. That one begins stopped (StopCause::kGuard): it retracts the device from where the
+/// first one sent it, and nothing starts again before somebody releases it.
 class GuardProcess final : public LineEnd {
  public:
-  /// A guard that shows no life for so long (s) hangs; one that is ready to run, and gets no
-  /// processor, has kStarved.
-  static constexpr double kSilence = 0.08;
+  /// A guard that shows no life for so long (s) hangs, though it was woken meanwhile; one that
+  /// waits for a device or for memory has kInDriver, one that is ready to run and gets no processor
+  /// kStarved.
+  static constexpr double kSilence = 0.09;
+  static constexpr double kInDriver = 0.25;
   static constexpr double kStarved = 0.5;
   /// So many guards in a row that end within kShortLife (s) are not replaced any more.
   static constexpr int kMostReplacements = 3;
@@ -48,7 +50,7 @@ class GuardProcess final : public LineEnd {
   [[nodiscard]] std::string tell_and_ask();
   void watch() noexcept;
   [[nodiscard]] bool has_ended() noexcept;
-  [[nodiscard]] bool hangs() const noexcept;
+  [[nodiscard]] bool hangs() noexcept;
   [[nodiscard]] bool replace() noexcept;
   void close_socket() noexcept;
 

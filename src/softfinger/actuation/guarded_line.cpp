@@ -35,6 +35,8 @@ int serve(LineChannel& channel) {
     ServoLine line(guarded.device, guarded.setup.line, channel, guard_socket::kWake,
                    guard_socket::kSocket);
     reason = line.open();
+    // Where the system lets it: memory that was put aside comes back too late.
+    ::mlockall(MCL_CURRENT);
     const bool serves = reason.empty() || guarded.setup.wait_for_device;
     if (guard_socket::send(guard_socket::kSocket, reason) && serves) line.serve();
     return 0;

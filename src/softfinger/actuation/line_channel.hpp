@@ -35,7 +35,7 @@ struct LineChannel {
   Mailbox<CommandDelivery> delivery;  ///< from the line, of each wanted q that was sent
   std::atomic<bool> ending{false};    ///< the loop wants the line to retract the device and to end
 
-  StopLatch stop;                     ///< the line obeys it, whatever the loop wants
+  StopLatch stop;  ///< the line obeys it, whatever the loop wants
 
   // What the line says of itself.
   /// When it last showed life, s on the monotonic clock; 0: not yet.

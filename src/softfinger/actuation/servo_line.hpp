@@ -93,7 +93,7 @@ class ServoLine {
   int unheard_ = kNever;  ///< ticks since they last said where they are
   static constexpr int kNever = -1;
   std::optional<TimePoint> retracted_since_;  ///< the retracted pose is commanded; empty: it is not
-  bool loop_gone_ = false;  ///< the loop's process has ended
+  bool loop_gone_ = false;                    ///< the loop's process has ended
 };
 
 }  // namespace softfinger

@@ -109,8 +109,8 @@ struct Snapshot {
     Pose X_FP;                    ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
     std::vector<Eigen::Vector3f> linkage_F;
-    std::vector<Piece> pieces;   ///< of the commanded q
-    std::string device_state;    ///< ready, rendering, holding, retracting, ...; at most 15 chars
+    std::vector<Piece> pieces;  ///< of the commanded q
+    std::string device_state;   ///< ready, rendering, holding, retracting, ...; at most 15 chars
     /// How long ago who leads the servos, and says device_state, last showed life, s; NaN: nobody
     /// does.
     double device_said = std::numeric_limits<double>::quiet_NaN();
@@ -122,7 +122,7 @@ struct Snapshot {
   double time = 0.0;       ///< s, simulated
   double wall_time = 0.0;  ///< s, on the monotonic clock: when this was taken
   bool paused = false;
-  std::uint32_t stops = 0;      ///< how often devices were stopped so far; see kRelease
+  std::uint32_t stops = 0;  ///< how often devices were stopped so far; see kRelease
   DevicesStopped stopped;
   bool finished = false;        ///< the script has come to its end
   double step_cpu_time = 0.0;   ///< s, of the last step

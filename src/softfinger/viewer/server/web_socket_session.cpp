@@ -25,9 +25,7 @@ constexpr auto kMessageWindow = std::chrono::seconds(1);
 }  // namespace
 
 WebSocketSession::WebSocketSession(PageStream&& stream, PageHub& hub, ConnectionCount&& count)
-    : hub_(hub),
-      count_(std::move(count)),
-      socket_(std::move(stream)) {}
+    : hub_(hub), count_(std::move(count)), socket_(std::move(stream)) {}
 
 WebSocketSession::~WebSocketSession() {
   if (hub_.mover == this) hub_.mover = nullptr;
