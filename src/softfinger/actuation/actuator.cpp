@@ -17,6 +17,7 @@
 #include "softfinger/device/device.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/emulation/emulated_bus.hpp"
+#include "softfinger/motors/motor_kinds.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
@@ -130,6 +131,7 @@ struct Actuator::Impl {
   std::uint64_t sent_to_simulated = 0;
   StopLatch latch;  ///< without a line, which has its own
   void obey_latch(const WantedMotion& wanted);
+  [[nodiscard]] std::string fault_text() const;
 
   std::string absence;  ///< why the port was not open at the start; empty: it was
   bool absence_told = false;
@@ -195,6 +197,24 @@ void Actuator::Impl::send_to_simulated(double time) {
   simulated->advance_to(time);
   simulated->receive(guard.targets());
   ++sent_to_simulated;
+}
+
+std::string Actuator::Impl::fault_text() const {
+  const TransportSettings& transport = *device->settings().transport;
+  const ServoFaults faults = line->channel().faults.load();
+  std::vector<std::string> silent;
+  std::vector<std::string> limp;
+  for (std::size_t i = 0; i < transport.servos.size(); ++i) {
+    const std::string name = motor_kind(transport.kind).servo_name(transport.servos[i]);
+    if (((faults.silent >> i) & 1U) != 0) silent.push_back(name);
+    if (((faults.limp >> i) & 1U) != 0) limp.push_back(name);
+  }
+  std::vector<std::string> parts;
+  if (!silent.empty()) parts.push_back(fmt::format("servo {} does not answer", fmt::join(silent, ", ")));
+  if (!limp.empty()) {
+    parts.push_back(fmt::format("servo {} has no torque or protects itself", fmt::join(limp, ", ")));
+  }
+  return parts.empty() ? "a servo failed" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
 void Actuator::Impl::obey_latch(const WantedMotion& wanted) {
@@ -416,6 +436,10 @@ std::string Actuator::message(ActuatorEvent event) const {
           "moves, take it off",
           impl_->port);
     case ActuatorEvent::kStopped:
+      if (stop_latch().cause() == StopCause::kServo) {
+        return fmt::format("{}; the others retract and stay so until the device is released",
+                           impl_->fault_text());
+      }
       return fmt::format("the device is stopped by {}; it stays retracted until it is released",
                          row_of(kStopCauses, stop_latch().cause()).words);
     case ActuatorEvent::kReleased:

@@ -7,6 +7,7 @@
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/actuation/stop_latch.hpp"
 #include "softfinger/device/configuration.hpp"
+#include "softfinger/motors/servo_faults.hpp"
 #include "softfinger/threads/mailbox.hpp"
 
 namespace softfinger {
@@ -44,6 +45,7 @@ struct LineChannel {
   [[nodiscard]] double silence(double now) const noexcept {
     return now - beat.load(std::memory_order_acquire);
   }
+  std::atomic<ServoFaults> faults{};
   std::atomic<bool> connected{false};
   std::atomic<DeviceState> state{DeviceState::kDisconnected};
   std::atomic<std::uint64_t> commands_sent{0};
@@ -55,6 +57,7 @@ struct LineChannel {
 static_assert(std::atomic<bool>::is_always_lock_free &&
               std::atomic<DeviceState>::is_always_lock_free &&
               std::atomic<std::uint64_t>::is_always_lock_free &&
-              std::atomic<double>::is_always_lock_free);
+              std::atomic<double>::is_always_lock_free &&
+              std::atomic<ServoFaults>::is_always_lock_free);
 
 }  // namespace softfinger

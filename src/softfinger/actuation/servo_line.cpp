@@ -48,6 +48,7 @@ ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, Line
       period_(seconds(1.0 / options_.rate)),
       bus_(make_servo_bus(*device_->settings().transport, clock_)),
       guard_(device_, device_->settings().transport->servos, options_.ceiling),
+      ramp_(device_, guard_.servos()),
       lag_(static_cast<Eigen::Index>(guard_.servos().size()),
            guard_.servos().empty() ? 0.0 : kLagMotion * guard_.servos().front().resolution()) {}
 
@@ -65,9 +66,13 @@ void ServoLine::wait_until(TimePoint due) {
 }
 
 std::string ServoLine::open() {
+  if (fresh_ever_ || channel_.commands_sent != 0) bus_->lead_those_left();
   std::string reason = bus_->open(options_.port);
   if (!reason.empty()) return reason;
+  ramp_.end();
+  retracted_since_.reset();
   positions_unknown_ = !learn_positions() && !take_over();
+  note_faults();
   machine_ = DeviceStateMachine();
   lag_.reset();
   channel_.connected.store(true, std::memory_order_release);
@@ -92,20 +97,46 @@ bool ServoLine::learn_positions() {
   if (guard_.servos().empty() || !bus_->ask()) return false;
   clock_.sleep_for(kAnswerTime);
   JointAngles joints;
-  Configuration q;
-  if (!take_positions(joints)) return false;
-  answers_ = true;
+  const bool known = take_positions(joints);
+  answers_ = known || bus_->answers();
+  if (!known) return false;
+  channel_.report.draft() = LineChannel::Report{joints, true};
+  channel_.report.publish();
+  const ServoFaults faults = bus_->faults();
+  for (std::size_t i = 0; i < guard_.servos().size(); ++i) {
+    // What it was sent last is all that is known of it.
+    if (faults.has(i)) joints[Eigen::Index(i)] = guard_.joints()[Eigen::Index(i)];
+  }
   const JointLimits& limits = device_->joint_limits();
   const double rounding = 2.0 * guard_.servos().front().resolution();
   const bool within = ((joints - limits.min).array() >= -rounding).all() &&
                       ((limits.max - joints).array() >= -rounding).all();
-  if (!within) return false;
-  joints = joints.cwiseMax(limits.min).cwiseMin(limits.max);
-  if (!device_->forward_kinematics(joints, q)) return false;
-  guard_.reset(q);
-  channel_.report.draft() = LineChannel::Report{joints, true};
-  channel_.report.publish();
+  Configuration q;
+  if (within && faults.any() == 0 &&
+      device_->forward_kinematics(joints.cwiseMax(limits.min).cwiseMin(limits.max), q)) {
+    guard_.reset(q);
+  } else {
+    ramp_.start(joints);
+  }
   return true;
+}
+
+void ServoLine::note_faults() {
+  const ServoFaults faults = bus_->faults();
+  if (faults == faults_) return;
+  const bool more = (faults.any() & ~faults_.any()) != 0;
+  faults_ = faults;
+  channel_.faults.store(faults);
+  if (!more) return;
+  channel_.stop.stop(StopCause::kServo);
+  if (!ramp_.is_under_way()) ramp_.start(guard_.joints());
+}
+
+bool ServoLine::look_for_lost_servos() {
+  bus_->close();
+  const bool open = this->open().empty();
+  if (!open || faults_.any() != 0) channel_.stop.answer_release(ReleaseRefusal::kServoFault);
+  return open;
 }
 
 bool ServoLine::take_over() {
@@ -168,6 +199,7 @@ void ServoLine::follow() {
       }
       now = clock_.now();  // opening takes its time
     }
+    if (faults_.any() != 0 && channel_.stop.release_is_asked() && !look_for_lost_servos()) continue;
     if (!fresh_ever_ && !channel_.stop.is_stopped()) {
       if (ending()) return;
       bus_->drain();  // nothing to say yet
@@ -195,12 +227,34 @@ void ServoLine::answer_release(TimePoint now) {
   ReleaseRefusal reason = ReleaseRefusal::kNone;
   if (stalled_ || now - last_fresh_ >= 2 * period_) {
     reason = ReleaseRefusal::kNoCommands;
-  } else if (unheard_ > most_unheard_) {
+  } else if (unheard_ > most_unheard_ || faults_.any() != 0) {
     reason = ReleaseRefusal::kServoFault;
   } else if (!retracted_since_ || now - *retracted_since_ < seconds(kRetractedRepeatTime)) {
     reason = ReleaseRefusal::kRetracting;
   }
   channel_.stop.answer_release(reason);
+}
+
+bool ServoLine::arrived(TimePoint now) const {
+  return ramp_.is_under_way() ? ramp_.arrived() : guard_.arrived() && now >= homing_until_;
+}
+
+void ServoLine::lead(TimePoint now, bool retracting) {
+  // Elapsed wall time bounds the motion, and never more than one tick of it.
+  const double dt = to_seconds(std::min(now - last_sent_, period_));
+  if (ramp_.is_under_way()) {
+    if (ramp_.arrived() && faults_.any() == 0) {
+      guard_.reset(device_->retracted());
+      ramp_.end();
+    } else {
+      ramp_.step(dt);
+    }
+    return;
+  }
+  // Away from the finger it goes even where nobody answers.
+  if (retracting || (now >= homing_until_ && unheard_ <= most_unheard_)) {
+    guard_.step(retracting ? device_->retracted() : channel_.wanted.latest().q, dt);
+  }
 }
 
 bool ServoLine::tick(TimePoint now) {
@@ -230,6 +284,7 @@ bool ServoLine::tick(TimePoint now) {
     positions_unknown_ = false;
   }
 
+  note_faults();
   answer_release(now);
   const StopLatch::Number stop = channel_.stop.newest();
   const bool stopped = channel_.stop.is_stopped();
@@ -239,32 +294,29 @@ bool ServoLine::tick(TimePoint now) {
                                         .ending = ending(),
                                         .emergency = stopped,
                                         .stalled = stalled && !ending(),
-                                        .arrived = guard_.arrived() && now >= homing_until_});
+                                        .arrived = arrived(now)});
   if (state == DeviceState::kStopped) return false;
   const bool retracting = state == DeviceState::kRetracting;
   // While it follows, what the loop says it does is what the device does.
   if (state == DeviceState::kReady || state == DeviceState::kRendering) state = wanted.state;
 
-  // Elapsed wall time bounds the motion, and never more than one tick of it.
-  const double dt = to_seconds(std::min(now - last_sent_, period_));
-  // Away from the finger it goes even where nobody answers.
-  if (now >= homing_until_ && (retracting || unheard_ <= most_unheard_)) {
-    guard_.step(retracting ? device_->retracted() : wanted.q, dt);
-  }
+  lead(now, retracting);
+  if (ramp_.is_under_way()) state = DeviceState::kRetracting;
 
   last_sent_ = now;
-  if (bus_->write(guard_.targets())) {
+  if (bus_->write(ramp_.is_under_way() ? ramp_.targets() : guard_.targets())) {
     channel_.commands_sent.fetch_add(1, std::memory_order_relaxed);
     channel_.state.store(state, std::memory_order_relaxed);
     if (stopped) channel_.stop.confirm(stop);
     channel_.sent.draft() = guard_.configuration();
     channel_.sent.publish();
-    if (!retracting || !guard_.arrived()) {
+    if (!retracting || !arrived(now)) {
       retracted_since_.reset();
     } else if (!retracted_since_) {
       retracted_since_ = now;
     }
-    lag_.sent(to_seconds(now - start_), guard_.joints());
+    lag_.sent(to_seconds(now - start_),
+              ramp_.is_under_way() ? ramp_.joints() : guard_.joints());
     if (fresh_) tell_delivery();
     fresh_ = false;
   }

@@ -6,6 +6,7 @@
 
 #include "softfinger/actuation/beating_clock.hpp"
 #include "softfinger/actuation/device_state.hpp"
+#include "softfinger/actuation/joint_ramp.hpp"
 #include "softfinger/actuation/line_channel.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
 #include "softfinger/actuation/servo_lag.hpp"
@@ -20,7 +21,9 @@ namespace softfinger {
 /// is the watchdog: a stop is obeyed at once, whatever the loop says or does not say; when no fresh
 /// command comes it repeats the last one, after kStallTime it retracts the device, and it opens a
 /// port that went away again. Its own MotionGuard starts from what was really sent last (or from
-/// where the servos say they are), so nothing upstream can cause a jump.
+/// where the servos say they are), so nothing upstream can cause a jump. Where no configuration says
+/// where the device is, since servos stand outside of its workspace or one of them cannot be led, it
+/// is retracted joint by joint (JointRamp); a servo that is lost stops the device besides.
 class ServoLine {
  public:
   struct Options {
@@ -61,6 +64,11 @@ class ServoLine {
   /// Takes an answer that has arrived complete; false if there is none.
   bool take_positions(JointAngles& joints);
   bool tick(TimePoint now);  ///< false: stopped
+  void lead(TimePoint now, bool retracting);
+  [[nodiscard]] bool arrived(TimePoint now) const;
+  void note_faults();
+  /// Opens the port anew, since a servo that was lost may be back; false: it cannot be opened.
+  bool look_for_lost_servos();
   void answer_release(TimePoint now);
   [[nodiscard]] bool stop_is_news() const;
   void tell_delivery();
@@ -75,6 +83,8 @@ class ServoLine {
   LineClock::Duration period_;
   std::unique_ptr<ServoBus> bus_;
   MotionGuard guard_;
+  JointRamp ramp_;  ///< under way: instead of the guard
+  ServoFaults faults_;
   DeviceStateMachine machine_;
   ServoLag lag_;
   CommandDelivery delivery_;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "softfinger/motors/servo_faults.hpp"
 #include "softfinger/motors/transport_settings.hpp"
 #include "softfinger/wire/line_clock.hpp"
 
@@ -25,8 +26,15 @@ class ServoBus {
 
   /// Opens the port and makes the servos ready. Returns an empty text, or in few words why not.
   [[nodiscard]] virtual std::string open(const std::string& port) = 0;
+  /// From now on open() makes ready those servos that answer, if any does, and tells of the others
+  /// as faults(), instead of refusing: a device under way has to get away from the finger.
+  virtual void lead_those_left() noexcept {}
   virtual void close() noexcept = 0;
   [[nodiscard]] virtual bool is_open() const noexcept = 0;
+
+  /// Servos that cannot be led any more, until the port is opened again; the others are. None where
+  /// the bus cannot tell.
+  [[nodiscard]] virtual ServoFaults faults() const noexcept { return {}; }
 
   /// Sends the targets of all servos, whole or not at all. False: not sent, since earlier bytes
   /// still wait or the port vanished (it is closed then).
@@ -34,7 +42,10 @@ class ServoBus {
 
   /// Asks the servos where they are, without waiting; false where this bus has no such question.
   virtual bool ask() noexcept = 0;
-  /// Takes the answers to the last ask(), if all have come and every servo knows its position.
+  /// Whether servos have answered since open(), also that they know no position.
+  [[nodiscard]] virtual bool answers() const noexcept { return false; }
+  /// Takes the answers to the last ask(), if all have come and every servo knows its position; those
+  /// of faults() may be anything.
   virtual bool take_positions(std::span<std::int32_t> positions) noexcept = 0;
   /// Reads and forgets what has come; notices a port that hung up.
   virtual void drain() noexcept = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/motors/motor_kinds.hpp"
@@ -37,6 +38,18 @@ constexpr std::array kTransportKeys{
     KeyMeaning{"rate_Hz", "device ticks a second: one match and one command each"},
     KeyMeaning{"servo", "one a joint, in joint order; weart: the one actuation point"},
 };
+
+/// What goes to the wire keeps to the joint's limits already; the servo itself must not be held back
+/// by its own.
+constexpr double kHardwareReserve = 1.25;
+
+void limit_motion(const JointLimits& limits, ServoSettings& servo) {
+  const double scale = kHardwareReserve * std::abs(servo.per_radian);
+  servo.max_rate = scale * limits.max_rate;
+  if (std::isfinite(limits.max_acceleration)) {
+    servo.max_acceleration = scale * limits.max_acceleration;
+  }
+}
 
 }  // namespace
 
@@ -72,8 +85,8 @@ TransportSettings read_transport(const ConfigTable& table, const JointLimits& li
   }
   for (const ConfigTable& servo : servos) {
     const auto joint = static_cast<int>(transport.servos.size());
-    const ServoSettings read =
-        kind.read_servo(servo, slope_key(kind, limits.linear), limits, joint);
+    ServoSettings read = kind.read_servo(servo, slope_key(kind, limits.linear), limits, joint);
+    if (!transport.follows_travel) limit_motion(limits, read);
     if (!transport.follows_travel) check_cover(servo, kind, read, limits, joint);
     const std::string name = kind.servo_name(read);
     for (int other = 0; other < joint; ++other) {

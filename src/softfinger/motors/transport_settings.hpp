@@ -18,6 +18,9 @@ struct ServoSettings {
   double min = 0.0;          ///< least set point ever sent
   double max = 0.0;          ///< largest set point ever sent
   double step = 0.25e-6;     ///< smallest difference the wire can say, > 0
+  /// What the hardware is to keep to itself, set point a s and a s^2: somewhat more than the joint
+  /// may do. 0: no limit is known.
+  double max_rate = 0.0, max_acceleration = 0.0;
   int current_limit = 0;     ///< dynamixel: in the servo's own unit; 0: not given
   std::string address = {};  ///< osc: of its message; weart: "RIGHT:INDEX"
 };

@@ -18,7 +18,7 @@ ServoSettings read_dynamixel_servo(const ConfigTable& table, const std::string& 
   return servo;
 }
 
-/// Operating mode, position limits and, where given, the current limit.
+/// Operating mode, position limits, speed and acceleration and, where given, the current limit.
 std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport, LineClock& clock) {
   std::vector<std::vector<ServoTableBus::Preset>> presets;
   for (const ServoSettings& servo : transport.servos) {
@@ -32,6 +32,18 @@ std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport,
     if (limit > 0) {
       list.push_back({dynamixel::kCurrentLimit, limit, true});
       list.push_back({dynamixel::kGoalCurrent, limit, false});
+    }
+    if (servo.max_rate > 0.0) {
+      list.push_back({dynamixel::kProfileAcceleration,
+                      servo.max_acceleration > 0.0
+                          ? at_least(servo.max_acceleration / dynamixel::kProfileAccelerationUnit,
+                                     dynamixel::kMostProfile)
+                          : 0U,
+                      false});
+      list.push_back({dynamixel::kProfileVelocity,
+                      at_least(servo.max_rate / dynamixel::kProfileVelocityUnit,
+                               dynamixel::kMostProfile),
+                      false});
     }
     presets.push_back(std::move(list));
   }

@@ -16,7 +16,8 @@ void ServoMotion::move(double target) {
   const double w = servo_.natural_frequency;
   const double error = target * servo_.step - position;
   velocity_ += kStep * (w * w * error - 2.0 * w * velocity_);
-  velocity_ = std::clamp(velocity_, -servo_.rate, servo_.rate);
+  const double rate = limit_ > 0.0 ? std::min(limit_, servo_.rate) : servo_.rate;
+  velocity_ = std::clamp(velocity_, -rate, rate);
   position_.store(position + kStep * velocity_, std::memory_order_relaxed);
 }
 

@@ -27,6 +27,8 @@ class ServoMotion {
   void start(const EmulatedServo& servo);
   /// kStep further, towards a target in steps of the wire.
   void move(double target);
+  /// Its controller lets it move no faster, set point per s; 0: as fast as it can.
+  void limit_rate(double rate) { limit_ = rate; }
   /// Without power it stays where it is.
   void rest() { velocity_ = 0.0; }
   [[nodiscard]] double setpoint() const { return position_.load(std::memory_order_relaxed); }
@@ -36,6 +38,7 @@ class ServoMotion {
   EmulatedServo servo_;
   std::atomic<double> position_{0.0};
   double velocity_ = 0.0;  ///< set point per s
+  double limit_ = 0.0;     ///< see limit_rate()
 };
 
 /// Whole steps of ServoMotion that are due as time passes.

@@ -1,5 +1,6 @@
 #include "softfinger/motors/feetech/feetech_kind.hpp"
 
+#include <utility>
 #include <vector>
 
 #include "softfinger/motors/feetech/feetech_protocol.hpp"
@@ -18,9 +19,20 @@ const MotorKind& feetech_kind() {
                          int) { return read_table_servo(table, slope, 253); };
     kind.make_bus = [](const TransportSettings& transport,
                        LineClock& clock) -> std::unique_ptr<ServoBus> {
-      return std::make_unique<ServoTableBus>(
-          std::make_unique<FeetechProtocol>(), transport,
-          std::vector<std::vector<ServoTableBus::Preset>>(transport.servos.size()), clock);
+      std::vector<std::vector<ServoTableBus::Preset>> presets;
+      for (const ServoSettings& servo : transport.servos) {
+        auto& list = presets.emplace_back();
+        if (servo.max_rate <= 0.0) continue;
+        if (servo.max_acceleration > 0.0) {
+          list.push_back({feetech::kAcceleration,
+                          at_least(servo.max_acceleration / feetech::kAccelerationUnit,
+                                   feetech::kMostAcceleration),
+                          false});
+        }
+        list.push_back({feetech::kSpeed, at_least(servo.max_rate, feetech::kMostSpeed), false});
+      }
+      return std::make_unique<ServoTableBus>(std::make_unique<FeetechProtocol>(), transport,
+                                             std::move(presets), clock);
     };
     kind.make_emulator = [](const TransportSettings&,
                             std::span<const EmulatedServo> servos) -> std::unique_ptr<BusEmulator> {

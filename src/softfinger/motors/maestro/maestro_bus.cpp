@@ -2,12 +2,27 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/motors/maestro/maestro_protocol.hpp"
 
 namespace softfinger {
+
+namespace {
+
+/// Of the pulse width, s per s and s per s^2 ("User's Guide", sections 5.e: speed and acceleration).
+constexpr double kSpeedUnit = kQuarterMicrosecond / 10e-3;
+constexpr double kAccelerationUnit = kQuarterMicrosecond / (10e-3 * 80e-3);
+
+/// Not below what is wanted; 0 would be no limit.
+std::uint16_t maestro_limit(double units, std::uint16_t most) {
+  return static_cast<std::uint16_t>(std::clamp(std::ceil(units), 1.0, static_cast<double>(most)));
+}
+
+}  // namespace
 
 MaestroBus::MaestroBus(const TransportSettings& transport)
     : baud_(static_cast<unsigned>(transport.baud)) {
@@ -17,16 +32,34 @@ MaestroBus::MaestroBus(const TransportSettings& transport)
                                    servo.channel, kMaestroChannels - 1));
     }
     channels_.push_back(servo.channel);
+    const auto add = [&](std::span<const std::uint8_t> bytes) {
+      limits_.insert(limits_.end(), bytes.begin(), bytes.end());
+    };
+    if (servo.max_rate <= 0.0) continue;
+    add(encode_set_speed(servo.channel, maestro_limit(servo.max_rate / kSpeedUnit, kMaestroMaxValue)));
+    add(encode_set_acceleration(
+        servo.channel, servo.max_acceleration > 0.0
+                           ? maestro_limit(servo.max_acceleration / kAccelerationUnit, 255)
+                           : std::uint16_t{0}));
   }
 }
 
 std::string MaestroBus::open(const std::string& port) {
   std::string reason = port_.open(port, baud_);
   port_.discard_input();
+  answers_ = false;
+  pulses_ = false;
+  limits_due_ = false;
+  if (reason.empty() && !limits_.empty() &&
+      port_.write(limits_) != SerialPort::Result::kSent) {
+    port_.close();
+    return "it does not take what limits the servos' speed";
+  }
   return reason;
 }
 
 bool MaestroBus::write(std::span<const std::int32_t> targets) noexcept {
+  if (limits_due_ && port_.write(limits_) == SerialPort::Result::kSent) limits_due_ = false;
   std::array<std::uint8_t, 4 * kMaestroChannels> bytes;
   std::size_t size = 0;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
@@ -52,11 +85,17 @@ bool MaestroBus::take_positions(std::span<std::int32_t> positions) noexcept {
   const std::size_t size = 2 * channels_.size();
   const std::size_t got = port_.read(answer);
   if (got == 0 || got % size != 0) return false;
+  answers_ = true;
   const auto last = std::span(answer).subspan(got - size, size);
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     positions[i] = decode_reply(last[2 * i], last[2 * i + 1]);
-    if (positions[i] == 0) return false;  // no pulses: the servo may be anywhere
+    if (positions[i] != 0) continue;
+    // No pulses: the servo may be anywhere.
+    limits_due_ = limits_due_ || pulses_;
+    pulses_ = false;
+    return false;
   }
+  pulses_ = true;
   return true;
 }
 

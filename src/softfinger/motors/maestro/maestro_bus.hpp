@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "softfinger/motors/servo_bus.hpp"
@@ -9,7 +10,8 @@ namespace softfinger {
 
 /// A Pololu Maestro on a serial port, spoken to in its compact protocol. Targets are quarter
 /// microseconds of pulse width. Positions are what the controller puts out; hobby servos themselves
-/// say nothing.
+/// say nothing. Speed and acceleration of the pulses are limited in the board as well, from
+/// open() on, and anew where its pulses stopped: it was without power.
 class MaestroBus : public ServoBus {
  public:
   /// Throws InputError for a servo on a channel that no Maestro has.
@@ -17,6 +19,7 @@ class MaestroBus : public ServoBus {
 
   [[nodiscard]] std::string open(const std::string& port) override;
   void close() noexcept override { port_.close(); }
+  [[nodiscard]] bool answers() const noexcept override { return answers_; }
   [[nodiscard]] bool is_open() const noexcept override { return port_.is_open(); }
   bool write(std::span<const std::int32_t> targets) noexcept override;
   bool ask() noexcept override;
@@ -26,6 +29,10 @@ class MaestroBus : public ServoBus {
  private:
   unsigned baud_;
   std::vector<int> channels_;
+  std::vector<std::uint8_t> limits_;  ///< of speed and acceleration, as they are sent
+  bool answers_ = false;              ///< since open()
+  bool pulses_ = false;               ///< all channels have them
+  bool limits_due_ = false;           ///< the board has forgotten them
   SerialPort port_;
 };
 

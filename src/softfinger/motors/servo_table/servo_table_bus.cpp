@@ -38,6 +38,7 @@ ServoTableBus::ServoTableBus(std::unique_ptr<const ServoProtocol> protocol,
   }
   answers_.resize(ids_.size());
   answered_.resize(ids_.size());
+  missed_.resize(ids_.size());
   check_speed(transport);
 }
 
@@ -106,10 +107,13 @@ std::string ServoTableBus::find_servos() {
   const std::uint64_t bytes = reader_.bytes();
   const std::uint64_t frames = reader_.frames();
   std::vector<int> silent;
-  for (const std::uint8_t id : ids_) {
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
     // Where nobody has answered so far nobody will: no more patience for the rest.
     const bool hope = silent.size() < 2 || reader_.frames() != frames;
-    if (!exchange(ping_request(id), std::nullopt, hope ? kPingTries : 1).came) silent.push_back(id);
+    if (!exchange(ping_request(ids_[i]), std::nullopt, hope ? kPingTries : 1).came) {
+      silent.push_back(ids_[i]);
+      faults_.silent |= 1U << i;
+    }
     if (!port_.is_open()) return "it vanished";
   }
   if (silent.empty()) return {};
@@ -123,6 +127,7 @@ std::string ServoTableBus::find_servos() {
         "are set to {} baud",
         ids, baud_);
   }
+  if (those_left_) return {};
   return fmt::format("id {} did not answer, the others did; check ids and wiring", ids);
 }
 
@@ -141,6 +146,11 @@ std::string ServoTableBus::write_presets(std::size_t servo) {
     if (reply.error != 0) {
       return fmt::format("servo {} does not take {} at address {} of its control table (error {})",
                          id, preset.value, preset.at.address, reply.error);
+    }
+    const Reply kept = read(id, preset.at);
+    if (!kept.came || kept.value != preset.value) {
+      return fmt::format("servo {} does not keep {} at address {} of its control table", id,
+                         preset.value, preset.at.address);
     }
   }
   return {};
@@ -172,8 +182,23 @@ std::string ServoTableBus::open(const std::string& port) {
   if (!reason.empty()) return reason;
   port_.discard_input();
   reader_.reset();
+  faults_ = {};
   reason = find_servos();
-  for (std::size_t i = 0; i < ids_.size() && reason.empty(); ++i) reason = prepare(i);
+  std::size_t ready = 0;
+  std::string refused;
+  for (std::size_t i = 0; i < ids_.size() && reason.empty(); ++i) {
+    if (faults_.has(i)) continue;
+    const std::string not_ready = prepare(i);
+    if (not_ready.empty()) {
+      ++ready;
+    } else if (those_left_ && port_.is_open()) {
+      faults_.limp |= 1U << i;
+      refused = not_ready;
+    } else {
+      reason = not_ready;
+    }
+  }
+  if (reason.empty() && ready == 0) reason = refused;
   if (!reason.empty()) {
     port_.close();
     return reason;
@@ -181,16 +206,23 @@ std::string ServoTableBus::open(const std::string& port) {
   opened_ = true;
   known_ = true;
   asked_ = 0;
-  unanswered_ = 0;
+  std::fill(missed_.begin(), missed_.end(), 0U);
+  std::fill(answered_.begin(), answered_.end(), true);
   question_ = Question::kPosition;
   return {};
 }
 
 bool ServoTableBus::write(std::span<const std::int32_t> targets) noexcept {
+  std::array<std::uint8_t, kMostServos> ids;
   std::array<std::uint32_t, kMostServos> values;
-  for (std::size_t i = 0; i < ids_.size(); ++i) values[i] = protocol_->to_register(targets[i]);
-  return send(sync_write_request(*protocol_, protocol_->table().goal, ids_,
-                                 std::span(values).first(ids_.size())));
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (faults_.has(i)) continue;
+    ids[count] = ids_[i];
+    values[count++] = protocol_->to_register(targets[i]);
+  }
+  return send(sync_write_request(*protocol_, protocol_->table().goal, std::span(ids).first(count),
+                                 std::span(values).first(count)));
 }
 
 ServoRegister ServoTableBus::asked() const {
@@ -198,21 +230,43 @@ ServoRegister ServoTableBus::asked() const {
   return question_ == Question::kTorque ? table.torque : table.present;
 }
 
+/// Of the last question.
+void ServoTableBus::count_silence() noexcept {
+  bool heard = false;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (faults_.has(i)) continue;
+    missed_[i] = answered_[i] ? 0 : missed_[i] + 1;
+    heard = heard || missed_[i] <= most_unanswered_;
+  }
+  if (!heard) return port_.close();  // who is left is found out anew
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (faults_.has(i) || missed_[i] <= most_unanswered_) continue;
+    faults_.silent |= 1U << i;
+    // Those behind it may only have waited for it, and are asked without it now.
+    std::fill(missed_.begin(), missed_.end(), 0U);
+    return;
+  }
+}
+
 bool ServoTableBus::ask() noexcept {
   if (opened_) {  // open() has just asked
     opened_ = false;
     return true;
   }
+  count_silence();
+  if (!port_.is_open()) return true;
   ++asked_;
-  if (++unanswered_ > most_unanswered_) {
-    port_.close();
-    return true;
-  }
   question_ = asked_ % kTorqueEvery == 0 ? Question::kTorque : Question::kPosition;
-  std::fill(answered_.begin(), answered_.end(), false);
   known_ = false;
+  limp_ = 0;
   reader_.reset();  // half an answer belongs to the last question
-  send(sync_read_request(*protocol_, asked(), ids_));
+  std::array<std::uint8_t, kMostServos> ids;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    answered_[i] = faults_.has(i);
+    if (!answered_[i]) ids[count++] = ids_[i];
+  }
+  send(sync_read_request(*protocol_, asked(), std::span(ids).first(count)));
   return true;
 }
 
@@ -225,14 +279,20 @@ void ServoTableBus::take(const ServoFrame& frame) noexcept {
   const auto servo = static_cast<std::size_t>(found - ids_.begin());
   const std::uint32_t value = register_value(status->data);
   if (question_ == Question::kTorque) {
-    if (value == 0) port_.close();
+    if (value == 0) limp_ |= 1U << servo;
   } else {
     answers_[servo] = value;
   }
   answered_[servo] = true;
   if (!std::all_of(answered_.begin(), answered_.end(), [](bool one) { return one; })) return;
-  unanswered_ = 0;
   known_ = question_ == Question::kPosition;
+  if (limp_ == 0) return;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (faults_.has(i) || ((limp_ >> i) & 1U) != 0) continue;
+    faults_.limp |= limp_;
+    return;
+  }
+  port_.close();  // all of them: a board that was reset
 }
 
 bool ServoTableBus::take_positions(std::span<std::int32_t> positions) noexcept {

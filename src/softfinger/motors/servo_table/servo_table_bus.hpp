@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,8 +20,14 @@ namespace softfinger {
 /// open() finds every servo by its id, makes it stay where it is, writes what the device file asks
 /// for into its table and turns its torque on. From then on each tick is one sync write of the
 /// goals and one sync read of the positions; now and then the torque is read instead. A servo that
-/// lost its torque (it was reset, or protects itself), or servos that do not answer for a while,
-/// count as a lost port: opening it again finds out where they stand.
+/// lost its torque (it was reset, or protects itself), or does not answer for a while, is one of
+/// faults(), and the others go on; all of them together are a lost port: opening it again finds out
+/// who is left and where they stand.
+/// A limit in whole units, not below what is wanted; 0 would be no limit.
+[[nodiscard]] inline std::uint32_t at_least(double units, std::uint32_t most) {
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(units), 1.0, static_cast<double>(most)));
+}
+
 class ServoTableBus : public ServoBus {
  public:
   /// A register that must have a value before torque is turned on.
@@ -36,7 +44,9 @@ class ServoTableBus : public ServoBus {
 
   /// Waits for the servos' answers, a moment each.
   [[nodiscard]] std::string open(const std::string& port) override;
+  void lead_those_left() noexcept override { those_left_ = true; }
   void close() noexcept override { port_.close(); }
+  [[nodiscard]] ServoFaults faults() const noexcept override { return faults_; }
   [[nodiscard]] bool is_open() const noexcept override { return port_.is_open(); }
   bool write(std::span<const std::int32_t> targets) noexcept override;
   bool ask() noexcept override;
@@ -65,6 +75,7 @@ class ServoTableBus : public ServoBus {
   [[nodiscard]] std::string prepare(std::size_t servo);
   [[nodiscard]] std::string write_presets(std::size_t servo);
   void take(const ServoFrame& frame) noexcept;
+  void count_silence() noexcept;
   [[nodiscard]] ServoRegister asked() const;
 
   std::unique_ptr<const ServoProtocol> protocol_;
@@ -78,10 +89,13 @@ class ServoTableBus : public ServoBus {
   Question question_ = Question::kPosition;
   std::vector<std::uint32_t> answers_;
   std::vector<bool> answered_;
+  std::vector<unsigned> missed_;  ///< last questions in a row that a servo did not answer
+  ServoFaults faults_;
+  std::uint32_t limp_ = 0;   ///< by the answers to the question under way
+  bool those_left_ = false;  ///< see lead_those_left()
   bool known_ = false;       ///< positions of open() or of the last answer, not yet taken
   bool opened_ = false;      ///< nothing asked since open()
   unsigned asked_ = 0;       ///< questions since open()
-  unsigned unanswered_ = 0;  ///< of these the last ones
 };
 
 }  // namespace softfinger

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
+#include "softfinger/motors/feetech/feetech_protocol.hpp"
 
 namespace softfinger {
 namespace {
@@ -40,8 +41,21 @@ ServoTableEmulator::ServoTableEmulator(std::unique_ptr<const ServoProtocol> prot
   }
 }
 
+void ServoTableEmulator::turn(std::size_t servo, double setpoint) {
+  EmulatedServo turned = servos_[servo].motion.servo();
+  turned.initial_setpoint = setpoint;
+  servos_[servo].motion.start(turned);
+  note_position(servos_[servo]);
+  servos_[servo].goal = protocol_->to_position(get(servos_[servo], protocol_->table().present));
+}
+
 void ServoTableEmulator::receive(std::span<const std::uint8_t> bytes) {
   if (reset_.exchange(false)) lose_power();
+  for (Servo& servo : servos_) {
+    if (!servo.tripped.exchange(false)) continue;
+    servo.torque = false;
+    put(servo, protocol_->table().torque, 0);
+  }
   reader_.push(bytes, [this](const ServoFrame& frame) { execute(frame); });
   frames_ = reader_.frames();
   malformed_ = reader_.malformed_bytes();
@@ -52,7 +66,15 @@ void ServoTableEmulator::lose_power() {
   for (Servo& servo : servos_) {
     servo.torque = false;
     put(servo, protocol_->table().torque, 0);
-    if (dynamixel_) put(servo, dynamixel::kGoalCurrent, 0);
+    if (dynamixel_) {
+      put(servo, dynamixel::kGoalCurrent, 0);
+      put(servo, dynamixel::kProfileVelocity, 0);
+      put(servo, dynamixel::kProfileAcceleration, 0);
+    } else {
+      put(servo, feetech::kSpeed, 0);
+      put(servo, feetech::kAcceleration, 0);
+    }
+    servo.motion.limit_rate(0.0);
   }
 }
 
@@ -111,6 +133,9 @@ std::uint8_t ServoTableEmulator::write(Servo& servo, std::size_t address,
   if (dynamixel_ && address < dynamixel::kFirstVolatile) ++lasting_writes_;
   std::copy(bytes.begin(), bytes.end(),
             servo.memory.begin() + static_cast<std::ptrdiff_t>(address));
+  servo.motion.limit_rate(
+      dynamixel_ ? get(servo, dynamixel::kProfileVelocity) * dynamixel::kProfileVelocityUnit
+                 : get(servo, feetech::kSpeed));
   if (address <= table.torque.address && table.torque.address < address + bytes.size()) {
     const bool on = get(servo, table.torque) == 1;
     if (on && !servo.torque && dynamixel_) {
@@ -140,6 +165,8 @@ void ServoTableEmulator::execute(const ServoFrame& frame) {
     for (std::size_t at = 2 * a; at < frame.size; at += stride) {
       for (Servo& servo : servos_) {
         if (servo.id != used[at]) continue;
+        if (servo.cut_off && !writes) return;
+        if (servo.cut_off) continue;
         if (!writes) {
           answer_read(servo, address, length);
           continue;
@@ -157,7 +184,7 @@ void ServoTableEmulator::execute(const ServoFrame& frame) {
     return;
   }
   for (Servo& servo : servos_) {
-    if (servo.id != frame.id) continue;
+    if (servo.id != frame.id || servo.cut_off) continue;
     if (instruction == ServoInstruction::kPing) {
       // Only a Dynamixel says its model and firmware.
       const std::array<std::uint8_t, 3> model{kModel & 0xFF, kModel >> 8, 46};

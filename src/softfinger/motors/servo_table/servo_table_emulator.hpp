@@ -30,6 +30,14 @@ class ServoTableEmulator : public BusEmulator {
   /// Cuts the power of all servos for a moment, at the next bytes: what is half read is lost,
   /// torque is off. From any thread.
   void reset() { reset_ = true; }
+  /// Turns a servo by hand, to a set point; before the first bytes.
+  void turn(std::size_t servo, double setpoint);
+  /// Cuts one servo off the bus, or brings it back: it keeps its torque and its last goal, hears
+  /// nothing and says nothing; nor do those after it in an answer to a question to several, which
+  /// wait for it. From any thread.
+  void cut_off(std::size_t servo, bool off = true) { servos_[servo].cut_off = off; }
+  /// One servo protects itself, as from overload: its torque is off. From any thread.
+  void trip(std::size_t servo) { servos_[servo].tripped = true; }
   [[nodiscard]] std::int32_t goal(std::size_t servo) const { return servos_[servo].goal; }
   [[nodiscard]] bool torque(std::size_t servo) const { return servos_[servo].torque; }
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
@@ -54,6 +62,8 @@ class ServoTableEmulator : public BusEmulator {
     std::uint8_t id = 0;
     std::atomic<std::int32_t> goal{0};
     std::atomic<bool> torque{false};
+    std::atomic<bool> cut_off{false};
+    std::atomic<bool> tripped{false};
   };
 
   void execute(const ServoFrame& frame);

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+
+namespace softfinger {
+
+/// Servos of a device that cannot be led: bit i is servo i, in the order of the device file.
+struct ServoFaults {
+  std::uint32_t silent = 0;  ///< do not answer
+  std::uint32_t limp = 0;    ///< have lost their torque, or protect themselves
+
+  [[nodiscard]] std::uint32_t any() const { return silent | limp; }
+  [[nodiscard]] bool has(std::size_t servo) const { return ((any() >> servo) & 1U) != 0; }
+  bool operator==(const ServoFaults&) const = default;
+};
+
+}  // namespace softfinger

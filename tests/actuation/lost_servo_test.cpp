@@ -1,0 +1,182 @@
+// What the servos do that are left when one cannot be led any more, and where servos are led that
+// stand where no configuration has them; in simulated time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+
+#include "../support/lever_platform.hpp"
+#include "simulated_line.hpp"
+#include "softfinger/motors/servo_table/servo_table_emulator.hpp"
+
+namespace softfinger {
+namespace {
+
+/// From a fault to the other servos retracted, s: what the docs promise.
+constexpr double kFree = 4.0;
+
+class LeverLine : public testing::Test {
+ protected:
+  explicit LeverLine(const char* kind)
+      : device_(lever_platform({.rate = 60.0, .kind = kind})), line_(device_) {
+    line_.wanted = [this](double) { return pressing_; };
+  }
+  [[nodiscard]] JointAngles joints_at(const Configuration& q) const {
+    JointAngles joints;
+    EXPECT_TRUE(device_->inverse_kinematics(q, joints));
+    return joints;
+  }
+  [[nodiscard]] double away(Eigen::Index joint, const Configuration& q) const {
+    return std::abs(line_.standing()[joint] - joints_at(q)[joint]);
+  }
+  [[nodiscard]] double away(const Configuration& q) const {
+    return (line_.standing() - joints_at(q)).cwiseAbs().maxCoeff();
+  }
+  /// No command goes further than a joint may in the time since the one before it.
+  void expect_no_jump() const {
+    const auto& sent = line_.sent();
+    ASSERT_GT(sent.size(), 10u);
+    const ServoSettings& servo = device_->settings().transport->servos.front();
+    const double rounding = 2.0 * servo.step / std::abs(servo.per_radian) + 1e-9;
+    for (std::size_t k = 1; k < sent.size(); ++k) {
+      const double most =
+          device_->joint_limits().max_rate * (sent[k].time - sent[k - 1].time) + rounding;
+      EXPECT_LE((sent[k].joints - sent[k - 1].joints).cwiseAbs().maxCoeff(), most)
+          << sent[k].time;
+    }
+  }
+
+  std::shared_ptr<const Device> device_;
+  Configuration pressing_ = [] {
+    Configuration q(3);
+    q << 4.0 * deg, 0.0, 3.0 * mm;
+    return q;
+  }();
+  SimulatedLine line_;
+  int looks_ = 0;
+};
+
+class LostServo : public LeverLine,
+                  public testing::WithParamInterface<std::tuple<const char*, int, bool>> {
+ protected:
+  LostServo() : LeverLine(std::get<0>(GetParam())) { line_.plug_in(board_); }
+
+  void lose() {
+    if (std::get<2>(GetParam())) {
+      servos_.trip(lost_);
+    } else {
+      servos_.cut_off(lost_);
+    }
+  }
+  void expect_others_retracted_at(double time) {
+    line_.at(time, [this] {
+      ++looks_;
+      for (Eigen::Index joint = 0; joint < 3; ++joint) {
+        if (joint == Eigen::Index(lost_)) continue;
+        EXPECT_LE(away(joint, device_->retracted()), 0.3 * deg) << joint << " " << line_.time();
+      }
+    });
+  }
+
+  std::size_t lost_ = static_cast<std::size_t>(std::get<1>(GetParam()));
+  Board board_ = board_at(*device_, device_->home());
+  ServoTableEmulator& servos_ = dynamic_cast<ServoTableEmulator&>(*board_.bus);
+};
+
+INSTANTIATE_TEST_SUITE_P(Buses, LostServo,
+                         testing::Combine(testing::Values("dynamixel", "feetech"),
+                                          testing::Values(0, 1, 2), testing::Bool()),
+                         [](const auto& name) {
+                           return std::string(std::get<0>(name.param)) + "Servo" +
+                                  std::to_string(std::get<1>(name.param)) +
+                                  (std::get<2>(name.param) ? "Trips" : "IsCutOff");
+                         });
+
+TEST_P(LostServo, TheOthersRetractAndStaySo) {
+  line_.at(2.0, [this] {
+    ++looks_;
+    EXPECT_LE(away(pressing_), 0.3 * deg);
+    lose();
+  });
+  expect_others_retracted_at(2.0 + kFree);
+  line_.at(2.0 + kFree, [this] {
+    const StopLatch& stop = line_.channel().stop;
+    EXPECT_TRUE(stop.is_stopped());
+    EXPECT_EQ(stop.cause(), StopCause::kServo);
+    EXPECT_EQ(stop.confirmed(), stop.newest());
+    EXPECT_EQ(line_.channel().faults.load().any(), 1U << lost_);
+    line_.ask_release(stop.newest());
+  });
+  expect_others_retracted_at(2.0 + kFree + 4.0);
+  line_.at(2.0 + kFree + 4.0, [this] {
+    // What tripped is back, since release looks for it; what is cut off is not.
+    if (!std::get<2>(GetParam())) {
+      EXPECT_EQ(line_.channel().stop.refusal(), ReleaseRefusal::kServoFault);
+      EXPECT_TRUE(line_.channel().stop.is_stopped());
+    }
+  });
+  line_.run(11.0);
+  EXPECT_EQ(looks_, 3);
+  for (Eigen::Index joint = 0; joint < 3; ++joint) {
+    if (joint == Eigen::Index(lost_)) continue;
+    EXPECT_LE(away(joint, device_->retracted()), 0.3 * deg) << "after the end";
+  }
+}
+
+TEST_P(LostServo, ItGoesOnOnlyWhenTheServoIsBackAndSomebodyReleases) {
+  line_.at(2.0, [this] { lose(); });
+  line_.at(7.0, [this] { servos_.cut_off(lost_, false); });
+  expect_others_retracted_at(9.0);
+  // The first finds the servo again, the second the device retracted with it.
+  for (const double time : {9.0, 13.0}) {
+    line_.at(time, [this] { line_.ask_release(line_.channel().stop.newest()); });
+  }
+  line_.at(17.0, [this] {
+    ++looks_;
+    EXPECT_FALSE(line_.channel().stop.is_stopped());
+    EXPECT_EQ(line_.channel().faults.load().any(), 0U);
+    EXPECT_LE(away(pressing_), 0.3 * deg);
+  });
+  line_.run(18.0);
+  EXPECT_EQ(looks_, 2);
+}
+
+class StandsElsewhere : public LeverLine, public testing::WithParamInterface<const char*> {
+ protected:
+  StandsElsewhere() : LeverLine(GetParam()) {}
+};
+INSTANTIATE_TEST_SUITE_P(Buses, StandsElsewhere, testing::Values("dynamixel", "feetech"),
+                         [](const auto& name) { return std::string(name.param); });
+
+// Turned by hand while limp, to where no pose of the platform has them.
+TEST_P(StandsElsewhere, IsLedFromThereAtTheRateLimit) {
+  Board board = board_at(*device_, device_->home());
+  const auto& servos = device_->settings().transport->servos;
+  auto& table = dynamic_cast<ServoTableEmulator&>(*board.bus);
+  const JointLimits& limits = device_->joint_limits();
+  JointAngles standing(3);
+  standing << limits.max[0] - 1.0 * deg, limits.min[1] + 1.0 * deg, limits.max[2] - 1.0 * deg;
+  Configuration q;
+  ASSERT_FALSE(device_->forward_kinematics(standing, q));
+  for (std::size_t i = 0; i < 3; ++i) {
+    table.turn(i, ServoMap(servos[i]).setpoint(standing[Eigen::Index(i)]));
+  }
+  line_.plug_in(board);
+  line_.at(0.1, [&] {
+    ++looks_;
+    EXPECT_LE((line_.sent().front().joints - standing).cwiseAbs().maxCoeff(),
+              limits.max_rate * 2.0 * line_.period());
+  });
+  line_.at(4.0, [this] {
+    ++looks_;
+    EXPECT_LE(away(pressing_), 0.3 * deg);
+  });
+  line_.run(5.0);
+  expect_no_jump();
+  EXPECT_EQ(looks_, 2);
+}
+
+}  // namespace
+}  // namespace softfinger
