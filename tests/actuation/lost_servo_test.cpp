@@ -43,8 +43,7 @@ class LeverLine : public testing::Test {
     for (std::size_t k = 1; k < sent.size(); ++k) {
       const double most =
           device_->joint_limits().max_rate * (sent[k].time - sent[k - 1].time) + rounding;
-      EXPECT_LE((sent[k].joints - sent[k - 1].joints).cwiseAbs().maxCoeff(), most)
-          << sent[k].time;
+      EXPECT_LE((sent[k].joints - sent[k - 1].joints).cwiseAbs().maxCoeff(), most) << sent[k].time;
     }
   }
 

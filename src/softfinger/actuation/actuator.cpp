@@ -210,9 +210,11 @@ std::string Actuator::Impl::fault_text() const {
     if (((faults.limp >> i) & 1U) != 0) limp.push_back(name);
   }
   std::vector<std::string> parts;
-  if (!silent.empty()) parts.push_back(fmt::format("servo {} does not answer", fmt::join(silent, ", ")));
+  if (!silent.empty())
+    parts.push_back(fmt::format("servo {} does not answer", fmt::join(silent, ", ")));
   if (!limp.empty()) {
-    parts.push_back(fmt::format("servo {} has no torque or protects itself", fmt::join(limp, ", ")));
+    parts.push_back(
+        fmt::format("servo {} has no torque or protects itself", fmt::join(limp, ", ")));
   }
   return parts.empty() ? "a servo failed" : fmt::format("{}", fmt::join(parts, ", "));
 }

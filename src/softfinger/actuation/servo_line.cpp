@@ -315,8 +315,7 @@ bool ServoLine::tick(TimePoint now) {
     } else if (!retracted_since_) {
       retracted_since_ = now;
     }
-    lag_.sent(to_seconds(now - start_),
-              ramp_.is_under_way() ? ramp_.joints() : guard_.joints());
+    lag_.sent(to_seconds(now - start_), ramp_.is_under_way() ? ramp_.joints() : guard_.joints());
     if (fresh_) tell_delivery();
     fresh_ = false;
   }

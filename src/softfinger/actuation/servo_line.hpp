@@ -21,9 +21,9 @@ namespace softfinger {
 /// is the watchdog: a stop is obeyed at once, whatever the loop says or does not say; when no fresh
 /// command comes it repeats the last one, after kStallTime it retracts the device, and it opens a
 /// port that went away again. Its own MotionGuard starts from what was really sent last (or from
-/// where the servos say they are), so nothing upstream can cause a jump. Where no configuration says
-/// where the device is, since servos stand outside of its workspace or one of them cannot be led, it
-/// is retracted joint by joint (JointRamp); a servo that is lost stops the device besides.
+/// where the servos say they are), so nothing upstream can cause a jump. Where no configuration
+/// says where the device is, since servos stand outside of its workspace or one of them cannot be
+/// led, it is retracted joint by joint (JointRamp); a servo that is lost stops the device besides.
 class ServoLine {
  public:
   struct Options {

@@ -44,8 +44,8 @@ class ServoBus {
   virtual bool ask() noexcept = 0;
   /// Whether servos have answered since open(), also that they know no position.
   [[nodiscard]] virtual bool answers() const noexcept { return false; }
-  /// Takes the answers to the last ask(), if all have come and every servo knows its position; those
-  /// of faults() may be anything.
+  /// Takes the answers to the last ask(), if all have come and every servo knows its position;
+  /// those of faults() may be anything.
   virtual bool take_positions(std::span<std::int32_t> positions) noexcept = 0;
   /// Reads and forgets what has come; notices a port that hung up.
   virtual void drain() noexcept = 0;

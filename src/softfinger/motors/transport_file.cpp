@@ -39,8 +39,8 @@ constexpr std::array kTransportKeys{
     KeyMeaning{"servo", "one a joint, in joint order; weart: the one actuation point"},
 };
 
-/// What goes to the wire keeps to the joint's limits already; the servo itself must not be held back
-/// by its own.
+/// What goes to the wire keeps to the joint's limits already; the servo itself must not be held
+/// back by its own.
 constexpr double kHardwareReserve = 1.25;
 
 void limit_motion(const JointLimits& limits, ServoSettings& servo) {

@@ -11,13 +11,13 @@ inline constexpr int kMostServos = 24;  ///< of one device; channels of the larg
 /// in the unit of the transport: the pulse width (s) for a Maestro, ticks for servos on a bus, any
 /// number for OSC, force from 0 to 1 for WEART.
 struct ServoSettings {
-  int channel = 0;           ///< of a Maestro; id of a servo on a bus
-  double zero = 1500e-6;     ///< set point at joint angle 0
-  double per_radian = 0.0;   ///< a rad (a m where joints are lengths), not zero; negative where the
-                             ///< servo is mounted reversed
-  double min = 0.0;          ///< least set point ever sent
-  double max = 0.0;          ///< largest set point ever sent
-  double step = 0.25e-6;     ///< smallest difference the wire can say, > 0
+  int channel = 0;          ///< of a Maestro; id of a servo on a bus
+  double zero = 1500e-6;    ///< set point at joint angle 0
+  double per_radian = 0.0;  ///< a rad (a m where joints are lengths), not zero; negative where the
+                            ///< servo is mounted reversed
+  double min = 0.0;         ///< least set point ever sent
+  double max = 0.0;         ///< largest set point ever sent
+  double step = 0.25e-6;    ///< smallest difference the wire can say, > 0
   /// What the hardware is to keep to itself, set point a s and a s^2: somewhat more than the joint
   /// may do. 0: no limit is known.
   double max_rate = 0.0, max_acceleration = 0.0;

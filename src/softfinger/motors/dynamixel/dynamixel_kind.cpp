@@ -40,10 +40,10 @@ std::unique_ptr<ServoBus> make_dynamixel_bus(const TransportSettings& transport,
                                      dynamixel::kMostProfile)
                           : 0U,
                       false});
-      list.push_back({dynamixel::kProfileVelocity,
-                      at_least(servo.max_rate / dynamixel::kProfileVelocityUnit,
-                               dynamixel::kMostProfile),
-                      false});
+      list.push_back(
+          {dynamixel::kProfileVelocity,
+           at_least(servo.max_rate / dynamixel::kProfileVelocityUnit, dynamixel::kMostProfile),
+           false});
     }
     presets.push_back(std::move(list));
   }

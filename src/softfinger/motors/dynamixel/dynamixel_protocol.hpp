@@ -37,7 +37,7 @@ inline constexpr ServoRegister kMinPosition{52, 4};
 inline constexpr ServoRegister kGoalCurrent{102, 2};
 inline constexpr ServoRegister kProfileAcceleration{108, 4};
 inline constexpr ServoRegister kProfileVelocity{112, 4};
-inline constexpr double kProfileVelocityUnit = 0.229 * 4096.0 / 60.0;  ///< ticks per s
+inline constexpr double kProfileVelocityUnit = 0.229 * 4096.0 / 60.0;          ///< ticks per s
 inline constexpr double kProfileAccelerationUnit = 214.577 * 4096.0 / 3600.0;  ///< ticks per s^2
 inline constexpr std::uint32_t kMostProfile = 32767;
 inline constexpr std::uint32_t kPositionMode = 3;

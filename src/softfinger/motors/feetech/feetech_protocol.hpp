@@ -26,7 +26,7 @@ class FeetechProtocol : public ServoProtocol {
 /// Registers of the STS series beside those of ControlTable; forgotten without power.
 namespace feetech {
 inline constexpr ServoRegister kAcceleration{41, 1};
-inline constexpr ServoRegister kSpeed{46, 2};  ///< ticks per s; 0: as fast as it can
+inline constexpr ServoRegister kSpeed{46, 2};       ///< ticks per s; 0: as fast as it can
 inline constexpr double kAccelerationUnit = 100.0;  ///< ticks per s^2; 0: none
 inline constexpr std::uint32_t kMostAcceleration = 254;
 inline constexpr std::uint32_t kMostSpeed = 3400;

@@ -13,7 +13,8 @@ namespace softfinger {
 
 namespace {
 
-/// Of the pulse width, s per s and s per s^2 ("User's Guide", sections 5.e: speed and acceleration).
+/// Of the pulse width, s per s and s per s^2 ("User's Guide", sections 5.e: speed and
+/// acceleration).
 constexpr double kSpeedUnit = kQuarterMicrosecond / 10e-3;
 constexpr double kAccelerationUnit = kQuarterMicrosecond / (10e-3 * 80e-3);
 
@@ -36,11 +37,12 @@ MaestroBus::MaestroBus(const TransportSettings& transport)
       limits_.insert(limits_.end(), bytes.begin(), bytes.end());
     };
     if (servo.max_rate <= 0.0) continue;
-    add(encode_set_speed(servo.channel, maestro_limit(servo.max_rate / kSpeedUnit, kMaestroMaxValue)));
-    add(encode_set_acceleration(
-        servo.channel, servo.max_acceleration > 0.0
-                           ? maestro_limit(servo.max_acceleration / kAccelerationUnit, 255)
-                           : std::uint16_t{0}));
+    add(encode_set_speed(servo.channel,
+                         maestro_limit(servo.max_rate / kSpeedUnit, kMaestroMaxValue)));
+    add(encode_set_acceleration(servo.channel,
+                                servo.max_acceleration > 0.0
+                                    ? maestro_limit(servo.max_acceleration / kAccelerationUnit, 255)
+                                    : std::uint16_t{0}));
   }
 }
 
@@ -50,8 +52,7 @@ std::string MaestroBus::open(const std::string& port) {
   answers_ = false;
   pulses_ = false;
   limits_due_ = false;
-  if (reason.empty() && !limits_.empty() &&
-      port_.write(limits_) != SerialPort::Result::kSent) {
+  if (reason.empty() && !limits_.empty() && port_.write(limits_) != SerialPort::Result::kSent) {
     port_.close();
     return "it does not take what limits the servos' speed";
   }

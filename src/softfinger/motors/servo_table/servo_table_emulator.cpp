@@ -133,9 +133,10 @@ std::uint8_t ServoTableEmulator::write(Servo& servo, std::size_t address,
   if (dynamixel_ && address < dynamixel::kFirstVolatile) ++lasting_writes_;
   std::copy(bytes.begin(), bytes.end(),
             servo.memory.begin() + static_cast<std::ptrdiff_t>(address));
-  servo.motion.limit_rate(
-      dynamixel_ ? get(servo, dynamixel::kProfileVelocity) * dynamixel::kProfileVelocityUnit
-                 : get(servo, feetech::kSpeed));
+  if (forgotten_.size != 0 && address == forgotten_.address) put(servo, forgotten_, 0);
+  servo.motion.limit_rate(dynamixel_ ? get(servo, dynamixel::kProfileVelocity) *
+                                           dynamixel::kProfileVelocityUnit
+                                     : get(servo, feetech::kSpeed));
   if (address <= table.torque.address && table.torque.address < address + bytes.size()) {
     const bool on = get(servo, table.torque) == 1;
     if (on && !servo.torque && dynamixel_) {

@@ -30,6 +30,8 @@ class ServoTableEmulator : public BusEmulator {
   /// Cuts the power of all servos for a moment, at the next bytes: what is half read is lost,
   /// torque is off. From any thread.
   void reset() { reset_ = true; }
+  /// Acknowledges what is written to this register, and does not keep it; before the first bytes.
+  void forget(ServoRegister at) { forgotten_ = at; }
   /// Turns a servo by hand, to a set point; before the first bytes.
   void turn(std::size_t servo, double setpoint);
   /// Cuts one servo off the bus, or brings it back: it keeps its torque and its last goal, hears
@@ -82,6 +84,7 @@ class ServoTableEmulator : public BusEmulator {
   ReplyBuffer replies_;
   ServoClock clock_;
   bool dynamixel_;
+  ServoRegister forgotten_;  ///< of size 0: none
   std::atomic<bool> reset_{false};
   std::atomic<std::uint64_t> frames_{0}, malformed_{0}, commands_{0}, lasting_writes_{0};
   std::atomic<std::int32_t> least_goal_, largest_goal_;
