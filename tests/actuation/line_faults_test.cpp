@@ -169,9 +169,28 @@ TEST_P(LineFaults, CablePulledForGood) {
   Board home = board(device_->home());
   line_.plug_in(home);
   line_.at(1.0, [&] { line_.unplug(); });
-  line_.run(2.0);
-  EXPECT_LT(line_.time(), 2.5) << "a device that is gone is not waited for";
+  line_.run(5.0);
+  EXPECT_LT(line_.time(), 5.5) << "a device that is gone is not waited for";
   expect_within_limits();
+}
+
+TEST_P(LineFaults, CablePulledShortlyBeforeTheEnd) {
+  Board home = board(device_->home());
+  line_.plug_in(home);
+  line_.at(1.0, [&] { line_.unplug(); });
+  line_.run(2.0);
+  EXPECT_LT(line_.time(), 4.5) << "it is waited for, but not for ever";
+  expect_within_limits();
+}
+
+TEST_P(LineFaults, APortThatBlinksAtTheEndIsRetractedAllTheSame) {
+  Board home = board(device_->home());
+  line_.plug_in(home);
+  line_.at(1.9, [&] { line_.unplug(); });
+  line_.at(3.4, [&] { line_.plug_in(home); });
+  line_.run(2.0);
+  expect_within_limits();
+  expect_retracted();
 }
 
 TEST_P(LineFaults, BoardResetInMidFrame) {

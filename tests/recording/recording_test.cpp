@@ -9,6 +9,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/recording/recording_writer.hpp"
+#include "softfinger/recording/sqlite_database.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
@@ -226,6 +227,16 @@ TEST_F(DamagedRecording, Text) {
 
 TEST_F(DamagedRecording, Empty) {
   fs::resize_file(file_, 0);
+  expect_refused();
+}
+
+// What a stranger sends may be made to read for ever.
+TEST_F(DamagedRecording, ATableThatIsAViewWithoutEnd) {
+  SqliteDatabase database(file_, SqliteDatabase::Mode::kCreate);
+  database.execute("alter table steps rename to honest");
+  database.execute(
+      "create view steps as with recursive endless(n) as (select 1 union all select n + 1 from "
+      "endless) select honest.* from honest, endless");
   expect_refused();
 }
 

@@ -23,6 +23,9 @@ constexpr milliseconds kAnswerTime{60};     ///< for the positions after opening
 /// power: what is sent stands still until they answer again, so that they do not jump to it.
 constexpr int kMostUnheard = 3;
 constexpr double kLongestUnheard = 0.1;  ///< s
+/// A port that went away so shortly before the end may be back in a moment (USB that is enumerated
+/// anew), with servos that press.
+constexpr milliseconds kBlink{3000};
 /// Steps of the wire that a joint moves before its lag is told.
 constexpr double kLagMotion = 20.0;
 
@@ -152,7 +155,12 @@ void ServoLine::note_loss() {
   channel_.connected.store(false, std::memory_order_release);
   channel_.state = DeviceState::kDisconnected;
   channel_.times_lost.fetch_add(1, std::memory_order_release);
-  next_attempt_ = clock_.now() + kAttemptEvery;
+  lost_ = clock_.now();
+  next_attempt_ = lost_ + kAttemptEvery;
+}
+
+bool ServoLine::may_come_back(TimePoint now) const {
+  return channel_.commands_sent != 0 && now - lost_ < kBlink;
 }
 
 void ServoLine::try_to_connect(TimePoint now) {
@@ -190,7 +198,7 @@ void ServoLine::follow() {
     }
     if (!bus_->is_open()) {
       if (channel_.connected.load()) note_loss();
-      if (ending()) return;
+      if (ending() && !may_come_back(now)) return;
       channel_.stop.answer_release(ReleaseRefusal::kPortClosed);
       try_to_connect(now);
       if (!bus_->is_open()) {

@@ -56,6 +56,7 @@ class ServoLine {
   void follow();
   void try_to_connect(TimePoint now);
   void note_loss();
+  [[nodiscard]] bool may_come_back(TimePoint now) const;
   void wait_until(TimePoint due);  ///< or until something was submitted
   /// Asks for the positions and waits a little; true when they place the device in its workspace.
   bool learn_positions();
@@ -93,6 +94,7 @@ class ServoLine {
   TimePoint last_sent_;
   TimePoint last_fresh_;
   TimePoint next_attempt_;
+  TimePoint lost_;                 ///< when the port went away last
   bool positions_unknown_ = true;  ///< since the port was opened
   TimePoint homing_until_;         ///< positions unknown: stay at the first pose until then
   TimePoint asked_;                ///< when the servos were last asked where they are

@@ -42,8 +42,19 @@ SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, Mode mode) {
     handle_ = nullptr;
     check(result);
   }
+  if (mode != Mode::kCreate) distrust();
   // A reader may meet the writer's checkpoint; it is short.
   sqlite3_busy_timeout(handle_, 2000);
+}
+
+/// A recording may be a stranger's (sqlite.org/security.html): no views or triggers, which could
+/// run for ever or do more than they say, nothing that its schema asks for beyond plain functions.
+void SqliteDatabase::distrust() {
+  for (const int off : {SQLITE_DBCONFIG_ENABLE_VIEW, SQLITE_DBCONFIG_ENABLE_TRIGGER,
+                        SQLITE_DBCONFIG_TRUSTED_SCHEMA, SQLITE_DBCONFIG_ENABLE_LOAD_EXTENSION}) {
+    sqlite3_db_config(handle_, off, 0, nullptr);
+  }
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
 }
 
 SqliteDatabase::~SqliteDatabase() { sqlite3_close_v2(handle_); }

@@ -36,6 +36,7 @@ class SqliteDatabase {
 
  private:
   friend class SqliteStatement;
+  void distrust();
   sqlite3* handle_ = nullptr;
 };
 

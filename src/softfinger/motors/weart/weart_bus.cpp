@@ -1,8 +1,10 @@
 #include "softfinger/motors/weart/weart_bus.hpp"
 
+#include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -16,6 +18,10 @@ namespace softfinger {
 namespace {
 
 constexpr int kConnect_ms = 500;
+/// A middleware that has not acknowledged anything for so long is gone.
+constexpr unsigned kLongestSilence = 1000;  // ms
+/// Bytes on their way: about three commands.
+constexpr int kMostUnderWay = 128;
 
 }  // namespace
 
@@ -47,6 +53,7 @@ std::string WeartBus::open(const std::string& port) {
     return error == ECONNREFUSED ? "nobody listens there; does the WEART middleware run?"
                                  : "it does not answer; does the WEART middleware run there?";
   }
+  ::setsockopt(socket_, IPPROTO_TCP, TCP_USER_TIMEOUT, &kLongestSilence, sizeof kLongestSilence);
   if (!send_text(weart_start())) {
     close_socket();
     return "it hung up";
@@ -87,6 +94,9 @@ bool WeartBus::flush() noexcept {
 
 bool WeartBus::send_text(std::string_view text) noexcept {
   if (!is_open() || !flush() || text.size() > waiting_.size()) return false;
+  // What has not arrived yet would only be the past when it does.
+  int under_way = 0;
+  if (::ioctl(socket_, SIOCOUTQ, &under_way) == 0 && under_way > kMostUnderWay) return false;
   std::copy(text.begin(), text.end(), waiting_.begin());
   waiting_from_ = 0;
   waiting_to_ = text.size();
