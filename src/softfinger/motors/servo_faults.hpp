@@ -5,7 +5,8 @@
 namespace softfinger {
 
 /// Servos of a device that cannot be led: bit i is servo i, in the order of the device file.
-struct ServoFaults {
+/// Aligned so that it passes between threads without a lock.
+struct alignas(8) ServoFaults {
   std::uint32_t silent = 0;  ///< do not answer
   std::uint32_t limp = 0;    ///< have lost their torque, or protect themselves
 
