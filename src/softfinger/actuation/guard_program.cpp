@@ -9,7 +9,7 @@ std::filesystem::path find_guard_program() {
   const std::filesystem::path running = std::filesystem::read_symlink("/proc/self/exe", error);
   for (const std::filesystem::path& folder :
        {running.parent_path(), std::filesystem::path(SOFTFINGER_PROGRAMS)}) {
-    const std::filesystem::path guard = folder / "softfinger-guard";
+    std::filesystem::path guard = folder / "softfinger-guard";
     if (std::filesystem::exists(guard, error)) return guard;
   }
   return {};
