@@ -282,6 +282,37 @@ TEST_F(ServerTest, HandsOfAHeadsetReachTheFeedFromOnePage) {
   EXPECT_DOUBLE_EQ(hands[1].time, 1.016);
 }
 
+// A link that stalled and is back brings all that it held up at once.
+TEST_F(ServerTest, AStopWaitsForNoQueuedHand) {
+  constexpr std::string_view kHand("SFHX\0\0\0\0\0\0\0\0\0\x40\x8f\x40", 16);
+  RawClient client(server.port());
+  client.open_web_socket(own("Origin: http://"));
+  for (int k = 0; k < 2000; ++k) client.send_frame(2, kHand);
+  const auto began = std::chrono::steady_clock::now();
+  client.send_frame(1, R"({"request":"stop"})");
+  const auto stopped = [this] {
+    const auto requests = feed.requests();
+    return !requests.empty() && requests.back().kind == LiveRequest::Kind::kStop;
+  };
+  while (!stopped() && std::chrono::steady_clock::now() - began < std::chrono::seconds(10)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_TRUE(stopped());
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  EXPECT_LT(took.count(), 1.0) << "one by one, as a page sends them, they would take 6 s";
+  EXPECT_EQ(feed.hands().size(), 2000U);
+}
+
+TEST_F(ServerTest, AFloodEndsTheConnection) {
+  RawClient client(server.port());
+  client.open_web_socket(own("Origin: http://"));
+  for (int k = 0; k < 6000; ++k) client.send_frame(1, R"({"request":"pause"})");
+  const auto close = client.read_frame(8);
+  ASSERT_TRUE(close);
+  EXPECT_EQ(close->close_code(), 1008);
+  EXPECT_EQ(feed.requests().size(), 4000U);
+}
+
 TEST_F(ServerTest, OtherMessagesEndTheConnection) {
   const auto close_code_after = [this](int opcode, std::string_view payload) {
     RawClient client(server.port());

@@ -30,7 +30,7 @@ using std::chrono::milliseconds;
 /// To start, to load the device and to open the port.
 constexpr milliseconds kStartTime{10'000};
 constexpr milliseconds kLookEvery{10};
-/// For one that was killed to be gone; in a driver that hangs it may stay.
+/// For one that was killed, or has said its last, to be gone; in a driver that hangs it may stay.
 constexpr milliseconds kLongestDeath{1'000};
 
 /// Descriptors go to the guard by low numbers; none of their sources may be one of those.
@@ -201,27 +201,34 @@ bool GuardProcess::replace() noexcept {
   return true;
 }
 
+void GuardProcess::await_death() noexcept {
+  const auto until = std::chrono::steady_clock::now() + kLongestDeath;
+  while (!has_ended() && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+}
+
 void GuardProcess::watch() noexcept {
   while (true) {
     // Its end is seen at once.
     pollfd end{.fd = socket_, .events = 0, .revents = 0};
     ::poll(&end, 1, static_cast<int>(kLookEvery.count()));
     const bool ended = has_ended();
+    // One that ended as it was told to has said so; closing a port may take it a while yet.
+    if (channel_->ending && channel_->state.load() == DeviceState::kStopped) {
+      await_death();
+      break;
+    }
     if (!ended && !hangs()) {
       if (end.revents != 0) std::this_thread::sleep_for(kLookEvery);  // it is ending
       continue;
     }
-    // One that ended as it was told to has said so.
-    if (ended && channel_->ending && channel_->state.load() == DeviceState::kStopped) break;
     channel_->stop.stop(StopCause::kGuard);
     channel_->connected = false;
     channel_->state = DeviceState::kDisconnected;
     if (!ended) {
       ::kill(process_, SIGKILL);
-      const auto until = std::chrono::steady_clock::now() + kLongestDeath;
-      while (!has_ended() && std::chrono::steady_clock::now() < until) {
-        std::this_thread::sleep_for(milliseconds(1));
-      }
+      await_death();
     }
     if (!replace()) break;
   }

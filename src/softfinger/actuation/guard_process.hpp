@@ -52,6 +52,7 @@ class GuardProcess final : public LineEnd {
   [[nodiscard]] bool has_ended() noexcept;
   [[nodiscard]] bool hangs() noexcept;
   [[nodiscard]] bool replace() noexcept;
+  void await_death() noexcept;
   void close_socket() noexcept;
 
   std::filesystem::path program_;

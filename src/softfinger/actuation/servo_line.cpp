@@ -175,6 +175,7 @@ void ServoLine::try_to_connect(TimePoint now) {
 void ServoLine::serve() {
   start_ = clock_.now();
   last_sent_ = start_ - period_;
+  lost_ = start_;  // a line before this one may have had the port
   follow();
   bus_->close();
   channel_.connected = false;

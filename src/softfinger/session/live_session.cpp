@@ -263,8 +263,10 @@ void LiveSession::request(const LiveRequest& request) {
 /// With the lock.
 void LiveSession::release(const LiveRequest& request) {
   const bool registering = registration_.state().phase == RegistrationState::Phase::kRunning;
-  const bool seen = request.generation == generation_ && request.stops == run_->stops();
+  const bool seen =
+      request.generation == description_->generation && request.stops == run_->stops();
   if (registering || !seen || !run_->ask_release(request.stops)) {
+    if (messages_.size() >= kMostMessages) return;
     messages_.push_back(registering ? "the device is not released: a finger is being registered"
                                     : "the device is not released: it was stopped again");
   }

@@ -10,7 +10,6 @@
 #include "softfinger/motors/maestro/maestro_protocol.hpp"
 
 namespace softfinger {
-
 namespace {
 
 /// Of the pulse width, s per s and s per s^2 ("User's Guide", sections 5.e: speed and
