@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sched.h>
 #include <signal.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -16,6 +18,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/motors/servo_map.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {
@@ -159,6 +162,43 @@ TEST_F(GuardedThimble, NobodyElseGetsThePort) {
       EXPECT_THAT(error.what(), HasSubstr("another program uses it"));
     }
   }
+}
+
+TEST_F(GuardedThimble, OneThatWaitsForAProcessorIsNotTakenForOneThatHangs) {
+  GuardProcess guard(SOFTFINGER_GUARD, device->home(),
+                     {.device_file = kThimble, .line = {.port = terminal.port()}});
+  ASSERT_EQ(guard.start(false), "");
+  ASSERT_TRUE(soon([&] {
+    guard.submit(wanted, DeviceState::kRendering);
+    return guard.channel().commands_sent > 1;  // it has asked for its own priority by then
+  }));
+  // Something that never pauses, and comes first, has the guard's only processor.
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &one);
+  ASSERT_EQ(::sched_setaffinity(guard.process(), sizeof one, &one), 0);
+  const sched_param least{.sched_priority = 0};
+  ASSERT_EQ(::sched_setscheduler(guard.process(), SCHED_OTHER, &least), 0);
+  std::atomic<bool> busy{true};
+  std::atomic<bool> may_come_first{true};
+  std::thread first([&] {
+    const sched_param priority{.sched_priority = 1};
+    may_come_first = ::sched_setaffinity(0, sizeof one, &one) == 0 &&
+                     ::sched_setscheduler(0, SCHED_FIFO, &priority) == 0;
+    while (may_come_first && busy.load(std::memory_order_relaxed)) continue;
+  });
+  double longest = 0.0;
+  for (int k = 0; k < 40; ++k) {
+    guard.submit(wanted, DeviceState::kRendering);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    longest = std::max(longest, guard.channel().silence(monotonic_time()));
+  }
+  busy = false;
+  first.join();
+  if (!may_come_first) GTEST_SKIP() << "needs the right to a real-time priority";
+  EXPECT_GT(longest, GuardProcess::kSilence) << "or nothing is shown";
+  EXPECT_EQ(guard.replacements(), 0U);
+  EXPECT_FALSE(guard.channel().stop.is_stopped());
 }
 
 /// What happens to a guard, and the signal that does it.

@@ -375,7 +375,8 @@ std::optional<ActuatorEvent> Actuator::take_event() noexcept {
   // In the order in which they happen.
   if (stop.newest() != self.stops_told) {
     self.stops_told = stop.newest();
-    return ActuatorEvent::kStopped;
+    // That one was told when it came.
+    if (stop.cause() != StopCause::kEarlier) return ActuatorEvent::kStopped;
   }
   if (stop.refusals() != self.refusals_told) {
     self.refusals_told = stop.refusals();

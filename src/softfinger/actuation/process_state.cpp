@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdio>
+#include <ctime>
 #include <string_view>
 
 namespace softfinger {
@@ -35,6 +36,13 @@ ProcessState process_state(int process) noexcept {
     default:
       return ProcessState::kGone;
   }
+}
+
+double process_cpu_time(int process) noexcept {
+  clockid_t clock{};
+  timespec used{};
+  if (::clock_getcpuclockid(process, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return 0.0;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
 }  // namespace softfinger

@@ -8,5 +8,7 @@ enum class ProcessState { kRunning, kAsleep, kInDriver, kStopped, kGone };
 
 /// Allocates nothing.
 [[nodiscard]] ProcessState process_state(int process) noexcept;
+/// What all of its threads have used of processors, s; 0: it is gone.
+[[nodiscard]] double process_cpu_time(int process) noexcept;
 
 }  // namespace softfinger

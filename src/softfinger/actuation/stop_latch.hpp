@@ -15,16 +15,18 @@ enum class StopCause : std::uint8_t {
   kPerson,   ///< on the page
   kSignal,   ///< SIGUSR1: a pedal, a script
   kProgram,  ///< that uses the library
-  kRun,      ///< what must not move: a registration, a run that begins while another was stopped
+  kRun,      ///< what must not move: a registration
+  kEarlier,  ///< the run before this one was stopped, and is still
   kServo,    ///< a servo that does not answer, has lost its torque or protects itself
   kGuard,    ///< the process that guards the port died or hung
 };
-inline constexpr std::array<NameRow<StopCause>, 7> kStopCauses{{
+inline constexpr std::array<NameRow<StopCause>, 8> kStopCauses{{
     {StopCause::kNone, "none", "nothing"},
     {StopCause::kPerson, "person", "somebody at the page"},
     {StopCause::kSignal, "signal", "a signal"},
     {StopCause::kProgram, "program", "the program"},
     {StopCause::kRun, "run", "the run itself"},
+    {StopCause::kEarlier, "earlier", "a stop of the run before"},
     {StopCause::kServo, "servo", "a servo's fault"},
     {StopCause::kGuard, "guard", "a fault of the port's guard"},
 }};

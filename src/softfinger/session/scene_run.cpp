@@ -158,7 +158,7 @@ void SceneRun::continue_after(const SceneRun& before) noexcept {
   // What came since the last look of the run before is for this one.
   stop_signals_seen_.store(before.stop_signals_seen_.load());
   release_signals_seen_.store(before.release_signals_seen_.load());
-  if (before.stopped().asked) stop_devices(StopCause::kRun);
+  if (before.stopped().asked) stop_devices(StopCause::kEarlier);
 }
 
 void SceneRun::obey_signals() noexcept {

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -113,6 +114,10 @@ SerialPort::Result SerialPort::write(std::span<const std::uint8_t> bytes) noexce
 
 std::size_t SerialPort::read(std::span<std::uint8_t> out) noexcept {
   if (!is_open()) return 0;
+  // Asked first, since a read that finds nothing waits for the kernel's own thread to look, which
+  // on a busy machine may take a quarter of a second.
+  int bytes = 0;
+  if (::ioctl(line_->port.native_handle(), FIONREAD, &bytes) == 0 && bytes == 0) return 0;
   const ssize_t got = ::read(line_->port.native_handle(), out.data(), out.size());
   if (got > 0) return static_cast<std::size_t>(got);
   // A raw tty without data says EAGAIN; end of file or an I/O error is a line that hung up.

@@ -18,6 +18,7 @@ export async function startProgram(program, args) {
   const url = await new Promise((resolve, reject) => {
     const read = (chunk) => {
       output += chunk;
+      process.stderr.write(chunk); // a test that fails shows what the program had to say
       const address = /http:\/\/127\.0\.0\.1:(\d+)/.exec(output);
       if (address) resolve(address[0]);
     };

@@ -1,5 +1,6 @@
 #include "softfinger/viewer/server/web_socket_session.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <span>
 #include <string>
@@ -18,9 +19,10 @@ using boost::system::error_code;
 namespace {
 
 constexpr auto kIdleTimeout = std::chrono::minutes(5);
-/// Two hands at 144 Hz are 288 a second; what was held up on the way comes all at once.
-constexpr int kMostMessages = 4000;
-constexpr auto kMessageWindow = std::chrono::seconds(1);
+/// Two hands at 144 Hz are 288 a second.
+constexpr double kMostMessagesPerSecond = 600.0;
+/// What was held up on the way comes all at once.
+constexpr double kMostMessagesAtOnce = 4000.0;
 
 }  // namespace
 
@@ -119,11 +121,10 @@ void WebSocketSession::obey() {
 
 bool WebSocketSession::is_flood() {
   const auto now = std::chrono::steady_clock::now();
-  if (now - window_began_ >= kMessageWindow) {
-    window_began_ = now;
-    messages_ = 0;
-  }
-  return ++messages_ > kMostMessages;
+  const std::chrono::duration<double> since = now - last_message_;
+  last_message_ = now;
+  messages_ = std::max(0.0, messages_ - kMostMessagesPerSecond * since.count()) + 1.0;
+  return messages_ > kMostMessagesAtOnce;
 }
 
 void WebSocketSession::refuse(const char* reason) {

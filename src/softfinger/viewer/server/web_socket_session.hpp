@@ -52,8 +52,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   PageHub::Bytes next_snapshot_, snapshot_in_flight_;
   bool open_ = false;
   bool writing_ = false;
-  std::chrono::steady_clock::time_point window_began_;
-  int messages_ = 0;  ///< since then
+  std::chrono::steady_clock::time_point last_message_;
+  double messages_ = 0.0;  ///< beyond what a page may send all the time
 };
 
 }  // namespace softfinger
