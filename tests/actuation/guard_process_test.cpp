@@ -31,6 +31,7 @@ const std::filesystem::path kThimble =
 TEST(GuardSetup, SaysAllAndKeepsEveryBit) {
   const auto device = load_device(kThimble);
   GuardSetup setup{.device_file = kThimble,
+                   .device_text = device->settings().text,
                    .line = {.port = "/dev/no\"port\n", .rate = 1.0 / 3.0, .unpaced = true},
                    .wait_for_device = true};
   const std::vector<Vector3> skin = {{0.1, -0.2, 1.0 / 7.0}, {1e-300, 0.0, -1e-3}};
@@ -47,6 +48,14 @@ TEST(GuardSetup, SaysAllAndKeepsEveryBit) {
   EXPECT_EQ(told.setup.line.ceiling->depths(), setup.line.ceiling->depths());
   EXPECT_EQ(told.setup.line.ceiling->grid().front().max, 0.4);
   EXPECT_EQ(told.device->joint_count(), device->joint_count());
+}
+
+TEST(GuardSetup, TheDeviceIsTheLoopsWhateverBecameOfItsFile) {
+  const auto device = load_device(kThimble);
+  const GuardedDevice told = read_guard_setup(to_text({.device_file = "/gone/since.toml",
+                                                       .device_text = device->settings().text,
+                                                       .line = {.port = "none"}}));
+  EXPECT_EQ(told.device->settings().as_read, device->settings().as_read);
 }
 
 TEST(GuardSetup, WhatIsNoneIsRefused) {
@@ -166,7 +175,9 @@ TEST_F(GuardedThimble, NobodyElseGetsThePort) {
 
 TEST_F(GuardedThimble, OneThatWaitsForAProcessorIsNotTakenForOneThatHangs) {
   GuardProcess guard(SOFTFINGER_GUARD, device->home(),
-                     {.device_file = kThimble, .line = {.port = terminal.port()}});
+                     {.device_file = kThimble,
+                      .device_text = device->settings().text,
+                      .line = {.port = terminal.port()}});
   ASSERT_EQ(guard.start(false), "");
   ASSERT_TRUE(soon([&] {
     guard.submit(wanted, DeviceState::kRendering);
@@ -215,7 +226,9 @@ INSTANTIATE_TEST_SUITE_P(Faults, FaultyGuard,
 
 TEST_P(FaultyGuard, IsReplacedByOneThatRetractsUntilItIsReleased) {
   GuardProcess guard(SOFTFINGER_GUARD, device->home(),
-                     {.device_file = kThimble, .line = {.port = terminal.port()}});
+                     {.device_file = kThimble,
+                      .device_text = device->settings().text,
+                      .line = {.port = terminal.port()}});
   ASSERT_EQ(guard.start(false), "");
   const auto follow = [&](const std::function<bool()>& done) {
     for (int k = 0; k < 300; ++k) {

@@ -179,7 +179,7 @@ void SimulatedLine::loop_tick() {
   ++ticks_;
   const auto q = wanted ? wanted(time()) : std::nullopt;
   if (!q || channel_.ending) return;
-  channel_.wanted.draft() = {*q, DeviceState::kReady};
+  channel_.wanted.draft() = {*q, touching ? DeviceState::kRendering : DeviceState::kReady};
   channel_.wanted.publish();
   wake();
 }

@@ -43,6 +43,7 @@ class SimulatedLine final : public LineClock {
 
   /// What the loop wants at a time (s), asked at each device tick; none: it says nothing.
   std::function<std::optional<Configuration>(double)> wanted;
+  bool touching = false;  ///< what the loop says of it
   /// What becomes of bytes on their way; empty: nothing.
   std::function<void(Bytes&)> to_board;
   std::function<void(Bytes&)> from_board;

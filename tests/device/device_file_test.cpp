@@ -95,6 +95,23 @@ TEST(DeviceFile, RefusesServosThatDoNotFit) {
               HasSubstr("servo"));
 }
 
+TEST(DeviceFile, RefusesSupervisionThatNoDeviceCanKeep) {
+  const std::string rate = "joint_rate_deg_per_s = 400.0";
+  EXPECT_EQ(refusal(rate, rate + "\nfollowing_error_deg = 5.0\nmax_press_s = 10.0"), "");
+  EXPECT_THAT(refusal(rate, rate + "\nfollowing_error_deg = 0.1"),
+              AllOf(HasSubstr("limits.following_error_deg"), HasSubstr("at least 0.2")));
+  EXPECT_THAT(refusal(rate, rate + "\nfollowing_error_mm = 5.0"), HasSubstr("following_error_mm"));
+  EXPECT_THAT(refusal(rate, rate + "\nmax_press_s = 0.0"), HasSubstr("limits.max_press_s"));
+  EXPECT_THAT(refusal("[transport]", "[transport]\nat_end = \"limp\""),
+              AllOf(HasSubstr("transport.at_end"), HasSubstr("torque_off")));
+}
+
+TEST(DeviceFile, SupervisesWhatItsFileDoesNotSay) {
+  const DeviceSettings& settings = thimble().settings();
+  EXPECT_NEAR(settings.following_error, 0.2 * 105.0 * deg, 1e-9);
+  EXPECT_EQ(settings.press_time, 120.0);
+}
+
 // Levers that pass a singularity below their tilt limit are allowed; the workspace ends there.
 TEST(DeviceFile, WorkspaceEndsAtASingularity) {
   DeviceSettings settings;

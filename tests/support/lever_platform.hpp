@@ -22,6 +22,8 @@ struct LeverShape {
   bool reversed_servo = false;
   double acceleration = std::numeric_limits<double>::infinity();  ///< rad/s^2
   std::string kind = "maestro";                                   ///< of transport
+  double press_time = 0.0;                                        ///< s
+  bool limp_at_end = false;
 };
 
 /// Kinematics simple enough to check commands by hand: three levers whose angles are linear in
@@ -143,7 +145,10 @@ inline DeviceSettings lever_settings(const LeverShape& shape) {
   settings.retracted[2] = -8.0 * mm;
   settings.joint_limits = {JointAngles::Constant(3, -20.0 * deg),
                            JointAngles::Constant(3, 90.0 * deg), 400.0 * deg, shape.acceleration};
+  settings.following_error = 10.0 * deg;
+  settings.press_time = shape.press_time;
   TransportSettings transport;
+  transport.limp_at_end = shape.limp_at_end;
   transport.kind = shape.kind;
   transport.port = shape.port;
   transport.rate = shape.rate;

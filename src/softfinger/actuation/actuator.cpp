@@ -171,6 +171,7 @@ void Actuator::Impl::open() {
     line = std::make_unique<GuardProcess>(
         options.guard_program, device->home(),
         GuardSetup{.device_file = std::filesystem::absolute(options.device_file),
+                   .device_text = device->settings().text,
                    .mount_shift = device->settings().mount_shift,
                    .line = line_options});
   }
@@ -209,12 +210,21 @@ std::string Actuator::Impl::fault_text() const {
     if (((faults.silent >> i) & 1U) != 0) silent.push_back(name);
     if (((faults.limp >> i) & 1U) != 0) limp.push_back(name);
   }
+  const std::uint32_t astray = line->channel().astray;
+  std::vector<std::string> lost;
+  for (std::size_t i = 0; i < transport.servos.size(); ++i) {
+    if (((astray >> i) & 1U) == 0) continue;
+    lost.push_back(motor_kind(transport.kind).servo_name(transport.servos[i]));
+  }
   std::vector<std::string> parts;
   if (!silent.empty())
     parts.push_back(fmt::format("servo {} does not answer", fmt::join(silent, ", ")));
   if (!limp.empty()) {
     parts.push_back(
         fmt::format("servo {} has no torque or protects itself", fmt::join(limp, ", ")));
+  }
+  if (!lost.empty()) {
+    parts.push_back(fmt::format("servo {} is not where it was sent", fmt::join(lost, ", ")));
   }
   return parts.empty() ? "a servo failed" : fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -40,6 +40,7 @@ std::shared_ptr<const TravelCeiling> read_ceiling(std::shared_ptr<const Device> 
 
 std::string to_text(const GuardSetup& setup) {
   json text = {{"device_file", setup.device_file.string()},
+               {"device_text", setup.device_text},
                {"mount_shift_m", setup.mount_shift},
                {"port", setup.line.port},
                {"rate_Hz", setup.line.rate},
@@ -59,7 +60,10 @@ GuardedDevice read_guard_setup(std::string_view text) {
     guarded.setup.line.unpaced = told.at("unpaced");
     guarded.setup.wait_for_device = told.at("wait_for_device");
     guarded.setup.mount_shift = told.at("mount_shift_m");
-    guarded.device = load_device(guarded.setup.device_file, guarded.setup.mount_shift);
+    guarded.setup.device_text = told.at("device_text");
+    // As the loop has it, whatever became of the file.
+    guarded.device = load_device(guarded.setup.device_file, guarded.setup.device_text,
+                                 guarded.setup.mount_shift);
     if (told.contains("ceiling")) {
       guarded.setup.line.ceiling = read_ceiling(guarded.device, told.at("ceiling"));
     }

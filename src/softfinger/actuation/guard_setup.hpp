@@ -12,6 +12,7 @@ namespace softfinger {
 /// What a guard process is told at its start: which device it guards, and how.
 struct GuardSetup {
   std::filesystem::path device_file;  ///< absolute
+  std::string device_text;            ///< of that file, when the loop read it
   double mount_shift = 0.0;           ///< m, see DeviceSettings
   ServoLine::Options line;
   bool wait_for_device = false;

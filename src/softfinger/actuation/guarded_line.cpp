@@ -54,7 +54,10 @@ int serve_guarded_line() {
   // It ends when its parent does, and never before the device is retracted.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   LineChannel* channel = shared_channel();
-  return channel == nullptr ? 1 : serve(*channel);
+  if (channel != nullptr) return serve(*channel);
+  guard_socket::send(guard_socket::kSocket,
+                     "the program and its softfinger-guard are of two versions; install them anew");
+  return 1;
 }
 
 }  // namespace softfinger

@@ -46,6 +46,8 @@ struct LineChannel {
     return now - beat.load(std::memory_order_acquire);
   }
   std::atomic<ServoFaults> faults{};
+  /// Servos that answer and do not follow, bits as in ServoFaults.
+  std::atomic<std::uint32_t> astray{0};
   std::atomic<bool> connected{false};
   std::atomic<DeviceState> state{DeviceState::kDisconnected};
   std::atomic<std::uint64_t> commands_sent{0};

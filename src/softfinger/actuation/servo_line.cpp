@@ -26,6 +26,9 @@ constexpr double kLongestUnheard = 0.1;  ///< s
 /// A port that went away so shortly before the end may be back in a moment (USB that is enumerated
 /// anew), with servos that press.
 constexpr milliseconds kBlink{3000};
+/// At the end: for servos to say that they are retracted, before they let go.
+constexpr milliseconds kArrivalTime{1000};
+constexpr milliseconds kBeforeAnswers{20};
 /// Steps of the wire that a joint moves before its lag is told.
 constexpr double kLagMotion = 20.0;
 
@@ -52,6 +55,7 @@ ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, Line
       bus_(make_servo_bus(*device_->settings().transport, clock_)),
       guard_(device_, device_->settings().transport->servos, options_.ceiling),
       ramp_(device_, guard_.servos()),
+      supervision_(*device_),
       lag_(static_cast<Eigen::Index>(guard_.servos().size()),
            guard_.servos().empty() ? 0.0 : kLagMotion * guard_.servos().front().resolution()) {}
 
@@ -78,6 +82,8 @@ std::string ServoLine::open() {
   note_faults();
   machine_ = DeviceStateMachine();
   lag_.reset();
+  supervision_.restart();
+  channel_.astray = 0;
   channel_.connected.store(true, std::memory_order_release);
   channel_.state = DeviceState::kHoming;
   return {};
@@ -177,6 +183,7 @@ void ServoLine::serve() {
   last_sent_ = start_ - period_;
   lost_ = start_;  // a line before this one may have had the port
   follow();
+  if (device_->settings().transport->limp_at_end && channel_.commands_sent != 0) let_go();
   bus_->close();
   channel_.connected = false;
   channel_.state = DeviceState::kStopped;
@@ -227,6 +234,34 @@ void ServoLine::tell_delivery() {
   delivery_ = CommandDelivery();
 }
 
+bool ServoLine::says_retracted() {
+  JointAngles goal;
+  JointAngles joints;
+  if (!device_->inverse_kinematics(device_->retracted(), goal)) return false;
+  if (!take_positions(joints) || joints.size() != goal.size()) return false;
+  return (joints - goal).cwiseAbs().maxCoeff() <= device_->settings().following_error;
+}
+
+void ServoLine::let_go() {
+  const TimePoint until = clock_.now() + kArrivalTime;
+  while (answers_ && bus_->is_open() && clock_.now() < until) {
+    bus_->ask();
+    clock_.sleep_for(kBeforeAnswers);
+    if (says_retracted()) break;
+  }
+  // One that is not there presses perhaps, and holding it helps nobody.
+  bus_->let_go();
+  clock_.sleep_for(kBeforeAnswers);
+}
+
+void ServoLine::note_who_follows(TimePoint now, const JointAngles& joints) {
+  if (now < homing_until_) return;
+  const std::uint32_t astray = supervision_.seen(to_seconds(now - start_), joints) & ~faults_.any();
+  const bool more = (astray & ~channel_.astray.load()) != 0;
+  channel_.astray = astray;
+  if (more) channel_.stop.stop(StopCause::kServo);
+}
+
 bool ServoLine::stop_is_news() const {
   return channel_.stop.is_stopped() && channel_.stop.confirmed() != channel_.stop.newest();
 }
@@ -236,7 +271,7 @@ void ServoLine::answer_release(TimePoint now) {
   ReleaseRefusal reason = ReleaseRefusal::kNone;
   if (stalled_ || now - last_fresh_ >= 2 * period_) {
     reason = ReleaseRefusal::kNoCommands;
-  } else if (unheard_ > most_unheard_ || faults_.any() != 0) {
+  } else if (unheard_ > most_unheard_ || faults_.any() != 0 || channel_.astray != 0) {
     reason = ReleaseRefusal::kServoFault;
   } else if (!retracted_since_ || now - *retracted_since_ < seconds(kRetractedRepeatTime)) {
     reason = ReleaseRefusal::kRetracting;
@@ -279,6 +314,7 @@ bool ServoLine::tick(TimePoint now) {
     if (report.known) {
       delivery_.servo = lag_.seen(to_seconds(asked_ - start_), report.joints)
                             .value_or(std::numeric_limits<double>::quiet_NaN());
+      note_who_follows(now, report.joints);
       channel_.report.publish();
     }
     if (report.known || unheard_ != kNever) unheard_ = report.known ? 0 : unheard_ + 1;
@@ -294,6 +330,10 @@ bool ServoLine::tick(TimePoint now) {
   }
 
   note_faults();
+  const bool presses = channel_.state.load() == DeviceState::kRendering;
+  if (supervision_.pressed_too_long(to_seconds(now - start_), presses) && presses) {
+    channel_.stop.stop(StopCause::kPressed);
+  }
   answer_release(now);
   const StopLatch::Number stop = channel_.stop.newest();
   const bool stopped = channel_.stop.is_stopped();
@@ -324,7 +364,9 @@ bool ServoLine::tick(TimePoint now) {
     } else if (!retracted_since_) {
       retracted_since_ = now;
     }
-    lag_.sent(to_seconds(now - start_), ramp_.is_under_way() ? ramp_.joints() : guard_.joints());
+    const JointAngles& joints = ramp_.is_under_way() ? ramp_.joints() : guard_.joints();
+    lag_.sent(to_seconds(now - start_), joints);
+    supervision_.sent(to_seconds(now - start_), joints);
     if (fresh_) tell_delivery();
     fresh_ = false;
   }

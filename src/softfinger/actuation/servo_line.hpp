@@ -10,6 +10,7 @@
 #include "softfinger/actuation/line_channel.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
 #include "softfinger/actuation/servo_lag.hpp"
+#include "softfinger/actuation/supervision.hpp"
 #include "softfinger/device/device.hpp"
 #include "softfinger/motors/servo_bus.hpp"
 #include "softfinger/wire/line_clock.hpp"
@@ -68,6 +69,10 @@ class ServoLine {
   void lead(TimePoint now, bool retracting);
   [[nodiscard]] bool arrived(TimePoint now) const;
   void note_faults();
+  void note_who_follows(TimePoint now, const JointAngles& joints);
+  /// The end of a device whose servos are to let go: once they say that they are retracted.
+  void let_go();
+  [[nodiscard]] bool says_retracted();
   /// Opens the port anew, since a servo that was lost may be back; false: it cannot be opened.
   bool look_for_lost_servos();
   void answer_release(TimePoint now);
@@ -86,6 +91,7 @@ class ServoLine {
   MotionGuard guard_;
   JointRamp ramp_;  ///< under way: instead of the guard
   ServoFaults faults_;
+  Supervision supervision_;
   DeviceStateMachine machine_;
   ServoLag lag_;
   CommandDelivery delivery_;

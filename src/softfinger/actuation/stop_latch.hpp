@@ -17,10 +17,11 @@ enum class StopCause : std::uint8_t {
   kProgram,  ///< that uses the library
   kRun,      ///< what must not move: a registration
   kEarlier,  ///< the run before this one was stopped, and is still
-  kServo,    ///< a servo that does not answer, has lost its torque or protects itself
+  kServo,    ///< a servo that does not answer or follow, has lost its torque or protects itself
+  kPressed,  ///< the finger was pressed for too long without a pause
   kGuard,    ///< the process that guards the port died or hung
 };
-inline constexpr std::array<NameRow<StopCause>, 8> kStopCauses{{
+inline constexpr std::array<NameRow<StopCause>, 9> kStopCauses{{
     {StopCause::kNone, "none", "nothing"},
     {StopCause::kPerson, "person", "somebody at the page"},
     {StopCause::kSignal, "signal", "a signal"},
@@ -28,6 +29,7 @@ inline constexpr std::array<NameRow<StopCause>, 8> kStopCauses{{
     {StopCause::kRun, "run", "the run itself"},
     {StopCause::kEarlier, "earlier", "a stop of the run before"},
     {StopCause::kServo, "servo", "a servo's fault"},
+    {StopCause::kPressed, "pressed", "pressing for too long without a pause"},
     {StopCause::kGuard, "guard", "a fault of the port's guard"},
 }};
 
@@ -42,7 +44,8 @@ enum class ReleaseRefusal : std::uint8_t {
 inline constexpr std::array<NameRow<ReleaseRefusal>, 5> kReleaseRefusals{{
     {ReleaseRefusal::kNone, "none", "nothing is wrong"},
     {ReleaseRefusal::kPortClosed, "port_closed", "its port is not open"},
-    {ReleaseRefusal::kServoFault, "servo_fault", "a servo does not answer or has no torque"},
+    {ReleaseRefusal::kServoFault, "servo_fault",
+     "a servo does not answer or follow, or has no torque"},
     {ReleaseRefusal::kNoCommands, "no_commands", "no fresh command comes from the run"},
     {ReleaseRefusal::kRetracting, "retracting", "it is not retracted yet"},
 }};

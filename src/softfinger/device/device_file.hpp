@@ -14,6 +14,10 @@ namespace softfinger {
 /// pulses do not cover the joint limits. `mount_shift`: see DeviceSettings, m.
 [[nodiscard]] std::shared_ptr<const Device> load_device(const std::filesystem::path& file,
                                                         double mount_shift = 0.0);
+/// The same of a file's text at hand (DeviceSettings::text), which may have changed since.
+[[nodiscard]] std::shared_ptr<const Device> load_device(const std::filesystem::path& file,
+                                                        const std::string& text,
+                                                        double mount_shift);
 
 /// A JSON Schema of the device files of one kind, by what their reader asks for. Throws InputError
 /// for an unknown kind.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/motors/servo_map.hpp"
 #include "softfinger/motors/transport_file.hpp"
 
 namespace softfinger {
@@ -55,6 +56,35 @@ ForceSensorSettings read_force_sensor(const ConfigTable& table) {
   sensor.kind = table.choice("kind", {"emulator"});
   sensor.noise = table.number("noise_N", Range::at_least(0.0), 0.0);
   return sensor;
+}
+
+constexpr double kLongestPress = 120.0;  ///< s, where the file says nothing
+/// Of the joints' range; what loads, friction and slack of servos make is less.
+constexpr double kFollowingError = 0.2;
+/// Steps of the wire: less is noise of what servos say.
+constexpr double kFollowingNoise = 8.0;
+
+/// After joint limits and transport.
+void read_supervision(const ConfigTable& limits, DeviceSettings& settings) {
+  const JointLimits& joints = settings.joint_limits;
+  settings.press_time =
+      limits.optional_number("max_press_s", Range::positive()).value_or(kLongestPress);
+  double noise = 0.0;
+  if (settings.transport && !settings.transport->follows_travel) {
+    for (const ServoSettings& servo : settings.transport->servos) {
+      noise = std::max(noise, kFollowingNoise * ServoMap(servo).resolution());
+    }
+  }
+  const std::string_view key = joints.linear ? "following_error_mm" : "following_error_deg";
+  const auto error = limits.optional_number(key, Range::positive());
+  const double unit = joints.linear ? mm : deg;
+  if (error && *error < noise) {
+    limits.fail(key,
+                fmt::format("{:g} is less than the noise of what these servos say; at least {:.3g}",
+                            *error / unit, noise / unit));
+  }
+  const double range = joints.min.size() > 0 ? (joints.max - joints.min).maxCoeff() : 0.0;
+  settings.following_error = error.value_or(std::max(noise, kFollowingError * range));
 }
 
 }  // namespace
@@ -111,6 +141,7 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
   if (const auto transport = root.optional_table("transport")) {
     settings.transport = read_transport(*transport, settings.joint_limits);
   }
+  read_supervision(root.table_or_empty("limits"), settings);
   if (const auto sensor = root.optional_table("force_sensor")) {
     settings.force_sensor = read_force_sensor(*sensor);
   }

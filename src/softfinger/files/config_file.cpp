@@ -15,8 +15,6 @@
 namespace softfinger {
 namespace {
 
-constexpr std::size_t kMaxFileSize = 4u << 20;  // bytes
-
 std::string_view line_of(std::string_view text, std::size_t number) {
   for (std::size_t line = 1; line < number; ++line) {
     const std::size_t end = text.find('\n');
@@ -224,7 +222,7 @@ void ConfigTable::fail(std::string_view key, std::string_view message) const {
 }
 
 ConfigFile::ConfigFile(const std::filesystem::path& file)
-    : ConfigFile(file, read_text_file(file, kMaxFileSize)) {}
+    : ConfigFile(file, read_text_file(file, kMaxSize)) {}
 
 ConfigFile::ConfigFile(const std::filesystem::path& file, std::string_view text) : file_(file) {
   auto document = std::make_shared<ConfigTable::Node::Document>();

@@ -105,6 +105,8 @@ class ConfigTable {
 /// A TOML file opened for strict reading.
 class ConfigFile {
  public:
+  static constexpr std::size_t kMaxSize = std::size_t{4} << 20;  ///< bytes
+
   /// Throws InputError when the file cannot be read or is not TOML.
   explicit ConfigFile(const std::filesystem::path& file);
   /// The same of a text at hand; messages name `file`, which need not exist.

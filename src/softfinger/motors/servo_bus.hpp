@@ -40,6 +40,10 @@ class ServoBus {
   /// still wait or the port vanished (it is closed then).
   virtual bool write(std::span<const std::int32_t> targets) noexcept = 0;
 
+  /// Takes torque or pulses from the servos, which then hold nothing; false: not sent, or this bus
+  /// cannot.
+  virtual bool let_go() noexcept { return false; }
+
   /// Asks the servos where they are, without waiting; false where this bus has no such question.
   virtual bool ask() noexcept = 0;
   /// Whether servos have answered since open(), also that they know no position.

@@ -36,6 +36,7 @@ constexpr std::array kTransportKeys{
     KeyMeaning{"port", "\"emulator\", a serial port, or HOST:PORT for osc and weart"},
     KeyMeaning{"baud", "of the serial port; servos on a bus must be set to the same"},
     KeyMeaning{"rate_Hz", "device ticks a second: one match and one command each"},
+    KeyMeaning{"at_end", "\"hold\": servos keep the device retracted; \"torque_off\": they let go"},
     KeyMeaning{"servo", "one a joint, in joint order; weart: the one actuation point"},
 };
 
@@ -49,6 +50,13 @@ void limit_motion(const JointLimits& limits, ServoSettings& servo) {
   if (std::isfinite(limits.max_acceleration)) {
     servo.max_acceleration = scale * limits.max_acceleration;
   }
+}
+
+void read_at_end(const ConfigTable& table, const MotorKind& kind, TransportSettings& transport) {
+  transport.limp_at_end = table.choice("at_end", {"hold", "torque_off"}, "hold") == "torque_off";
+  if (!transport.limp_at_end || kind.has_torque) return;
+  table.fail("at_end",
+             fmt::format("\"torque_off\" is nothing that {} can be told; leave it out", kind.name));
 }
 
 }  // namespace
@@ -69,6 +77,7 @@ TransportSettings read_transport(const ConfigTable& table, const JointLimits& li
   }
   if (serial) transport.baud = table.integer("baud", 300, 4000000, kind.default_baud);
   transport.rate = table.number("rate_Hz", {.min = 0.0, .max = 1000.0, .open_min = true}, 30.0);
+  read_at_end(table, kind, transport);
 
   const std::vector<ConfigTable> servos = table.tables("servo");
   table.needs_one("servo");

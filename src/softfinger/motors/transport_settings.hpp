@@ -32,8 +32,10 @@ struct TransportSettings {
   int baud = 115200;
   double rate = 30.0;                 ///< device ticks per second, Hz
   std::vector<ServoSettings> servos;  ///< one a joint, in joint order
-  std::string unit = "us";            ///< of set points as people read them: "us", "ticks", ""
-  double unit_scale = 1e-6;           ///< set point of one such unit
+  /// At the end, once the device is retracted, the servos let go instead of holding it there.
+  bool limp_at_end = false;
+  std::string unit = "us";   ///< of set points as people read them: "us", "ticks", ""
+  double unit_scale = 1e-6;  ///< set point of one such unit
   /// The one servo follows the coordinate that leads the surface to the finger
   /// (Device::approach_axis()) and not a joint.
   bool follows_travel = false;

@@ -31,6 +31,7 @@ std::string transport_text(const TransportSettings& transport, bool linear_joint
       fmt::format("[transport]\nkind = \"{}\"\nport = {}\n", kind.name, quoted(transport.port));
   if (kind.wire == MotorKind::Wire::kSerial) text += fmt::format("baud = {}\n", transport.baud);
   text += fmt::format("rate_Hz = {}\n", float_text(transport.rate));
+  if (transport.limp_at_end) text += "at_end = \"torque_off\"\n";
   for (const ServoSettings& servo : transport.servos) {
     text += "\n[[transport.servo]]\n" + kind.servo_name_text(servo);
     text += fmt::format("{} = {}\n{} = {}\n", key_with_unit(kind, "zero"),

@@ -4,6 +4,8 @@
 #include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -20,6 +22,18 @@ struct SerialPort::Line {
   boost::asio::io_context context;
   boost::asio::serial_port port{context};
 };
+
+namespace {
+
+/// By its major number, see Documentation/admin-guide/devices.txt of Linux.
+bool is_pseudo_terminal(int handle) {
+  struct stat status {};
+  if (::fstat(handle, &status) != 0) return false;
+  const unsigned major_number = major(status.st_rdev);
+  return major_number >= 136 && major_number <= 143;
+}
+
+}  // namespace
 
 SerialPort::SerialPort() : line_(std::make_unique<Line>()) {}
 SerialPort::~SerialPort() = default;
@@ -52,6 +66,10 @@ std::string SerialPort::open(const std::string& port, unsigned baud) {
   // Two that move one device would move it against each other.
   if (::flock(line_->port.native_handle(), LOCK_EX | LOCK_NB) != 0) {
     return refuse("another program uses it");
+  }
+  // Nor one that asks for no lock; an emulator's terminal has its own far end open besides.
+  if (!is_pseudo_terminal(line_->port.native_handle())) {
+    ::ioctl(line_->port.native_handle(), TIOCEXCL);
   }
   line_->port.set_option(Options::character_size(8), error);
   if (!error) line_->port.set_option(Options::parity(Options::parity::none), error);

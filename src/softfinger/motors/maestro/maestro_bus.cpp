@@ -69,6 +69,12 @@ bool MaestroBus::write(std::span<const std::int32_t> targets) noexcept {
   return port_.write(std::span(bytes).first(size)) == SerialPort::Result::kSent;
 }
 
+bool MaestroBus::let_go() noexcept {
+  // A target of 0 stops the pulses, and a hobby servo without pulses has no torque.
+  constexpr std::array<std::int32_t, kMaestroChannels> kNoPulses{};
+  return write(std::span(kNoPulses).first(channels_.size()));
+}
+
 bool MaestroBus::ask() noexcept {
   std::array<std::uint8_t, 2 * kMaestroChannels> question;
   std::size_t size = 0;

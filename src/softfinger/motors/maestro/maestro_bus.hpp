@@ -22,6 +22,7 @@ class MaestroBus : public ServoBus {
   [[nodiscard]] bool answers() const noexcept override { return answers_; }
   [[nodiscard]] bool is_open() const noexcept override { return port_.is_open(); }
   bool write(std::span<const std::int32_t> targets) noexcept override;
+  bool let_go() noexcept override;
   bool ask() noexcept override;
   bool take_positions(std::span<std::int32_t> positions) noexcept override;
   void drain() noexcept override { port_.drain(); }

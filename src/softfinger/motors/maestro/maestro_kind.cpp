@@ -43,6 +43,7 @@ const MotorKind& maestro_kind() {
       .default_baud = 115200,
       .unit = "us",
       .unit_scale = us,
+      .has_torque = true,
       .servo_key = "channel",
       .keys = kMaestroKeys,
       .read_servo = read_maestro_servo,

@@ -225,6 +225,13 @@ bool ServoTableBus::write(std::span<const std::int32_t> targets) noexcept {
                                  std::span(values).first(count)));
 }
 
+bool ServoTableBus::let_go() noexcept {
+  // Those that are lost too: a servo that has no voice may still have ears.
+  const std::array<std::uint32_t, kMostServos> off{};
+  return send(sync_write_request(*protocol_, protocol_->table().torque, ids_,
+                                 std::span(off).first(ids_.size())));
+}
+
 ServoRegister ServoTableBus::asked() const {
   const ControlTable& table = protocol_->table();
   return question_ == Question::kTorque ? table.torque : table.present;

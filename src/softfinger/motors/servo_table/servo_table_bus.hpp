@@ -49,6 +49,7 @@ class ServoTableBus : public ServoBus {
   [[nodiscard]] ServoFaults faults() const noexcept override { return faults_; }
   [[nodiscard]] bool is_open() const noexcept override { return port_.is_open(); }
   bool write(std::span<const std::int32_t> targets) noexcept override;
+  bool let_go() noexcept override;
   bool ask() noexcept override;
   bool take_positions(std::span<std::int32_t> positions) noexcept override;
   void drain() noexcept override { port_.drain(); }

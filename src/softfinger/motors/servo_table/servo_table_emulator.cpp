@@ -205,7 +205,7 @@ void ServoTableEmulator::execute(const ServoFrame& frame) {
 void ServoTableEmulator::advance_to(double time) {
   for (int step = clock_.steps_to(time); step > 0; --step) {
     for (Servo& servo : servos_) {
-      servo.torque ? servo.motion.move(servo.goal) : servo.motion.rest();
+      servo.torque && !servo.blocked ? servo.motion.move(servo.goal) : servo.motion.rest();
     }
   }
 }

@@ -40,6 +40,8 @@ class ServoTableEmulator : public BusEmulator {
   void cut_off(std::size_t servo, bool off = true) { servos_[servo].cut_off = off; }
   /// One servo protects itself, as from overload: its torque is off. From any thread.
   void trip(std::size_t servo) { servos_[servo].tripped = true; }
+  /// One servo is stuck where it is, and says so when asked; or is free again. From any thread.
+  void block(std::size_t servo, bool on = true) { servos_[servo].blocked = on; }
   [[nodiscard]] std::int32_t goal(std::size_t servo) const { return servos_[servo].goal; }
   [[nodiscard]] bool torque(std::size_t servo) const { return servos_[servo].torque; }
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
@@ -66,6 +68,7 @@ class ServoTableEmulator : public BusEmulator {
     std::atomic<bool> torque{false};
     std::atomic<bool> cut_off{false};
     std::atomic<bool> tripped{false};
+    std::atomic<bool> blocked{false};
   };
 
   void execute(const ServoFrame& frame);
