@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -19,6 +20,7 @@
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/motors/transport_file.hpp"
 #include "softfinger/motors/transport_text.hpp"
+#include "stop_signal.hpp"
 
 using namespace softfinger;
 
@@ -30,11 +32,13 @@ struct CalibrateFlags {
 };
 
 /// A number that a person types; asks again until it is one.
-double ask_number(const std::string& question) {
+double ask_number(const std::string& question, const std::atomic<bool>& stop) {
   while (true) {
     fmt::print(stderr, "{} ", question);
     std::string line;
-    if (!std::getline(std::cin, line)) {
+    const bool answered = static_cast<bool>(std::getline(std::cin, line));
+    if (stop.load()) throw OperationError("calibrate: ended before it was done; nothing written");
+    if (!answered) {
       throw InputError(
           "calibrate: no answer on the standard input; answer, or give --at and --moved");
     }
@@ -105,7 +109,8 @@ void calibrate(const CalibrateFlags& flags) {
     throw InputError(fmt::format("{} exists; name a new file", flags.out));
   }
   const auto device = load_device(flags.device);
-  ServoCalibration calibration(device, flags.port);
+  const std::atomic<bool>& stop = stop_on_signals();
+  ServoCalibration calibration(device, flags.port, stop);
   check_answers(flags, calibration.servos());
   const JointLimits& limits = device->joint_limits();
   const double unit = limits.linear ? mm : deg;
@@ -120,14 +125,18 @@ void calibrate(const CalibrateFlags& flags) {
         unit *
         (flags.at.empty()
              ? ask_number(fmt::format("Joint {} should stand at {:.1f} {}. Where does it stand?",
-                                      i + 1, calibration.home(i) / unit, unit_name))
+                                      i + 1, calibration.home(i) / unit, unit_name),
+                          stop)
              : flags.at[at]);
     seen.told = calibration.move_away(i);
-    seen.moved = unit * (flags.moved.empty()
-                             ? ask_number(fmt::format(
-                                   "Joint {} should have moved by {:+.1f} {}. By how many did it?",
-                                   i + 1, seen.told / unit, unit_name))
-                             : flags.moved[at]);
+    seen.moved =
+        unit *
+        (flags.moved.empty()
+             ? ask_number(
+                   fmt::format("Joint {} should have moved by {:+.1f} {}. By how many did it?",
+                               i + 1, seen.told / unit, unit_name),
+                   stop)
+             : flags.moved[at]);
     calibration.move_back();
     try {
       result.servos[at] = calibration.calibrated_servo(i, seen);

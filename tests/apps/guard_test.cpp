@@ -101,6 +101,24 @@ TEST_F(KilledProgram, LeavesTheDeviceRetracted) {
   EXPECT_TRUE(soon([&] { return !owner_of_port(); }));
 }
 
+// What calibrates has no guard process; it retracts however it ends, but by kill -9.
+TEST_F(KilledProgram, ACalibrationThatIsInterruptedRetracts) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    RunningProgram program({"device", "calibrate", place.path("devices/thimble-3rrs.toml"), "--out",
+                            place.path("servos.toml"), "--at", "31.6,31.6,31.6", "--moved",
+                            "10,10,10"});
+    ASSERT_TRUE(soon([&] { return owner_of_port().has_value(); }));
+    ASSERT_TRUE(soon([&] { return away_from(device->home()) < 0.01; }));
+    ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.05; }));
+    EXPECT_GT(away_from(device->retracted()), 0.05);
+    const ProgramRun run = program.stop(signal);
+    EXPECT_EQ(run.status, 1);
+    EXPECT_EQ(run.errors, "softfinger: calibrate: ended before it was done; nothing written\n");
+    EXPECT_LT(away_from(device->retracted()), 0.02);
+    EXPECT_FALSE(fs::exists(place.path("servos.toml")));
+  }
+}
+
 TEST_F(KilledProgram, SharesItsPortWithNobodyAndGivesItBack) {
   RunningProgram program({"run", place.path("scenes/sphere.toml"), "--headless"});
   ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.05; }));

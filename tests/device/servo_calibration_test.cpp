@@ -51,8 +51,10 @@ TEST(ServoCalibration, RefusesAJointThatDidNotMove) {
       InputError);
 }
 
+const std::atomic<bool> kGoOn{false};
+
 TEST(ServoCalibration, MovesOneJointAndComesBack) {
-  ServoCalibration calibration(lever_platform({.kind = "dynamixel"}), "emulator");
+  ServoCalibration calibration(lever_platform({.kind = "dynamixel"}), "emulator", kGoOn);
   ASSERT_EQ(calibration.servos(), 3);
   const double told = calibration.move_away(1);
   EXPECT_NEAR(std::abs(told), 10.0 * deg, 1e-9);
@@ -66,8 +68,8 @@ TEST(ServoCalibration, MovesOneJointAndComesBack) {
 }
 
 TEST(ServoCalibration, RefusesWhatHasNoJointServos) {
-  EXPECT_THROW(ServoCalibration(lever_platform({.kind = "weart"}), ""), InputError);
-  EXPECT_THROW(ServoCalibration(lever_platform(), "/dev/no-such-port"), InputError);
+  EXPECT_THROW(ServoCalibration(lever_platform({.kind = "weart"}), "", kGoOn), InputError);
+  EXPECT_THROW(ServoCalibration(lever_platform(), "/dev/no-such-port", kGoOn), InputError);
 }
 
 }  // namespace

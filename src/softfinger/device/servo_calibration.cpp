@@ -17,11 +17,13 @@ namespace {
 
 /// Of joints while they are calibrated: a fraction of their largest speed.
 constexpr double kSlow = 0.05;
+constexpr double kAway = 0.25;  ///< the same, where they retract
 constexpr double kStepDegrees = 10.0;
 constexpr double kStepMillimetres = 1.0;
 /// The least step that can be told by eye, as a fraction of the whole.
 constexpr double kLeastStep = 0.2;
 constexpr double kCommandsPerSecond = 50.0;
+constexpr int kRepeats = 15;  ///< of the retracted pose
 
 }  // namespace
 
@@ -45,8 +47,9 @@ JointRange joint_range(const ServoSettings& servo) {
   return {min, max};
 }
 
-ServoCalibration::ServoCalibration(std::shared_ptr<const Device> device, const std::string& port)
-    : device_(std::move(device)) {
+ServoCalibration::ServoCalibration(std::shared_ptr<const Device> device, const std::string& port,
+                                   const std::atomic<bool>& stop)
+    : device_(std::move(device)), stop_(stop) {
   const auto& transport = device_->settings().transport;
   if (!transport || transport->follows_travel) {
     throw InputError("this device has no servos that move joints: nothing to calibrate");
@@ -82,26 +85,48 @@ ServoCalibration::ServoCalibration(std::shared_ptr<const Device> device, const s
       }
     }
   }
-  go(home_);
+  try {
+    go(home_);
+  } catch (...) {
+    retract();
+    throw;
+  }
+}
+
+ServoCalibration::~ServoCalibration() { retract(); }
+
+void ServoCalibration::retract() noexcept {
+  JointAngles joints;
+  if (!device_->inverse_kinematics(device_->retracted(), joints)) return;
+  try {
+    while (bus_->is_open() && !step(joints, kAway)) continue;
+    for (int k = 0; k < kRepeats; ++k) step(joints, kAway);  // servos are behind
+  } catch (const std::exception&) {
+    return;  // the port is gone
+  }
+}
+
+bool ServoCalibration::step(const JointAngles& joints, double speed) {
+  const JointLimits& limits = device_->joint_limits();
+  const double most = speed * limits.max_rate / kCommandsPerSecond;
+  const JointAngles left = joints - now_;
+  const bool arrived = left.cwiseAbs().maxCoeff() <= most;
+  now_ = arrived ? joints : JointAngles(now_ + left.cwiseMax(-most).cwiseMin(most));
+  std::array<std::int32_t, kMostServos> targets{};
+  for (std::size_t i = 0; i < maps_.size(); ++i) {
+    const auto joint = static_cast<Eigen::Index>(i);
+    targets[i] = maps_[i].target(now_[joint], limits.min[joint], limits.max[joint]);
+  }
+  bus_->write(std::span(targets).first(maps_.size()));
+  if (!bus_->is_open()) throw OperationError("the port vanished");
+  bus_->drain();
+  std::this_thread::sleep_for(std::chrono::duration<double>(1.0 / kCommandsPerSecond));
+  return arrived;
 }
 
 void ServoCalibration::go(const JointAngles& joints) {
-  const JointLimits& limits = device_->joint_limits();
-  const double most = kSlow * limits.max_rate / kCommandsPerSecond;
-  bool arrived = false;
-  while (!arrived) {
-    const JointAngles left = joints - now_;
-    arrived = left.cwiseAbs().maxCoeff() <= most;
-    now_ = arrived ? joints : JointAngles(now_ + left.cwiseMax(-most).cwiseMin(most));
-    std::array<std::int32_t, kMostServos> targets{};
-    for (std::size_t i = 0; i < maps_.size(); ++i) {
-      const auto joint = static_cast<Eigen::Index>(i);
-      targets[i] = maps_[i].target(now_[joint], limits.min[joint], limits.max[joint]);
-    }
-    bus_->write(std::span(targets).first(maps_.size()));
-    if (!bus_->is_open()) throw OperationError("the port vanished");
-    bus_->drain();
-    std::this_thread::sleep_for(std::chrono::duration<double>(1.0 / kCommandsPerSecond));
+  while (!step(joints, kSlow)) {
+    if (stop_.load()) throw OperationError("calibrate: ended before it was done; nothing written");
   }
 }
 

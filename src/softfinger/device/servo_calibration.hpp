@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,12 +32,18 @@ struct JointRange {
 [[nodiscard]] JointRange joint_range(const ServoSettings& servo);
 
 /// Moves the servos of a device one by one, slowly, from the home of the map so far. Set points
-/// stay within the file's, joints within their limits.
+/// stay within the file's, joints within their limits. However it ends, the device is led to where
+/// it is retracted, by that map.
 class ServoCalibration {
  public:
   /// Opens the port (empty: the file's) and goes home. Throws InputError where it cannot be opened,
-  /// or where servos follow no joints.
-  ServoCalibration(std::shared_ptr<const Device> device, const std::string& port);
+  /// or where servos follow no joints. `stop` outlives this: what moves throws OperationError soon
+  /// after it has become true.
+  ServoCalibration(std::shared_ptr<const Device> device, const std::string& port,
+                   const std::atomic<bool>& stop);
+  ~ServoCalibration();
+  ServoCalibration(const ServoCalibration&) = delete;
+  ServoCalibration& operator=(const ServoCalibration&) = delete;
 
   [[nodiscard]] int servos() const { return static_cast<int>(maps_.size()); }
   /// Joint angle of a servo at home, by the map so far.
@@ -51,11 +58,16 @@ class ServoCalibration {
  private:
   /// Moves all joints to these angles by the map so far.
   void go(const JointAngles& joints);
+  /// One command nearer to them, at this part of their largest speed; true: there. Throws
+  /// OperationError where the port is gone.
+  bool step(const JointAngles& joints, double speed);
+  void retract() noexcept;
 
   std::shared_ptr<const Device> device_;
   std::vector<ServoMap> maps_;
   std::unique_ptr<EmulatedBus> emulated_;
   std::unique_ptr<ServoBus> bus_;
+  const std::atomic<bool>& stop_;
   JointAngles home_;
   JointAngles now_;
 };
