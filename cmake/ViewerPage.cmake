@@ -35,7 +35,7 @@ function(softfinger_viewer_page target)
   add_custom_command(OUTPUT ${work}/packages.stamp
     COMMAND ${CMAKE_COMMAND} -E make_directory ${work}
     COMMAND ${CMAKE_COMMAND} -E copy ${packages} ${work}
-    COMMAND ${SOFTFINGER_NPM} ci --prefix ${work} --no-audit --no-fund --loglevel=error
+    COMMAND ${SOFTFINGER_NPM} ci --prefix ${work} --ignore-scripts --no-audit --no-fund --loglevel=error
     COMMAND ${CMAKE_COMMAND} -E touch ${work}/packages.stamp
     DEPENDS ${packages} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
     COMMENT "Fetching the packages of the live page" VERBATIM)
