@@ -15,6 +15,8 @@ std::string read_text_file(const std::filesystem::path& file, std::size_t max_si
   };
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) fail("is a directory, expected a file");
+  // Where nobody writes to a pipe it would not even open; files are read more than once as well.
+  if (std::filesystem::is_fifo(file, error)) fail("is a pipe, expected a file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail(std::filesystem::exists(file, error) ? "cannot be read" : "no such file");
   std::string text;

@@ -100,10 +100,10 @@ MeshSource read_mesh_source(const fs::path& file) {
   return source;
 }
 
-TriangleMesh triangles_of(const MeshSource& source, double unit) {
+TriangleMesh triangles_of(const MeshSource& source, double unit, const std::stop_token& stop) {
   try {
-    TriangleMesh mesh =
-        import_mesh_apart(source.format, source.file.filename().string(), source.files);
+    TriangleMesh mesh = import_mesh_apart(source.format, source.file.filename().string(),
+                                          source.files, {.longest = std::nullopt, .stop = stop});
     check(mesh);
     Eigen::AlignedBox3d bounds;
     for (Vector3& p : mesh.positions) {

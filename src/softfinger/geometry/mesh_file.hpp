@@ -20,7 +20,9 @@ struct MeshSource {
 [[nodiscard]] MeshSource read_mesh_source(const std::filesystem::path& file);
 
 /// Its triangles, welded, in m; `unit` is the file's, in m. Throws InputError where the file is
-/// broken, has no triangles, more than 5,000,000 of them, or coordinates that are not finite.
-[[nodiscard]] TriangleMesh triangles_of(const MeshSource& source, double unit);
+/// broken, has no triangles, more than 5,000,000 of them, or coordinates that are not finite, takes
+/// too long, and when `stop` asks for an end.
+[[nodiscard]] TriangleMesh triangles_of(const MeshSource& source, double unit,
+                                        const std::stop_token& stop = {});
 
 }  // namespace softfinger

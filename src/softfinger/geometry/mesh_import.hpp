@@ -1,8 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "softfinger/geometry/triangle_mesh.hpp"
@@ -34,10 +37,19 @@ struct MeshRefusal {
 [[nodiscard]] TriangleMesh import_mesh(MeshFormat format, const std::string& name,
                                        const MeshFiles& files);
 
+/// How long an import may take.
+struct ImportLimits {
+  /// Of wall time; empty: ten times the processor time that its size allows.
+  std::optional<std::chrono::milliseconds> longest;
+  std::stop_token stop;  ///< asks for its end
+};
+
 /// The same in a process of its own with bounded time and memory, so that a broken file can only
-/// break that. Throws MeshRefusal.
+/// break that. The process ends with the thread that called, and has no file of the program's open.
+/// Throws MeshRefusal.
 [[nodiscard]] TriangleMesh import_mesh_apart(MeshFormat format, const std::string& name,
-                                             const MeshFiles& files);
+                                             const MeshFiles& files,
+                                             const ImportLimits& limits = {});
 
 /// Refuses what headers announce but the file cannot hold, before anything is allocated for it.
 /// Throws MeshRefusal.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/grid_cache.hpp"
 #include "softfinger/geometry/grid_sampling.hpp"
@@ -29,9 +30,14 @@ Progress stretch(const Progress& whole, double begin, double end) {
 }
 
 SignedDistanceGrid::Content build(const MeshSource& source, const GridKey& key,
-                                  const Progress& progress) {
+                                  const LoadObserver& observer) {
   const std::string name = source.file.string();
-  const ClosedSurface surface = closed_surface(triangles_of(source, key.unit), name);
+  // Work that tells how far it is can be ended there.
+  const Progress progress = [&](double fraction) {
+    if (observer.stop.stop_requested()) throw InputError(name + ": is no longer wanted");
+    if (observer.progress) observer.progress(fraction);
+  };
+  const ClosedSurface surface = closed_surface(triangles_of(source, key.unit, observer.stop), name);
   const TriangleTree tree(surface);
   check_surface(surface, tree, name, stretch(progress, 0.1, 0.2));
   SignedDistanceGrid::Content content =
@@ -54,7 +60,7 @@ std::shared_ptr<const SignedDistanceGrid> load_mesh_shape(const std::filesystem:
       return std::make_shared<SignedDistanceGrid>(std::move(*kept), file, source.hash);
     }
   }
-  SignedDistanceGrid::Content content = build(source, key, observer.progress);
+  SignedDistanceGrid::Content content = build(source, key, observer);
   if (observer.progress) observer.progress(1.0);
   if (options.use_cache && !write_grid_cache(cache, key, content) && observer.message) {
     observer.message(

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "softfinger/geometry/signed_distance_grid.hpp"
@@ -20,6 +21,8 @@ struct MeshShapeOptions {
 struct LoadObserver {
   Progress progress;
   std::function<void(const std::string&)> message;  ///< one line for people
+  /// Asks for its end, soon and with an InputError, where a mesh is being loaded.
+  std::stop_token stop = {};
 };
 
 /// The solid a mesh file encloses, as a grid of signed distances: taken from the cache where it has
