@@ -37,6 +37,11 @@ std::vector<std::string> scenes_beside(const fs::path& scene) {
   return names;
 }
 
+bool changes_scene(LiveRequest::Kind kind) {
+  return kind == LiveRequest::Kind::kRestart || kind == LiveRequest::Kind::kScene ||
+         kind == LiveRequest::Kind::kReload;
+}
+
 /// "run.db" for generation 1, "run-2.db" for generation 2.
 fs::path recording_of(const fs::path& file, std::uint64_t generation) {
   if (generation == 1) return file;
@@ -102,10 +107,20 @@ void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
 
 bool LiveSession::take_request(LiveRequest& request) {
   const std::lock_guard lock(mutex_);
-  if (requests_.empty()) return false;
-  request = requests_.front();
-  requests_.erase(requests_.begin());
+  const auto next = std::ranges::find_if(
+      requests_, [&](const LiveRequest& each) { return !load_ || !changes_scene(each.kind); });
+  if (next == requests_.end()) return false;
+  request = *next;
+  requests_.erase(next);
   return true;
+}
+
+bool LiveSession::wants_another_scene() {
+  const std::lock_guard lock(mutex_);
+  const auto last = std::find_if(requests_.rbegin(), requests_.rend(), [](const LiveRequest& each) {
+    return each.kind == LiveRequest::Kind::kScene;
+  });
+  return last != requests_.rend() && last->scene != loading_ && has_scene(last->scene);
 }
 
 RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& told) {
@@ -121,74 +136,102 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
     again = false;
     run_->start();
     std::shared_ptr<const RunSetup> next;
+    const auto begin_anew = [&] {
+      if (next || load_ || !repeat_ || stop.load()) return;
+      next = setup_;
+      set_loading(setup_->scene.file.stem().string());
+    };
     while (!run_->ended()) {
       observe(*run_, observer);
-      if (stop.load()) run_->stop();
-      LiveRequest request;
-      while (!next && take_request(request)) {
-        switch (request.kind) {
-          case LiveRequest::Kind::kPause:
-            run_->set_paused(true);
-            break;
-          case LiveRequest::Kind::kResume:
-            run_->set_paused(false);
-            break;
-          case LiveRequest::Kind::kRestart:
-            next = setup_;
-            set_loading(setup_->scene.file.stem().string());
-            break;
-          case LiveRequest::Kind::kScene:
-            next = other_scene(request.scene, observer);
-            break;
-          case LiveRequest::Kind::kReload:
-            set_loading(setup_->scene.file.stem().string());
-            next = load(setup_->scene.file, observer);
-            break;
-          case LiveRequest::Kind::kPose:
-          case LiveRequest::Kind::kStop:
-          case LiveRequest::Kind::kRelease:
-          case LiveRequest::Kind::kRegister:
-          case LiveRequest::Kind::kCancelRegistration:
-            break;  // went straight to the run, or to the registration
-        }
+      if (stop.load()) {
+        run_->stop();
+        if (load_) load_->give_up();
       }
+      if (!next) next = take_loaded(observer);
+      if (!next) next = obey_requests();
       if (next) run_->stop();
       std::this_thread::sleep_for(kPollInterval);
     }
-    if (!next && repeat_ && !stop.load()) {
-      next = setup_;
-      set_loading(setup_->scene.file.stem().string());
-    }
+    begin_anew();
     summary = run_->finish();
     observe(*run_, observer);
+    // A script may end while the scene that is to follow loads.
+    while (load_ && !stop.load()) {
+      next = take_loaded(observer);
+      if (!next && !load_) next = obey_requests();  // a newer one may wait
+      std::this_thread::sleep_for(kPollInterval);
+    }
+    begin_anew();
     if (next && !stop.load()) {
       begin(std::move(next));
       again = true;
     }
   }
+  load_.reset();  // the devices have retracted: what is left of it may take its time
   return summary;
 }
 
-std::shared_ptr<const RunSetup> LiveSession::other_scene(const std::string& name,
-                                                         const RunObserver& observer) {
-  if (std::find(scene_names_.begin(), scene_names_.end(), name) == scene_names_.end()) {
-    return nullptr;
+std::shared_ptr<const RunSetup> LiveSession::obey_requests() {
+  LiveRequest request;
+  while (take_request(request)) {
+    switch (request.kind) {
+      case LiveRequest::Kind::kPause:
+        run_->set_paused(true);
+        break;
+      case LiveRequest::Kind::kResume:
+        run_->set_paused(false);
+        break;
+      case LiveRequest::Kind::kRestart:
+        set_loading(setup_->scene.file.stem().string());
+        return setup_;
+      case LiveRequest::Kind::kScene:
+        if (has_scene(request.scene)) {
+          begin_loading(options_.scene.parent_path() / (request.scene + ".toml"));
+        }
+        break;
+      case LiveRequest::Kind::kReload:
+        begin_loading(setup_->scene.file);
+        break;
+      case LiveRequest::Kind::kPose:
+      case LiveRequest::Kind::kStop:
+      case LiveRequest::Kind::kRelease:
+      case LiveRequest::Kind::kRegister:
+      case LiveRequest::Kind::kCancelRegistration:
+        break;  // went straight to the run, or to the registration
+    }
   }
-  set_loading(name);
-  return load(options_.scene.parent_path() / (name + ".toml"), observer);
+  return nullptr;
 }
 
-std::shared_ptr<const RunSetup> LiveSession::load(const fs::path& scene,
-                                                  const RunObserver& observer) {
+bool LiveSession::has_scene(const std::string& name) const {
+  return std::ranges::find(scene_names_, name) != scene_names_.end();
+}
+
+void LiveSession::begin_loading(const fs::path& scene) {
+  set_loading(scene.stem().string());
   RunOptions options = options_;
   options.scene = scene;
-  try {
-    return load_setup(options);
-  } catch (const InputError& error) {
-    observer.message(error.what());
+  load_ = std::make_unique<SceneLoad>(options);
+}
+
+std::shared_ptr<const RunSetup> LiveSession::take_loaded(const RunObserver& observer) {
+  if (!load_) return nullptr;
+  if (wants_another_scene()) load_->give_up();
+  if (!load_->done()) return nullptr;
+  const std::unique_ptr<SceneLoad> load = std::move(load_);
+  if (load->given_up()) {
     set_loading("");
     return nullptr;
   }
+  try {
+    return load->take();
+  } catch (const InputError& error) {
+    observer.message(error.what());
+  } catch (const OperationError& error) {
+    observer.message(error.what());
+  }
+  set_loading("");
+  return nullptr;
 }
 
 void LiveSession::set_loading(std::string scene) {

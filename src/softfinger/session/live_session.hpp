@@ -11,6 +11,7 @@
 
 #include "softfinger/session/live_feed.hpp"
 #include "softfinger/session/live_registration.hpp"
+#include "softfinger/session/scene_load.hpp"
 #include "softfinger/session/scene_run.hpp"
 
 namespace softfinger {
@@ -42,8 +43,8 @@ class LiveSession final : public LiveFeed {
   ~LiveSession() override;
 
   /// Runs until the script ends (unless repeated) or `stop` becomes true; then retracts the devices
-  /// and closes the recording. Returns the summary of the last generation. Throws OperationError
-  /// when the recording could not be written. Once.
+  /// and closes the recording; a scene that loads then is given up. Returns the summary of the last
+  /// generation. Throws OperationError when the recording could not be written. Once.
   RunSummary run(const std::atomic<bool>& stop, const RunObserver& observer = {});
 
   std::shared_ptr<const SceneDescription> description() override;
@@ -59,12 +60,18 @@ class LiveSession final : public LiveFeed {
  private:
   void begin(std::shared_ptr<const RunSetup> setup);
   void set_loading(std::string scene);
+  /// The next one that can be obeyed now: none for a scene waits for the one that loads.
   bool take_request(LiveRequest& request);
+  /// What is asked for until there is something to run next.
+  std::shared_ptr<const RunSetup> obey_requests();
+  /// Whether another scene was asked for than the one that loads.
+  bool wants_another_scene();
   void release(const LiveRequest& request);
   void begin_registration(const LiveRequest& request);
-  std::shared_ptr<const RunSetup> other_scene(const std::string& name, const RunObserver& observer);
-  std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
-                                       const RunObserver& observer);
+  [[nodiscard]] bool has_scene(const std::string& name) const;
+  void begin_loading(const std::filesystem::path& scene);
+  /// The scene that was loaded; null: none, or not yet, or it cannot be, which is told.
+  std::shared_ptr<const RunSetup> take_loaded(const RunObserver& observer);
 
   RunOptions options_;
   bool repeat_;
@@ -72,6 +79,7 @@ class LiveSession final : public LiveFeed {
   std::vector<std::string> scene_names_;
   std::uint64_t generation_ = 0;
   std::shared_ptr<const RunSetup> setup_;
+  std::unique_ptr<SceneLoad> load_;  ///< null: no scene loads
 
   // Between the viewer's thread and the session's; the loops never take it.
   std::mutex mutex_;
