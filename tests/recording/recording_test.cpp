@@ -142,6 +142,16 @@ TEST(Recording, NeverOverwritesAFile) {
                InputError);
 }
 
+TEST(Recording, IsItsOwnersAlone) {
+  const TemporaryDirectory directory;
+  RecordingWriter writer(directory / "run.db", one_finger(), WhenFull::kWait, step_record(0));
+  for (const char* name : {"run.db", "run.db-wal"}) {
+    EXPECT_EQ(fs::status(directory / name).permissions(), fs::perms{0600}) << name;
+  }
+  writer.close();
+  EXPECT_EQ(fs::status(directory / "run.db").permissions(), fs::perms{0600});
+}
+
 TEST(Recording, LiveProducerIsNeverHeldUpAndLossesAreCounted) {
   const TemporaryDirectory directory;
   RecordingInfo info = one_finger();

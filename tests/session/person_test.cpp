@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -71,6 +72,16 @@ TEST_F(PersonFile, WhatIsNotOfTheChangedFingerStays) {
                         "translation_mm = [0, 0, 0]\nrotation_vector_deg = [0, 0, 0]\n\n[ring]\n"));
   // Nothing is left beside it.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file_.parent_path()), {}), 1);
+}
+
+TEST_F(PersonFile, IsItsOwnersAloneAndNoPlantedLinkIsFollowed) {
+  const std::filesystem::path other = file_.parent_path() / "other";
+  std::ofstream(other) << "of somebody else";
+  std::filesystem::create_symlink(other, file_.string() + "." + std::to_string(::getpid()));
+  Person person = load("[index.size]\ndepth_mm = 13\n");
+  save_person(person);
+  EXPECT_EQ(read_text_file(other, 100), "of somebody else");
+  EXPECT_EQ(std::filesystem::status(file_).permissions(), std::filesystem::perms{0600});
 }
 
 TEST_F(PersonFile, WhatItDoesNotKnowIsRefusedByName) {

@@ -14,6 +14,7 @@
 #include <type_traits>
 
 #include "softfinger/base/hash.hpp"
+#include "softfinger/files/whole_file.hpp"
 
 namespace softfinger {
 namespace {
@@ -251,15 +252,10 @@ bool write_grid_cache(const fs::path& file, const GridKey& key, const Content& c
   if (file.empty()) return false;
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
-  const fs::path temporary = file.string() + fmt::format(".{}", ::getpid());
-  std::ofstream stream(temporary, std::ios::binary);
-  Writer writer(stream);
-  write(writer, key, content);
-  stream.close();
-  if (stream) fs::rename(temporary, file, error);
-  const bool written = stream && !error;
-  if (!written) fs::remove(temporary, error);
-  return written;
+  return write_file_whole(file, [&](std::ostream& stream) {
+    Writer writer(stream);
+    write(writer, key, content);
+  });
 }
 
 }  // namespace softfinger

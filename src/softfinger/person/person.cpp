@@ -1,16 +1,15 @@
 #include "softfinger/person/person.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/text_file.hpp"
+#include "softfinger/files/whole_file.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"
 
@@ -124,14 +123,11 @@ void save_person(const Person& person) {
   std::error_code error;
   const fs::path target = fs::weakly_canonical(person.file, error);
   const fs::path& file = error ? person.file : target;
-  const fs::path beside = file.string() + fmt::format(".{}", ::getpid());
-  std::ofstream stream(beside, std::ios::binary);
-  stream << text;
-  stream.close();
-  error.clear();
-  if (stream) fs::rename(beside, file, error);
-  if (stream && !error) return;
-  fs::remove(beside, error);
+  // It is of a person's body: nobody else's to read.
+  if (write_file_whole(file, [&](std::ostream& stream) { stream << text; },
+                       {.owner_alone = true, .durable = true})) {
+    return;
+  }
   throw OperationError(fmt::format("{}: cannot be written", person.file.string()));
 }
 

@@ -26,8 +26,10 @@ constexpr std::size_t kTickCapacity = 256;
 constexpr std::size_t kStepsARound = 64;  // of a round
 constexpr auto kDrainInterval = std::chrono::milliseconds(5);
 
+/// It has how a person moved, and where there is one their file: nobody else's to read. The log
+/// that SQLite puts beside it gets the same permissions.
 void create_empty(const std::filesystem::path& file) {
-  const int descriptor = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+  const int descriptor = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
   if (descriptor < 0) {
     if (errno == EEXIST) refuse_existing_recording(file);
     throw InputError(fmt::format("{}: cannot be created: {}", file.string(),
