@@ -45,6 +45,7 @@ struct RunFlags {
   std::optional<std::string> listen;  ///< this machine alone where not given
   std::optional<std::string> token;
   Certificate certificate;
+  bool plain_http = false;
 };
 
 std::filesystem::path guard_program() {
@@ -83,12 +84,17 @@ void check(const RunFlags& flags) {
   if (flags.no_twin && flags.headless) {
     throw InputError("--no-twin: a headless run has no twin; leave it out");
   }
-  if (flags.headless && (flags.listen || flags.token || flags.certificate.is_given())) {
+  if (flags.headless &&
+      (flags.listen || flags.token || flags.certificate.is_given() || flags.plain_http)) {
     throw InputError(fmt::format("{}: a headless run serves no page; leave it out",
                                  flags.listen                      ? "--listen"
                                  : flags.token                     ? "--token"
+                                 : flags.plain_http                ? "--plain-http"
                                  : flags.certificate.chain.empty() ? "--key"
                                                                    : "--certificate"));
+  }
+  if (flags.plain_http && flags.certificate.is_given()) {
+    throw InputError("--plain-http: with --certificate the page is served by HTTPS; leave one out");
   }
 }
 
@@ -100,6 +106,7 @@ RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
   // Before the session: it opens the devices.
   if (flags.token) server_options.token = AccessToken::read(*flags.token);
   server_options.certificate = flags.certificate;
+  server_options.plain_http = flags.plain_http;
   LiveSession session(flags.options, flags.repeat);
   const Server server(session, server_options);
   fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
@@ -180,13 +187,16 @@ void add_run_command(CLI::App& app) {
                     "record all nodes and samples of every step as well");
   command->add_option("--listen", flags->listen,
                       "address that the page is served at, 127.0.0.1 where not given; others than "
-                      "this machine's need --token");
+                      "this machine's need --token, and --certificate or --plain-http");
   command->add_option("--token", flags->token,
                       "file with a secret that visitors of the page must know");
   command->add_option("--certificate", flags->certificate.chain,
                       "PEM file: the page is served by HTTPS; needs --key");
   command->add_option("--key", flags->certificate.key,
                       "PEM file with the private key of --certificate");
+  command->add_flag(
+      "--plain-http", flags->plain_http,
+      "the network is trusted: --listen without --certificate, for all on it to read");
   add_port_option(*command, "--port", flags->port, "port of the page; 0: any free one");
   command->add_flag("--as-fast-as-possible", options.as_fast_as_possible,
                     "headless: do not keep to the wall clock");

@@ -178,6 +178,8 @@ TEST(RunCommand, RefusesWhatDoesNotFitTogether) {
                                              {"--headless", "--tracker", "page"},
                                              {"--headless", "--listen", "127.0.0.1"},
                                              {"--headless", "--token", "/no/such/token"},
+                                             {"--headless", "--plain-http"},
+                                             {"--plain-http", "--certificate", "/c", "--key", "/k"},
                                              {"--token", "/no/such/token"},
                                              {"--headless", "--duration-s", "-1"},
                                              {"--headless", "--duration-s", "nan"},

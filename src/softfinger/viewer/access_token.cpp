@@ -1,8 +1,10 @@
 #include "softfinger/viewer/access_token.hpp"
 
 #include <fmt/core.h>
+#include <sys/random.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 
 #include "softfinger/base/error.hpp"
@@ -21,6 +23,16 @@ std::string_view next_piece(std::string_view& rest, char separator) {
   const std::string_view piece = rest.substr(0, end);
   rest.remove_prefix(std::min(end + 1, rest.size()));
   return piece;
+}
+
+/// In a time that depends on the secret's length alone.
+bool is_same(std::string_view secret, std::string_view guess) {
+  unsigned difference = guess.size() == secret.size() ? 0U : 1U;
+  for (std::size_t i = 0; i < secret.size(); ++i) {
+    const char c = i < guess.size() ? guess[i] : '\0';
+    difference |= static_cast<unsigned char>(c ^ secret[i]);
+  }
+  return difference == 0;
 }
 
 }  // namespace
@@ -51,14 +63,7 @@ AccessToken AccessToken::read(const std::filesystem::path& file) {
   return token;
 }
 
-bool AccessToken::matches(std::string_view guess) const {
-  unsigned difference = guess.size() == text_.size() ? 0U : 1U;
-  for (std::size_t i = 0; i < text_.size(); ++i) {
-    const char c = i < guess.size() ? guess[i] : '\0';
-    difference |= static_cast<unsigned char>(c ^ text_[i]);
-  }
-  return difference == 0;
-}
+bool AccessToken::matches(std::string_view guess) const { return is_same(text_, guess); }
 
 bool AccessToken::is_in_target(std::string_view target) const {
   const std::size_t question = target.find('?');
@@ -72,13 +77,23 @@ bool AccessToken::is_in_target(std::string_view target) const {
   return false;
 }
 
-bool AccessToken::is_in_cookies(std::string_view header) const {
+VisitorCookie::VisitorCookie() {
+  std::array<std::uint64_t, 4> random{};
+  if (::getrandom(random.data(), sizeof random, 0) != static_cast<ssize_t>(sizeof random)) {
+    throw OperationError("no random numbers to know visitors of the page by");
+  }
+  for (const std::uint64_t word : random) value_ += fmt::format("{:016x}", word);
+}
+
+std::string VisitorCookie::name(std::uint16_t port) { return fmt::format("softfinger-{}", port); }
+
+bool VisitorCookie::is_in(std::string_view header, std::uint16_t port) const {
+  const std::string wanted = name(port);
   std::string_view rest = header;
   while (!rest.empty()) {
     std::string_view piece = next_piece(rest, ';');
     while (piece.starts_with(' ')) piece.remove_prefix(1);
-    const std::string_view name = next_piece(piece, '=');
-    if (name == kCookie && matches(piece)) return true;
+    if (next_piece(piece, '=') == wanted && is_same(value_, piece)) return true;
   }
   return false;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -23,14 +24,27 @@ class AccessToken {
   [[nodiscard]] bool matches(std::string_view guess) const;
   /// Whether the query of a request's target, "/?token=...", has it.
   [[nodiscard]] bool is_in_target(std::string_view target) const;
-  /// Whether a Cookie header has it, under kCookie.
-  [[nodiscard]] bool is_in_cookies(std::string_view header) const;
   [[nodiscard]] const std::string& text() const { return text_; }
-
-  static constexpr std::string_view kCookie = "softfinger-token";
 
  private:
   std::string text_;
+};
+
+/// What visitors who had the token show from then on: drawn anew by each server, so that neither a
+/// browser nor who reads its files learns the token.
+class VisitorCookie {
+ public:
+  /// Throws OperationError where the system has no random numbers.
+  VisitorCookie();
+
+  /// Browsers send a cookie to all ports of a host: each has a name of its own.
+  [[nodiscard]] static std::string name(std::uint16_t port);
+  [[nodiscard]] const std::string& value() const { return value_; }
+  /// Whether a Cookie header has it, under the name for this port.
+  [[nodiscard]] bool is_in(std::string_view header, std::uint16_t port) const;
+
+ private:
+  std::string value_;
 };
 
 }  // namespace softfinger

@@ -38,6 +38,7 @@ struct Server::Implementation {
             options.address,
             options.certificate.is_given() ? "https" : "http",
             options.port},
+        plain_http(options.plain_http),
         tls(options.certificate.is_given()
                 ? std::make_unique<asio::ssl::context>(tls_context(options.certificate).release())
                 : nullptr),
@@ -62,6 +63,12 @@ struct Server::Implementation {
       throw InputError(fmt::format(
           "--listen {}: other machines could move a device on a finger; give --token FILE, a file "
           "with a secret that visitors must know",
+          hub.address));
+    }
+    if (!address.is_loopback() && !tls && !plain_http) {
+      throw InputError(fmt::format(
+          "--listen {}: others on the network could read the token and move the device; give "
+          "--certificate FILE and --key FILE, or --plain-http where the network is trusted",
           hub.address));
     }
     const tcp::endpoint endpoint(address, hub.port);
@@ -107,12 +114,13 @@ struct Server::Implementation {
         return;
       }
       accept();
-      if (hub.connections < PageHub::kMaxConnections) {
-        error_code ignored;
+      error_code ignored;
+      const asio::ip::address visitor = socket.remote_endpoint(ignored).address();
+      if (hub.has_room_for(visitor)) {
         socket.set_option(tcp::no_delay(true), ignored);
         socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
         PageStream stream(std::move(socket), tls.get());
-        std::make_shared<HttpSession>(std::move(stream), hub, watchers)->open();
+        std::make_shared<HttpSession>(std::move(stream), hub, watchers, visitor)->open();
       }
     });
   }
@@ -184,6 +192,7 @@ struct Server::Implementation {
 
   // Connections point at the hub and are destroyed with the context: it comes after them.
   PageHub hub;
+  bool plain_http;                          ///< see ServerOptions
   std::unique_ptr<asio::ssl::context> tls;  ///< null: plain
   Watchers watchers;
   asio::io_context context{1};

@@ -19,6 +19,8 @@ struct ServerOptions {
   /// What visitors must know; has to be there where the address is not this machine's loopback.
   AccessToken token = {};
   Certificate certificate = {};  ///< where given: HTTPS and WSS instead of HTTP and WS
+  /// Not encrypted although other machines can come: whoever is on the network can read the token.
+  bool plain_http = false;
 };
 
 /// Web server of the live page: HTTP on /, WebSocket on /ws, on a thread of its own. A client gets
@@ -26,13 +28,13 @@ struct ServerOptions {
 /// is slow, older snapshots are dropped for it. What the page asks goes to LiveFeed::request.
 /// Requests whose Host or Origin is not the address and port that they came to are refused (403).
 /// Where there is a token, "/?token=TOKEN" answers with a cookie and everything else without that
-/// cookie is refused (401).
+/// cookie is refused (401); the cookie is this server's alone and ends with it.
 class Server {
  public:
   /// Binds, then serves until destroyed. `feed` and `page` must outlive the server; the feed is
   /// only called from the server's thread. Throws InputError naming --port when the port is in use
-  /// or not allowed, --listen when there is no such address or it needs a token, --certificate or
-  /// --key when they cannot be used.
+  /// or not allowed, --listen when there is no such address or it needs a token or a certificate,
+  /// --certificate or --key when they cannot be used.
   explicit Server(LiveFeed& feed, const ServerOptions& options = {},
                   std::span<const PageFile> page = live_page());
   ~Server();

@@ -22,18 +22,28 @@ constexpr std::string_view kContentSecurityPolicy =
 
 }  // namespace
 
-HttpSession::HttpSession(PageStream&& stream, PageHub& hub, Watchers& watchers)
+HttpSession::HttpSession(PageStream&& stream, PageHub& hub, Watchers& watchers,
+                         const boost::asio::ip::address& visitor)
     : hub_(hub),
       count_(hub),
       stream_(std::move(stream)),
       watchers_(watchers),
       buffer_(kMaxHeaderBytes + PageHub::kMaxRequestBytes) {
+  if (hub.token.is_needed()) unproven_.emplace(hub, visitor);
   error_code error;
   local_ = tcp_stream().socket().local_endpoint(error).address().to_string();
 }
 
+void HttpSession::set_deadline() {
+  if (unproven_) {
+    tcp_stream().expires_at(opened_ + PageHub::kProofTimeout);
+  } else {
+    tcp_stream().expires_after(PageHub::kHttpTimeout);
+  }
+}
+
 void HttpSession::open() {
-  tcp_stream().expires_after(PageHub::kHttpTimeout);
+  set_deadline();
   stream_.open([self = shared_from_this()](error_code error) {
     if (!error) self->read();
   });
@@ -42,7 +52,7 @@ void HttpSession::open() {
 void HttpSession::read() {
   parser_.emplace();
   parser_->header_limit(kMaxHeaderBytes);
-  tcp_stream().expires_after(PageHub::kHttpTimeout);
+  set_deadline();
   http::async_read(
       stream_, buffer_, *parser_,
       [self = shared_from_this()](error_code error, std::size_t) { self->answer(error); });
@@ -69,6 +79,7 @@ void HttpSession::answer(error_code error) {
     if (hub_.token.is_in_target(target)) return admit();
     return refuse(http::status::unauthorized, "open /?token=TOKEN with the token of --token\n");
   }
+  unproven_.reset();
   if (target.substr(0, target.find('?')) == "/ws") return become_web_socket(request);
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     return refuse(http::status::method_not_allowed, "only GET and HEAD\n");
@@ -89,9 +100,10 @@ void HttpSession::become_web_socket(const HttpRequest& request) {
 }
 
 void HttpSession::admit() {
+  unproven_.reset();
   const std::string cookie =
-      fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict{}", AccessToken::kCookie,
-                  hub_.token.text(), hub_.scheme == "https" ? "; Secure" : "");
+      fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict{}", VisitorCookie::name(hub_.port),
+                  hub_.cookie.value(), hub_.scheme == "https" ? "; Secure" : "");
   respond(http::status::see_other, "text/plain", "", cookie);
 }
 
@@ -125,7 +137,7 @@ void HttpSession::respond(http::status status, std::string_view content_type,
   if (!head) response_.body() = beast::span<const char>(content.data(), content.size());
   serializer_.emplace(response_);
   serializer_->split(head);
-  tcp_stream().expires_after(PageHub::kHttpTimeout);
+  set_deadline();
   const auto sent = [self = shared_from_this()](error_code error, std::size_t) {
     if (error) return;
     if (self->keep_alive_) return self->read();

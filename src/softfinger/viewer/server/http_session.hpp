@@ -7,6 +7,7 @@
 #include <boost/beast/http/serializer.hpp>
 #include <boost/beast/http/span_body.hpp>
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,13 +25,16 @@ using Watchers = std::vector<std::weak_ptr<WebSocketSession>>;
 /// One connection until it ends or becomes a WebSocket, which is then one of the watchers.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(PageStream&& stream, PageHub& hub, Watchers& watchers);
+  HttpSession(PageStream&& stream, PageHub& hub, Watchers& watchers,
+              const boost::asio::ip::address& visitor);
   void open();
 
  private:
   using Body = boost::beast::http::span_body<const char>;
 
   boost::beast::tcp_stream& tcp_stream() { return stream_.next_layer(); }
+  /// Until when what comes next has to be done.
+  void set_deadline();
   void read();
   void answer(boost::system::error_code error);
   void become_web_socket(const HttpRequest& request);
@@ -42,6 +46,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   PageHub& hub_;
   ConnectionCount count_;
+  std::optional<Unproven> unproven_;  ///< empty: its visitor has shown that they may come
+  std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();
   PageStream stream_;
   Watchers& watchers_;
   std::string local_;  ///< address that the visitor came to

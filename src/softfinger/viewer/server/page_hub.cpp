@@ -1,5 +1,8 @@
 #include "softfinger/viewer/server/page_hub.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "softfinger/viewer/own_address.hpp"
 
 namespace softfinger {
@@ -24,7 +27,20 @@ bool PageHub::is_foreign(const HttpRequest& request, std::string_view local) con
 }
 
 bool PageHub::is_admitted(const HttpRequest& request) const {
-  return !token.is_needed() || token.is_in_cookies(value_of(request, http::field::cookie));
+  return !token.is_needed() || cookie.is_in(value_of(request, http::field::cookie), port);
 }
+
+bool PageHub::has_room_for(const boost::asio::ip::address& visitor) const {
+  const auto same = std::ranges::count(unproven, visitor);
+  return connections < kMaxConnections && unproven.size() < kMaxUnproven &&
+         static_cast<std::size_t>(same) < kMaxUnprovenOfOne;
+}
+
+Unproven::Unproven(PageHub& hub, boost::asio::ip::address visitor)
+    : hub_(hub), visitor_(std::move(visitor)) {
+  hub_.unproven.push_back(visitor_);
+}
+
+Unproven::~Unproven() { hub_.unproven.erase(std::ranges::find(hub_.unproven, visitor_)); }
 
 }  // namespace softfinger

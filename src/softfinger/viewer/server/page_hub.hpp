@@ -2,6 +2,7 @@
 
 #include <utility>  // before Boost: its 1.74 headers use std::exchange without it
 
+#include <boost/asio/ip/address.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 
@@ -33,7 +34,9 @@ struct PageHub {
   std::string address;
   std::string_view scheme;  ///< http or https
   std::uint16_t port = 0;
+  VisitorCookie cookie = {};
   std::size_t connections = 0;
+  std::vector<boost::asio::ip::address> unproven = {};  ///< who Unproven counts
   /// The one page that moves fingers: the first that did, while it is there.
   const void* mover = nullptr;
   std::shared_ptr<const SceneDescription> description = nullptr;
@@ -45,11 +48,18 @@ struct PageHub {
   /// `local`: the address that the request came to.
   [[nodiscard]] bool is_foreign(const HttpRequest& request, std::string_view local) const;
   [[nodiscard]] bool is_admitted(const HttpRequest& request) const;
+  /// Whether there is room for one more connection, from this address.
+  [[nodiscard]] bool has_room_for(const boost::asio::ip::address& visitor) const;
 
   // What one visitor may take of the machine.
   static constexpr std::size_t kMaxConnections = 64;
   static constexpr std::size_t kMaxRequestBytes = 1024;
   static constexpr std::chrono::seconds kHttpTimeout{10};
+  // And one that has not shown token or cookie, where there is a token; so that strangers keep
+  // nobody out who has it. A browser has six connections at once.
+  static constexpr std::size_t kMaxUnproven = 16;
+  static constexpr std::size_t kMaxUnprovenOfOne = 8;  ///< from one address
+  static constexpr std::chrono::seconds kProofTimeout{3};
 };
 
 /// Counts a connection while it lives.
@@ -64,6 +74,19 @@ class ConnectionCount {
 
  private:
   PageHub* hub_;
+};
+
+/// Counts a connection while it has not shown the token or the cookie.
+class Unproven {
+ public:
+  Unproven(PageHub& hub, boost::asio::ip::address visitor);
+  Unproven(const Unproven&) = delete;
+  Unproven& operator=(const Unproven&) = delete;
+  ~Unproven();
+
+ private:
+  PageHub& hub_;
+  boost::asio::ip::address visitor_;
 };
 
 }  // namespace softfinger
