@@ -11,6 +11,12 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
 
+set(SOFTFINGER_COUNTED "" CACHE STRING "Modules that count which of their branches are taken (GCC)")
+set(SOFTFINGER_CHANGED "" CACHE STRING "Modules whose sources are changed and compiled one by one")
+if(SOFTFINGER_COUNTED)
+  add_link_options(--coverage)
+endif()
+
 add_library(softfinger_compiler INTERFACE)
 target_compile_options(softfinger_compiler INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wnon-virtual-dtor

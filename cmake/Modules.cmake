@@ -18,6 +18,12 @@ function(softfinger_module name)
     _softfinger_private_libraries(libraries ${arg_LIBRARIES})
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:softfinger_compiler> ${libraries})
     softfinger_quick_build(${target} library)
+    softfinger_count_branches(${target} ${name})
+    if(name IN_LIST SOFTFINGER_CHANGED)
+      # tools/mutate compiles one source at a time.
+      target_compile_options(${target} PRIVATE -O1)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD OFF DISABLE_PRECOMPILE_HEADERS ON)
+    endif()
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
@@ -33,6 +39,15 @@ function(softfinger_module name)
   target_link_libraries(${target} ${scope} Eigen3::Eigen ${modules})
   target_compile_features(${target} ${scope} cxx_std_20)
   set_property(GLOBAL APPEND PROPERTY SOFTFINGER_TARGETS ${target})
+endfunction()
+
+# softfinger_count_branches(TARGET MODULE): where MODULE is one of those that count
+function(softfinger_count_branches target module)
+  if(module IN_LIST SOFTFINGER_COUNTED)
+    # Without optimisation a branch of the source is one of the program, and headers of others keep theirs.
+    target_compile_options(${target} PRIVATE --coverage -fprofile-abs-path -fprofile-update=atomic -O0)
+    set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
+  endif()
 endfunction()
 
 # Libraries of headers only are needed to build a module, not to link with it once installed.
@@ -60,6 +75,7 @@ function(softfinger_test name)
   target_link_libraries(${name}_test PRIVATE ${arg_LIBRARIES} softfinger_compiler GTest::gmock GTest::gtest_main)
   softfinger_quick_build(${name}_test test)
   target_compile_options(${name}_test PRIVATE ${SOFTFINGER_TEST_OPTIONS})
+  softfinger_count_branches(${name}_test ${name})
   target_compile_definitions(${name}_test PRIVATE
     SOFTFINGER_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SOFTFINGER_PROGRAM="${PROJECT_BINARY_DIR}/softfinger")
   # Two builds that are tested at once must not write over each other's files.
