@@ -9,6 +9,7 @@
 
 #include "../support/lever_platform.hpp"
 #include "simulated_line.hpp"
+#include "softfinger/motors/servo_map.hpp"
 #include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
 namespace softfinger {
