@@ -189,6 +189,12 @@ void SimulatedLine::wake() {
   EXPECT_EQ(::write(wake_, &one, sizeof one), static_cast<ssize_t>(sizeof one));
 }
 
+void SimulatedLine::was_sent_before(const Configuration& q) {
+  channel_.sent.draft() = q;
+  channel_.sent.publish();
+  channel_.commands_sent = 1;
+}
+
 StopLatch::Number SimulatedLine::stop(StopCause cause) {
   const StopLatch::Number number = channel_.stop.stop(cause);
   wake();

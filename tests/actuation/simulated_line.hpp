@@ -63,6 +63,8 @@ class SimulatedLine final : public LineClock {
   /// Where the board's servos stand; rad.
   [[nodiscard]] JointAngles standing() const;
   [[nodiscard]] const LineChannel& channel() const { return channel_; }
+  /// Another line had the channel before, and sent this last.
+  void was_sent_before(const Configuration& q);
   /// As LineEnd has them.
   StopLatch::Number stop(StopCause cause = StopCause::kPerson);
   void ask_release(StopLatch::Number number);

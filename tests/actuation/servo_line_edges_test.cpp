@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "../support/lever_platform.hpp"
+#include "simulated_line.hpp"
+
+namespace softfinger {
+namespace {
+
+/// A Maestro without pulses, as it is after power comes: nobody knows where its servos stand.
+class ServoLineEdges : public testing::Test {
+ protected:
+  static Configuration advanced(double travel) {
+    Configuration q = Configuration::Zero(3);
+    q[2] = travel;
+    return q;
+  }
+  [[nodiscard]] JointAngles joints_of(const Configuration& q) const {
+    JointAngles joints;
+    EXPECT_TRUE(device_->inverse_kinematics(q, joints));
+    return joints;
+  }
+  /// How far the first command is from q, in the joint that is furthest; rad.
+  [[nodiscard]] double first_from(const Configuration& q) const {
+    EXPECT_FALSE(line_.sent().empty());
+    if (line_.sent().empty()) return std::numeric_limits<double>::infinity();
+    return (line_.sent().front().joints - joints_of(q)).cwiseAbs().maxCoeff();
+  }
+  /// What a joint may move in a tick, and the rounding of two commands.
+  [[nodiscard]] double tick_travel() const { return 400.0 * deg * line_.period() + 0.2 * deg; }
+  /// A stop leads it away, though no loop ever wanted anything.
+  void run_stopped() {
+    line_.plug_in(board_);
+    line_.at(0.5, [this] { line_.stop(); });
+    line_.run(2.0);
+  }
+
+  std::shared_ptr<const Device> device_ = lever_platform({.rate = 100.0});
+  Board board_ = board_at(*device_, device_->home());
+  SimulatedLine line_{device_};
+};
+
+TEST_F(ServoLineEdges, ServosOfUnknownPositionGetTimeToComeToTheFirstPose) {
+  line_.plug_in(board_);
+  line_.wanted = [](double) { return advanced(5.0 * mm); };
+  line_.run(2.0);
+  EXPECT_LT(first_from(device_->home()), 0.1 * deg);
+  ASSERT_GT(line_.sent().size(), 1U);
+  const double stood = line_.sent()[1].time - line_.sent()[0].time;
+  // All that a joint can have to go, at its rate.
+  EXPECT_GE(stood, 110.0 / 400.0 - 1e-9);
+  EXPECT_LE(stood, 110.0 / 400.0 + 3.0 * line_.period());
+}
+
+TEST_F(ServoLineEdges, ALineThatTakesOverGoesOnFromWhatWasSentBefore) {
+  const Configuration before = advanced(12.0 * mm);
+  line_.was_sent_before(before);
+  run_stopped();
+  EXPECT_LE(first_from(before), tick_travel());
+  EXPECT_GT(first_from(device_->home()), tick_travel());
+  EXPECT_LT((line_.sent().back().joints - joints_of(device_->retracted())).cwiseAbs().maxCoeff(),
+            0.1 * deg);
+}
+
+TEST_F(ServoLineEdges, TheFirstLineStartsAtHome) {
+  run_stopped();
+  EXPECT_LE(first_from(device_->home()), tick_travel());
+}
+
+TEST_F(ServoLineEdges, WhatIsNoPoseIsNotTakenOver) {
+  for (const Configuration& no_pose : {Configuration(Configuration::Zero(2)),
+                                       advanced(std::numeric_limits<double>::quiet_NaN())}) {
+    SimulatedLine line(device_);
+    Board board = board_at(*device_, device_->home());
+    line.was_sent_before(no_pose);
+    line.plug_in(board);
+    line.at(0.5, [&] { line.stop(); });
+    line.run(2.0);
+    ASSERT_FALSE(line.sent().empty());
+    EXPECT_LE((line.sent().front().joints - joints_of(device_->home())).cwiseAbs().maxCoeff(),
+              tick_travel());
+  }
+}
+
+}  // namespace
+}  // namespace softfinger
