@@ -21,7 +21,7 @@ std::vector<std::unique_ptr<const ServoProtocol>> both_protocols() {
 TEST(ServoProtocolEdges, AnAnswerKeepsIdErrorAndData) {
   const std::array<std::uint8_t, 4> data{0x12, 0xFF, 0x00, 0xFD};
   for (const auto& protocol : both_protocols()) {
-    for (const std::uint8_t error : {0, 1, 7}) {
+    for (const std::uint8_t error : std::to_array<std::uint8_t>({0, 1, 7})) {
       for (std::size_t size = 0; size <= data.size(); ++size) {
         const auto told = std::span(data).first(size);
         std::array<std::uint8_t, ServoProtocol::kMostBytes> bytes;
