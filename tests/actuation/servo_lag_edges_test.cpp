@@ -12,8 +12,8 @@ TEST(ServoLagEdges, IsToldOfEveryMotionWhereverItIs) {
     for (const double speed : {0.5, -0.5}) {
       const auto motion = [&](double time) { return JointAngles{{begin + speed * time}}; };
       ServoLag lags(1, 1.0 * deg);
-      double time = 0.0;
-      for (int k = 0; k < 40; ++k) lags.sent(time = 0.01 * k, motion(time));
+      const double time = 0.39;
+      for (int k = 0; k < 40; ++k) lags.sent(0.01 * k, motion(0.01 * k));
       const auto seen = lags.seen(time, motion(time - 0.05));
       ASSERT_TRUE(seen) << begin << ' ' << speed;
       EXPECT_NEAR(*seen, 0.05, 1e-9);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "../support/lever_platform.hpp"
@@ -56,6 +57,23 @@ TEST_F(ServoLineEdges, ServosOfUnknownPositionGetTimeToComeToTheFirstPose) {
   // All that a joint can have to go, at its rate.
   EXPECT_GE(stood, 110.0 / 400.0 - 2.0 * line_.period());
   EXPECT_LE(stood, 110.0 / 400.0 + 2.0 * line_.period());
+}
+
+TEST_F(ServoLineEdges, APortIsLookedForEvery300Milliseconds) {
+  line_.wanted = [](double) { return advanced(5.0 * mm); };
+  line_.at(1.0, [this] { line_.plug_in(board_); });  // it was absent at the start
+  line_.at(2.0, [this] { line_.unplug(); });
+  line_.at(2.05, [this] { line_.plug_in(board_); });
+  line_.run(4.0);
+  ASSERT_FALSE(line_.sent().empty());
+  EXPECT_GE(line_.sent().front().time, 1.0);
+  EXPECT_LE(line_.sent().front().time, 1.4);
+  double longest = 0.0;
+  for (std::size_t i = 1; i < line_.sent().size(); ++i) {
+    longest = std::max(longest, line_.sent()[i].time - line_.sent()[i - 1].time);
+  }
+  EXPECT_GE(longest, 0.3) << "not at once where it has just failed";
+  EXPECT_LE(longest, 0.45);
 }
 
 TEST_F(ServoLineEdges, ALineThatTakesOverGoesOnFromWhatWasSentBefore) {
