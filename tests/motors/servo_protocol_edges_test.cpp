@@ -52,6 +52,32 @@ TEST(ServoProtocolEdges, AFrameIsAsLongAsItIsWhateverFollows) {
   }
 }
 
+/// A whole Dynamixel frame with so many parameters, all 0, its checksum right.
+std::vector<std::uint8_t> dynamixel_frame_of(std::size_t parameters) {
+  const std::size_t length = parameters + 3;
+  std::vector<std::uint8_t> bytes{0xFF,
+                                  0xFF,
+                                  0xFD,
+                                  0x00,
+                                  1,
+                                  static_cast<std::uint8_t>(length & 0xFF),
+                                  static_cast<std::uint8_t>(length >> 8),
+                                  0x03};
+  bytes.resize(bytes.size() + parameters);
+  const std::uint16_t crc = dynamixel_crc(bytes);
+  bytes.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+  bytes.push_back(static_cast<std::uint8_t>(crc >> 8));
+  return bytes;
+}
+
+TEST(ServoProtocolEdges, AFrameOfMoreParametersThanFitIsNone) {
+  const DynamixelProtocol protocol;
+  const auto most = dynamixel_frame_of(ServoFrame::kMostParameters);
+  ASSERT_EQ(protocol.frame_length(most), static_cast<int>(most.size()));
+  EXPECT_EQ(protocol.decode(most).size, ServoFrame::kMostParameters);
+  EXPECT_EQ(protocol.frame_length(dynamixel_frame_of(ServoFrame::kMostParameters + 1)), -1);
+}
+
 TEST(ServoProtocolEdges, ValuesOfRegistersAreOfOneToFourBytes) {
   const std::array<std::uint8_t, 5> bytes{0x78, 0x56, 0x34, 0x12, 0x99};
   EXPECT_EQ(register_value(std::span(bytes).first(0)), 0U);
