@@ -172,6 +172,17 @@ TEST(MotionGuardEdges, TargetsAreThoseOfTheJointsAsNearAsTheWireCan) {
   }
 }
 
+TEST(MotionGuardEdges, WithoutServosItHasNoTargetsAndAllOfTheRate) {
+  const auto device = lever_platform();
+  MotionGuard guard(device, {});
+  EXPECT_TRUE(guard.targets().empty());
+  EXPECT_NEAR(travel_in_step(guard, edge_pose(0, 0, -15)), kEdgeRate * kEdgeTick,
+              1e-4 * kEdgeRate * kEdgeTick);
+  for (int k = 0; k < 60; ++k) guard.step(edge_pose(5, -5, 2), kEdgeTick);
+  EXPECT_TRUE(guard.arrived());
+  EXPECT_EQ(guard.configuration(), edge_pose(5, -5, 2));
+}
+
 // One servo of one unit of travel, and no rounding that holds it back.
 TEST(MotionGuardEdges, AServoThatFollowsTravelHasTheTravelAsItsTarget) {
   const auto device = lever_platform({.kind = "weart"});

@@ -31,6 +31,13 @@ TEST(ServoLagEdges, CountsFromWhenTheServosAreSeen) {
   EXPECT_NEAR(*seen, 0.01, 1e-9);
 }
 
+TEST(ServoLagEdges, ServosSeenBeforeTheyWereSentThereHaveNoLag) {
+  ServoLag lags(1, 1.0 * deg);
+  for (int k = 0; k < 20; ++k) lags.sent(0.01 * k, JointAngles{{0.01 * k}});
+  EXPECT_FALSE(lags.seen(0.1, JointAngles{{0.15}}));
+  EXPECT_TRUE(lags.seen(0.15, JointAngles{{0.15}}));
+}
+
 TEST(ServoLagEdges, TheJointThatMovesMostIsLookedAt) {
   ServoLag lags(2, 1.0 * deg);
   for (int k = 0; k < 20; ++k) lags.sent(0.01 * k, JointAngles{{0.01 * k, -0.02 * k}});
