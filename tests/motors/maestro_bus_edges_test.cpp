@@ -169,5 +169,29 @@ TEST(MaestroBusEdges, SendsLimitsWhenItOpensAndAgainWherePulsesHadStopped) {
   EXPECT_EQ(sent(16), 16U) << "once";
 }
 
+/// How many requests are in bytes.
+int requests_in(MaestroDecoder& decoder, const MaestroBytes& bytes) {
+  int requests = 0;
+  for (const std::uint8_t byte : bytes) requests += decoder.push(byte).has_value() ? 1 : 0;
+  return requests;
+}
+
+// Data alone repeats no command.
+TEST(MaestroDecoderEdges, WhatFollowsAWholeCommandIsNoneOfIt) {
+  MaestroDecoder decoder;
+  EXPECT_EQ(requests_in(decoder, {0x84, 3, 0x70, 0x2E}), 1);
+  EXPECT_EQ(requests_in(decoder, {3, 0x70, 0x2E, 3, 0x70, 0x2E}), 0);
+  EXPECT_EQ(decoder.malformed_bytes(), 6U);
+}
+
+TEST(MaestroDecoderEdges, ACommandThatIsNoneIsCountedAtOnce) {
+  MaestroDecoder decoder;
+  EXPECT_EQ(requests_in(decoder, {0x80}), 0);
+  EXPECT_EQ(decoder.malformed_bytes(), 1U);
+  EXPECT_EQ(requests_in(decoder, {1, 2}), 0);
+  EXPECT_EQ(decoder.malformed_bytes(), 3U);
+  EXPECT_EQ(requests_in(decoder, {0x84, 3, 0x70, 0x2E}), 1);
+}
+
 }  // namespace
 }  // namespace softfinger
