@@ -1,10 +1,17 @@
 #include <gtest/gtest.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <limits>
+#include <thread>
+#include <vector>
 
 #include "../support/lever_platform.hpp"
+#include "../support/maestro_terminal.hpp"
 #include "simulated_line.hpp"
+#include "softfinger/actuation/servo_line.hpp"
+#include "softfinger/motors/servo_bus.hpp"
 
 namespace softfinger {
 namespace {
@@ -105,6 +112,25 @@ TEST_F(ServoLineEdges, WhatIsNoPoseIsNotTakenOver) {
     EXPECT_LE((line.sent().front().joints - joints_of(device_->home())).cwiseAbs().maxCoeff(),
               tick_travel());
   }
+}
+
+// While the line lives, whoever comes next gets the port once it has served.
+TEST(ServoLineEdgesOfPorts, ALineThatHasServedHasLetGoOfItsPort) {
+  const auto device = lever_platform();
+  const TransportSettings& transport = *device->settings().transport;
+  std::vector<EmulatedServo> servos;
+  for (const ServoSettings& servo : transport.servos) servos.push_back({.channel = servo.channel});
+  const MaestroTerminal terminal(servos);
+  LineChannel channel(device->home());
+  const int wake = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  ServoLine line(device, {.port = terminal.port()}, channel, wake);
+  ASSERT_EQ(line.open(), "");
+  EXPECT_NE(make_servo_bus(transport)->open(terminal.port()), "");
+  channel.ending = true;
+  // A thread of its own, since it takes the priority of those that serve ports.
+  std::thread([&line] { line.serve(); }).join();
+  EXPECT_EQ(make_servo_bus(transport)->open(terminal.port()), "");
+  ::close(wake);
 }
 
 }  // namespace
