@@ -33,6 +33,17 @@ class EveryMotorKind : public testing::TestWithParam<const MotorKind*> {
     const ConfigFile file("device.toml", transport_example(GetParam()->name, limits));
     return read_transport(file.root().table("transport"), limits);
   }
+  /// In the middle of their set points, and as quick as they like.
+  static std::vector<EmulatedServo> servos_of(const TransportSettings& transport) {
+    std::vector<EmulatedServo> servos;
+    for (const ServoSettings& servo : transport.servos) {
+      servos.push_back({.channel = servo.channel,
+                        .initial_setpoint = 0.5 * (servo.min + servo.max),
+                        .rate = 1e9,
+                        .step = servo.step});
+    }
+    return servos;
+  }
 };
 
 TEST_P(EveryMotorKind, IsFoundByItsName) {
@@ -63,16 +74,12 @@ TEST_P(EveryMotorKind, SaysWhatItsKeysMean) {
 
 TEST_P(EveryMotorKind, ItsBusOpensItsEmulatorAndMovesIt) {
   const TransportSettings transport = example(false);
-  std::vector<EmulatedServo> servos;
   std::vector<std::int32_t> targets;
   for (const ServoSettings& servo : transport.servos) {
-    const double from = 0.5 * (servo.min + servo.max);
-    servos.push_back(
-        {.channel = servo.channel, .initial_setpoint = from, .rate = 1e9, .step = servo.step});
     targets.push_back(
         static_cast<std::int32_t>((0.25 * servo.min + 0.75 * servo.max) / servo.step));
   }
-  const EmulatedBus emulated(transport, servos);
+  const EmulatedBus emulated(transport, servos_of(transport));
   const auto bus = make_servo_bus(transport);
   ASSERT_EQ(bus->open(emulated.port()), "");
   bool moved = false;
@@ -88,6 +95,32 @@ TEST_P(EveryMotorKind, ItsBusOpensItsEmulatorAndMovesIt) {
     }
   }
   EXPECT_TRUE(moved);
+}
+
+TEST_P(EveryMotorKind, LetsGoWhereItsFileMaySaySo) {
+  std::string text = transport_example(GetParam()->name, three_joints(false));
+  text.insert(text.find("[[transport.servo]]"), "at_end = \"torque_off\"\n");
+  const ConfigFile file("device.toml", text);
+  TransportSettings read;
+  const auto read_it = [&] {
+    read = read_transport(file.root().table("transport"), three_joints(false));
+  };
+  if (!GetParam()->has_torque) {
+    try {
+      read_it();
+      FAIL() << "its servos would be held all the same";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("device.toml:3: transport.at_end"));
+    }
+    return;
+  }
+  read_it();
+  EXPECT_TRUE(read.limp_at_end);
+  EXPECT_THAT(transport_text(read, false), testing::HasSubstr("at_end = \"torque_off\"\n"));
+  const EmulatedBus emulated(read, servos_of(read));
+  const auto bus = make_servo_bus(read);
+  ASSERT_EQ(bus->open(emulated.port()), "");
+  EXPECT_TRUE(bus->let_go());
 }
 
 INSTANTIATE_TEST_SUITE_P(Motors, EveryMotorKind,

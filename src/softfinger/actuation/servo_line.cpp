@@ -17,8 +17,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kAttemptEvery{300};  ///< to open a port that is not there
-constexpr milliseconds kAnswerTime{60};     ///< for the positions after opening
+constexpr milliseconds kAttemptEvery{300};   ///< to open a port that is not there
+constexpr milliseconds kAnswerTime{60};      ///< for the positions after opening
+constexpr milliseconds kLongestAnswer{250};  ///< the same, on a machine that is busy
 /// Servos that said where they are and then nothing for so many ticks, and so long, may be without
 /// power: what is sent stands still until they answer again, so that they do not jump to it.
 constexpr int kMostUnheard = 3;
@@ -104,10 +105,15 @@ bool ServoLine::learn_positions() {
   answers_ = false;
   unheard_ = kNever;
   if (guard_.servos().empty() || !bus_->ask()) return false;
-  clock_.sleep_for(kAnswerTime);
+  const TimePoint asked = clock_.now();
   JointAngles joints;
-  const bool known = take_positions(joints);
-  answers_ = known || bus_->answers();
+  bool known = false;
+  for (milliseconds wait = kAnswerTime; !answers_ && clock_.now() - asked < kLongestAnswer;
+       wait = kBeforeAnswers) {
+    clock_.sleep_for(wait);
+    known = take_positions(joints);
+    answers_ = known || bus_->answers();
+  }
   if (!known) return false;
   channel_.report.draft() = LineChannel::Report{joints, true};
   channel_.report.publish();
@@ -250,7 +256,9 @@ void ServoLine::let_go() {
     if (says_retracted()) break;
   }
   // One that is not there presses perhaps, and holding it helps nobody.
-  bus_->let_go();
+  while (!bus_->let_go() && bus_->is_open() && clock_.now() < until + kArrivalTime) {
+    clock_.sleep_for(kBeforeAnswers);  // what waits on a slow line goes first
+  }
   clock_.sleep_for(kBeforeAnswers);
 }
 

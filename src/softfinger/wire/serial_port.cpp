@@ -143,6 +143,12 @@ std::size_t SerialPort::read(std::span<std::uint8_t> out) noexcept {
   return 0;
 }
 
+void SerialPort::await_kernel() noexcept {
+  if (!is_open()) return;
+  pollfd input{.fd = line_->port.native_handle(), .events = POLLIN, .revents = 0};
+  ::poll(&input, 1, 0);
+}
+
 void SerialPort::drain() noexcept {
   std::array<std::uint8_t, 64> noise;
   while (read(noise) == noise.size()) {

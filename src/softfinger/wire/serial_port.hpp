@@ -33,7 +33,11 @@ class SerialPort {
   static constexpr std::size_t kMaxWrite = 512;
 
   /// Takes what has arrived, without waiting; returns how many bytes. Closes a port that vanished.
+  /// On a busy machine what the kernel has not looked at yet comes with a later call.
   std::size_t read(std::span<std::uint8_t> out) noexcept;
+  /// Has the kernel look at what has arrived, which may take a quarter of a second: for answers
+  /// that somebody waits for, and not for the real-time path.
+  void await_kernel() noexcept;
   /// Reads and forgets what has arrived; closes a port that vanished.
   void drain() noexcept;
   /// Forgets what has arrived and not been read.

@@ -80,6 +80,7 @@ ServoTableBus::Reply ServoTableBus::exchange(const ServoFrame& request, std::opt
     const LineClock::TimePoint until = clock_.now() + kStatusTime;
     while (!reply.came && port_.is_open() && clock_.now() < until) {
       std::array<std::uint8_t, 64> bytes;
+      port_.await_kernel();
       const std::size_t got = port_.read(bytes);
       reader_.push(std::span(bytes).first(got), [&](const ServoFrame& frame) {
         const auto status = protocol_->status(frame);
