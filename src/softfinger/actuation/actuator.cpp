@@ -203,29 +203,18 @@ void Actuator::Impl::send_to_simulated(double time) {
 std::string Actuator::Impl::fault_text() const {
   const TransportSettings& transport = *device->settings().transport;
   const ServoFaults faults = line->channel().faults.load();
-  std::vector<std::string> silent;
-  std::vector<std::string> limp;
-  for (std::size_t i = 0; i < transport.servos.size(); ++i) {
-    const std::string name = motor_kind(transport.kind).servo_name(transport.servos[i]);
-    if (((faults.silent >> i) & 1U) != 0) silent.push_back(name);
-    if (((faults.limp >> i) & 1U) != 0) limp.push_back(name);
-  }
-  const std::uint32_t astray = line->channel().astray;
-  std::vector<std::string> lost;
-  for (std::size_t i = 0; i < transport.servos.size(); ++i) {
-    if (((astray >> i) & 1U) == 0) continue;
-    lost.push_back(motor_kind(transport.kind).servo_name(transport.servos[i]));
-  }
   std::vector<std::string> parts;
-  if (!silent.empty())
-    parts.push_back(fmt::format("servo {} does not answer", fmt::join(silent, ", ")));
-  if (!limp.empty()) {
-    parts.push_back(
-        fmt::format("servo {} has no torque or protects itself", fmt::join(limp, ", ")));
-  }
-  if (!lost.empty()) {
-    parts.push_back(fmt::format("servo {} is not where it was sent", fmt::join(lost, ", ")));
-  }
+  const auto tell = [&](std::uint32_t servos, std::string_view what) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < transport.servos.size(); ++i) {
+      if (((servos >> i) & 1U) == 0) continue;
+      names.push_back(motor_kind(transport.kind).servo_name(transport.servos[i]));
+    }
+    if (!names.empty()) parts.push_back(fmt::format("servo {} {}", fmt::join(names, ", "), what));
+  };
+  tell(faults.silent, "does not answer");
+  tell(faults.limp, "has no torque or protects itself");
+  tell(line->channel().astray, "is not where it was sent");
   return parts.empty() ? "a servo failed" : fmt::format("{}", fmt::join(parts, ", "));
 }
 

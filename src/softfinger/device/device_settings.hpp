@@ -65,8 +65,8 @@ struct DeviceSettings {
   Configuration retracted;  ///< where it goes when a run stops or stalls
   JointLimits joint_limits;
   double max_force = 0.0;  ///< normal force on the finger that is never exceeded, N; 0: not given
-  /// A servo that says it is further than this from where it was sent is not followed any more,
-  /// rad or m; 0: not looked at.
+  /// A servo that says it is further than this from where it was sent does not follow, rad or m;
+  /// 0: not looked at.
   double following_error = 0.0;
   double press_time = 0.0;  ///< longest without a pause, s; 0: any
   MatchingSettings matching;
