@@ -95,6 +95,11 @@ class GuardedThimble : public ::testing::Test {
   ActuatorOptions options() const {
     return {.port = terminal.port(), .device_file = kThimble, .guard_program = SOFTFINGER_GUARD};
   }
+  GuardSetup setup() const {
+    return {.device_file = kThimble,
+            .device_text = device->settings().text,
+            .line = {.port = terminal.port()}};
+  }
   /// Commands q at every tick until `done`; false where it never is.
   static bool follow(Actuator& actuator, const Configuration& q,
                      const std::function<bool()>& done) {
@@ -174,10 +179,7 @@ TEST_F(GuardedThimble, NobodyElseGetsThePort) {
 }
 
 TEST_F(GuardedThimble, OneThatWaitsForAProcessorIsNotTakenForOneThatHangs) {
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(),
-                     {.device_file = kThimble,
-                      .device_text = device->settings().text,
-                      .line = {.port = terminal.port()}});
+  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
   ASSERT_EQ(guard.start(false), "");
   ASSERT_TRUE(soon([&] {
     guard.submit(wanted, DeviceState::kRendering);
@@ -225,10 +227,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, FaultyGuard,
                          [](const auto& fault) { return fault.param.name; });
 
 TEST_P(FaultyGuard, IsReplacedByOneThatRetractsUntilItIsReleased) {
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(),
-                     {.device_file = kThimble,
-                      .device_text = device->settings().text,
-                      .line = {.port = terminal.port()}});
+  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
   ASSERT_EQ(guard.start(false), "");
   const auto follow = [&](const std::function<bool()>& done) {
     for (int k = 0; k < 300; ++k) {

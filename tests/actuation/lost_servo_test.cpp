@@ -7,8 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "../support/lever_platform.hpp"
-#include "simulated_line.hpp"
+#include "lever_line.hpp"
 #include "softfinger/motors/servo_map.hpp"
 #include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
@@ -18,50 +17,12 @@ namespace {
 /// From a fault to the other servos retracted, s: what the docs promise.
 constexpr double kFree = 4.0;
 
-class LeverLine : public testing::Test {
- protected:
-  explicit LeverLine(const char* kind)
-      : device_(lever_platform({.rate = 60.0, .kind = kind})), line_(device_) {
-    line_.wanted = [this](double) { return pressing_; };
-  }
-  [[nodiscard]] JointAngles joints_at(const Configuration& q) const {
-    JointAngles joints;
-    EXPECT_TRUE(device_->inverse_kinematics(q, joints));
-    return joints;
-  }
-  [[nodiscard]] double away(Eigen::Index joint, const Configuration& q) const {
-    return std::abs(line_.standing()[joint] - joints_at(q)[joint]);
-  }
-  [[nodiscard]] double away(const Configuration& q) const {
-    return (line_.standing() - joints_at(q)).cwiseAbs().maxCoeff();
-  }
-  /// No command goes further than a joint may in the time since the one before it.
-  void expect_no_jump() const {
-    const auto& sent = line_.sent();
-    ASSERT_GT(sent.size(), 10u);
-    const ServoSettings& servo = device_->settings().transport->servos.front();
-    const double rounding = 2.0 * servo.step / std::abs(servo.per_radian) + 1e-9;
-    for (std::size_t k = 1; k < sent.size(); ++k) {
-      const double most =
-          device_->joint_limits().max_rate * (sent[k].time - sent[k - 1].time) + rounding;
-      EXPECT_LE((sent[k].joints - sent[k - 1].joints).cwiseAbs().maxCoeff(), most) << sent[k].time;
-    }
-  }
-
-  std::shared_ptr<const Device> device_;
-  Configuration pressing_ = [] {
-    Configuration q(3);
-    q << 4.0 * deg, 0.0, 3.0 * mm;
-    return q;
-  }();
-  SimulatedLine line_;
-  int looks_ = 0;
-};
-
 class LostServo : public LeverLine,
                   public testing::WithParamInterface<std::tuple<const char*, int, bool>> {
  protected:
-  LostServo() : LeverLine(std::get<0>(GetParam())) { line_.plug_in(board_); }
+  LostServo() : LeverLine({.rate = 60.0, .kind = std::get<0>(GetParam())}) {
+    line_.plug_in(board_);
+  }
 
   void lose() {
     if (std::get<2>(GetParam())) {
@@ -145,7 +106,7 @@ TEST_P(LostServo, ItGoesOnOnlyWhenTheServoIsBackAndSomebodyReleases) {
 
 class StandsElsewhere : public LeverLine, public testing::WithParamInterface<const char*> {
  protected:
-  StandsElsewhere() : LeverLine(GetParam()) {}
+  StandsElsewhere() : LeverLine({.rate = 60.0, .kind = GetParam()}) {}
 };
 INSTANTIATE_TEST_SUITE_P(Buses, StandsElsewhere, testing::Values("dynamixel", "feetech"),
                          [](const auto& name) { return std::string(name.param); });

@@ -6,8 +6,7 @@
 #include <string>
 #include <tuple>
 
-#include "../support/lever_platform.hpp"
-#include "simulated_line.hpp"
+#include "lever_line.hpp"
 
 namespace softfinger {
 namespace {
@@ -15,16 +14,11 @@ namespace {
 /// First retracting command after a stop, s: what the docs promise of the line's part.
 constexpr double kSoon = 0.005;
 
-class StoppedLine : public testing::TestWithParam<std::tuple<const char*, double>> {
+class StoppedLine : public LeverLine,
+                    public testing::WithParamInterface<std::tuple<const char*, double>> {
  protected:
-  StoppedLine() {
-    line_.wanted = [this](double) { return pressing_; };
+  StoppedLine() : LeverLine({.rate = std::get<1>(GetParam()), .kind = std::get<0>(GetParam())}) {
     line_.plug_in(board_);
-  }
-  [[nodiscard]] JointAngles joints_at(const Configuration& q) const {
-    JointAngles joints;
-    EXPECT_TRUE(device_->inverse_kinematics(q, joints));
-    return joints;
   }
   [[nodiscard]] double away_from_retracted(const JointAngles& joints) const {
     return (joints - joints_at(device_->retracted())).cwiseAbs().maxCoeff();
@@ -44,27 +38,17 @@ class StoppedLine : public testing::TestWithParam<std::tuple<const char*, double
   void expect_retracted_at(double time) {
     line_.at(time, [this] {
       ++looks_;
-      EXPECT_LE(away_from_retracted(line_.standing()), 0.3 * deg) << line_.time();
+      EXPECT_LE(away(device_->retracted()), 0.3 * deg) << line_.time();
     });
   }
   void expect_pressing_at(double time) {
     line_.at(time, [this] {
       ++looks_;
-      const double away = (line_.standing() - joints_at(pressing_)).cwiseAbs().maxCoeff();
-      EXPECT_LE(away, 0.3 * deg) << line_.time();
+      EXPECT_LE(away(pressing_), 0.3 * deg) << line_.time();
     });
   }
 
-  std::shared_ptr<const Device> device_ =
-      lever_platform({.rate = std::get<1>(GetParam()), .kind = std::get<0>(GetParam())});
-  Configuration pressing_ = [] {
-    Configuration q(3);
-    q << 4.0 * deg, 0.0, 3.0 * mm;
-    return q;
-  }();
   Board board_ = board_at(*device_, device_->home());
-  SimulatedLine line_{device_};
-  int looks_ = 0;
 };
 
 INSTANTIATE_TEST_SUITE_P(Buses, StoppedLine,

@@ -8,8 +8,7 @@
 #include <string>
 #include <tuple>
 
-#include "../support/lever_platform.hpp"
-#include "simulated_line.hpp"
+#include "lever_line.hpp"
 #include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
 namespace softfinger {
@@ -95,34 +94,17 @@ TEST(Supervision, PressingIsTooLongWithoutAPause) {
               0.02);
 }
 
-class SupervisedLine : public testing::TestWithParam<const char*> {
+class SupervisedLine : public LeverLine, public testing::WithParamInterface<const char*> {
  protected:
   explicit SupervisedLine(double press_time = 0.0, bool limp_at_end = false)
-      : device_(lever_platform({.rate = 60.0,
-                                .kind = GetParam(),
-                                .press_time = press_time,
-                                .limp_at_end = limp_at_end})) {
-    line_.wanted = [this](double) { return pressing_; };
+      : LeverLine({.rate = 60.0,
+                   .kind = GetParam(),
+                   .press_time = press_time,
+                   .limp_at_end = limp_at_end}) {
     line_.plug_in(board_);
   }
-  [[nodiscard]] double away(Eigen::Index joint, const Configuration& q) const {
-    JointAngles joints;
-    EXPECT_TRUE(device_->inverse_kinematics(q, joints));
-    return std::abs(line_.standing()[joint] - joints[joint]);
-  }
-  [[nodiscard]] double away(const Configuration& q) const {
-    return std::max({away(0, q), away(1, q), away(2, q)});
-  }
 
-  std::shared_ptr<const Device> device_;
-  Configuration pressing_ = [] {
-    Configuration q(3);
-    q << 4.0 * deg, 0.0, 3.0 * mm;
-    return q;
-  }();
   Board board_ = board_at(*device_, device_->home());
-  SimulatedLine line_{device_};
-  int looks_ = 0;
 };
 
 std::string name_of(const testing::TestParamInfo<const char*>& kind) { return kind.param; }
