@@ -101,7 +101,10 @@ TEST_F(SceneThatLoads, GivesWayToTheNextOne) {
     EXPECT_TRUE(wait(session, [](const Snapshot& s) { return s.generation == 2 && s.step > 10; }));
     EXPECT_EQ(session.description()->scene_name, "plane");
     EXPECT_EQ(session.loading(), "");
-    EXPECT_EQ(session.take_message(), std::nullopt);
+    // Of what was given up nobody is told. A slow machine may have let the device wait.
+    for (auto said = session.take_message(); said; said = session.take_message()) {
+      EXPECT_THAT(*said, testing::StartsWith("no command for"));
+    }
   });
 }
 

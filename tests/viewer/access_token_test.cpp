@@ -118,10 +118,10 @@ TEST_F(AccessTokenTest, IsAskedForBeforeAnythingElse) {
 }
 
 TEST_F(AccessTokenTest, OfAnotherServerItsCookieIsNone) {
-  SyntheticFeed feed;
+  SyntheticFeed feed, feed_of_other;
   const AccessToken token = written(secret);
   const Server one(feed, {.port = 0, .token = token});
-  const Server other(feed, {.port = 0, .token = token});
+  const Server other(feed_of_other, {.port = 0, .token = token});
   const HttpAnswer admitted = RawClient(one.port()).get("/?token=" + secret);
   const std::string cookie = cookie_of(admitted);
   EXPECT_EQ(RawClient(one.port()).get("/", cookie).status, 200);
