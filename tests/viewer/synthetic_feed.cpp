@@ -329,7 +329,7 @@ void SyntheticFeed::request(const LiveRequest& request) {
     const std::lock_guard lock(mutex_);
     requests_.push_back(request);
   }
-  asked_ = request.kind != LiveRequest::Kind::kPose;
+  asked_ = asked_ || request.kind != LiveRequest::Kind::kPose;
   switch (request.kind) {
     case LiveRequest::Kind::kPause:
     case LiveRequest::Kind::kResume:
