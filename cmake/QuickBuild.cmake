@@ -6,6 +6,12 @@ option(SOFTFINGER_QUICK_BUILD "Precompile headers and compile sources together" 
 # Most of what tests cost is to compile them.
 set(SOFTFINGER_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 
+# So many sources are compiled as one. Under a sanitizer all of a target: there no one waits for a single file.
+set(SOFTFINGER_SOURCES_AT_ONCE 8)
+if(SOFTFINGER_SANITIZE)
+  set(SOFTFINGER_SOURCES_AT_ONCE 0)
+endif()
+
 # softfinger_quick_build(TARGET KIND): for modules (KIND library), tests (KIND test) or other programs (KIND program).
 # All modules, and all tests, share one precompiled header, which therefore knows no definition that any of them lacks.
 function(softfinger_quick_build target kind)
@@ -13,7 +19,7 @@ function(softfinger_quick_build target kind)
     if(NOT kind STREQUAL "program")
       target_precompile_headers(${target} REUSE_FROM softfinger_${kind}_headers)
     endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SOFTFINGER_SOURCES_AT_ONCE})
   endif()
 endfunction()
 

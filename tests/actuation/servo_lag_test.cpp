@@ -9,7 +9,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kPeriod = 0.01;  // s
+constexpr double kSampleTime = 0.01;  // s
 constexpr double kLeast = 1.0 * deg;
 
 JointAngles told_at(double time) {
@@ -20,7 +20,7 @@ JointAngles told_at(double time) {
 template <typename Motion>
 std::optional<double> seen_behind(const Motion& motion, double end, double lag) {
   ServoLag lags(3, kLeast);
-  for (double time = 0.0; time <= end; time += kPeriod) lags.sent(time, motion(time));
+  for (double time = 0.0; time <= end; time += kSampleTime) lags.sent(time, motion(time));
   return lags.seen(end, motion(end - lag));
 }
 
@@ -41,7 +41,7 @@ TEST(ServoLag, IsNotToldOfServosThatRest) {
 
 TEST(ServoLag, IsNotToldOfWhereTheServosWereNeverSent) {
   ServoLag lags(3, kLeast);
-  for (double time = 0.0; time <= 0.4; time += kPeriod) lags.sent(time, told_at(time));
+  for (double time = 0.0; time <= 0.4; time += kSampleTime) lags.sent(time, told_at(time));
   EXPECT_FALSE(lags.seen(0.4, told_at(0.5)));   // ahead of all
   EXPECT_FALSE(lags.seen(0.4, -told_at(0.3)));  // never there
   EXPECT_TRUE(lags.seen(0.4, told_at(0.3)));

@@ -14,7 +14,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTick = 0.1;                               // s
+constexpr double kModelTick = 0.1;                          // s
 constexpr int kStalled = 3;                                 // ticks without a command
 constexpr int kRetracted = 0, kAway = 1, kPressing = 2;     // levels of the device
 constexpr int kManyTicks = 5;                               // more than any time but one counts to
@@ -101,7 +101,7 @@ Model next(Model m, const Input& input) {
     return state == DeviceState::kHolding ? m.level : m.wanted;
   };
   const bool arrived = m.level == goal_in(m.machine.state());
-  const DeviceState state = m.machine.advance({.time = kTick * ++m.time,
+  const DeviceState state = m.machine.advance({.time = kModelTick * ++m.time,
                                                .tracked = input.tracked,
                                                .touching = m.level == kPressing,
                                                .ending = m.ending,

@@ -23,13 +23,13 @@ namespace {
 
 using Datagram = std::vector<std::uint8_t>;
 
-constexpr double kRate = 120.0;      // Hz
-constexpr double kExposure = 0.004;  // s before a pose is sent it is true
-constexpr double kStart = 1000.0;    // s of the monotonic clock, start of the run
-constexpr std::uint64_t kTicks = 10'000'000;
+constexpr double kRate = 120.0;       // Hz
+constexpr double kExposure = 0.004;   // s before a pose is sent it is true
+constexpr double kRunStart = 1000.0;  // s of the monotonic clock, start of the run
+constexpr std::uint64_t kServerTicks = 10'000'000;
 
 /// Where the finger is: at most 0.25 m/s. Its y is the time itself, in m/s.
-Pose true_pose(double time) {
+Pose hand_pose(double time) {
   return {exp_rotation({0.0, 0.3 * std::sin(time), 0.0}),
           {0.05 * std::sin(5.0 * time), 1e-2 * time, 0.0}};
 }
@@ -83,8 +83,10 @@ class NatNetStream final : public Stream {
       const auto packet = open_natnet(asked);
       ASSERT_TRUE(packet);
       if (packet->message == NatNetMessage::kConnect) {
-        answers.push_back(encode_natnet_server(
-            {.name = "test", .version = {4, 1}, .ticks_per_second = kTicks, .multicast = false}));
+        answers.push_back(encode_natnet_server({.name = "test",
+                                                .version = {4, 1},
+                                                .ticks_per_second = kServerTicks,
+                                                .multicast = false}));
       } else if (packet->message == NatNetMessage::kRequestModels) {
         answers.push_back(
             encode_natnet_models(std::vector<NatNetBody>{{5, "index"}}, {4, 1}, true));
@@ -98,7 +100,7 @@ class NatNetStream final : public Stream {
 
  private:
   static std::uint64_t ticks(double clock) {
-    return (std::uint64_t{1} << 60) + static_cast<std::uint64_t>((clock + 1e5) * kTicks);
+    return (std::uint64_t{1} << 60) + static_cast<std::uint64_t>((clock + 1e5) * kServerTicks);
   }
   NatNetSession session_{
       TrackerSpec{.kind = TrackerKind::kNatnet, .body = "index", .up = UpAxis::kZ}, feed};
@@ -138,10 +140,10 @@ std::vector<Sampled> run(Stream& stream, const StreamTrouble& trouble, double du
   std::uint32_t number = 0;
   for (int step = 0; step < static_cast<int>(duration * 1e3); ++step) {
     const double time = 1e-3 * step;
-    const double now = kStart + time;
+    const double now = kRunStart + time;
     if (time * kRate >= number) {
       const double captured = time - kExposure;
-      Pose X_WFt = true_pose(captured);
+      Pose X_WFt = hand_pose(captured);
       if (trouble.glitch(++number)) X_WFt.translation.x() += 1.0;
       post(stream.say(number, X_WFt, trouble.clock(captured)), now);
     }
@@ -175,7 +177,7 @@ class StreamFaults : public testing::TestWithParam<const char*> {
       ASSERT_TRUE(one.pose.valid) << "at " << one.time;
       ASSERT_GE(time_of(one.pose.X_WFt), newest - 1e-6) << "at " << one.time;
       newest = time_of(one.pose.X_WFt);
-      ASSERT_LE((true_pose(newest).translation - one.pose.X_WFt.translation).norm(), 1e-6)
+      ASSERT_LE((hand_pose(newest).translation - one.pose.X_WFt.translation).norm(), 1e-6)
           << "a pose that nobody sent";
       ASSERT_GE(one.said_age(), -1e-9) << "at " << one.time;
       ASSERT_NEAR(one.said_age(), one.true_age(), error) << "at " << one.time;
@@ -196,7 +198,7 @@ TEST_P(StreamFaults, DuplicatedReorderedAndThirtyPercentLost) {
   for (const Sampled& one : sampled) {
     if (one.time < 1.0) continue;
     ages.push_back(one.true_age());
-    const Vector3 there = true_pose(one.time).translation;
+    const Vector3 there = hand_pose(one.time).translation;
     farthest = std::max(farthest, std::abs(there.x() - one.pose.X_WFt.translation.x()));
   }
   std::ranges::sort(ages);
@@ -264,11 +266,11 @@ TEST_P(StreamFaults, SilenceIsLostTrackingAndEndsWithIt) {
   // The first half arrives, then nothing, then a sender that counts from 1 again.
   const auto before = run(*listened, {}, 2.0);
   ASSERT_TRUE(before.back().pose.valid);
-  EXPECT_TRUE(listened->feed.sample(2.15, kStart + 2.15).valid);
-  EXPECT_FALSE(listened->feed.sample(2.21, kStart + 2.21).valid);
-  const Datagram again = listened->say(1, true_pose(3.0), 3.0);
-  listened->hear(again, kStart + 3.0);
-  const TrackedPose pose = listened->feed.sample(3.0, kStart + 3.0);
+  EXPECT_TRUE(listened->feed.sample(2.15, kRunStart + 2.15).valid);
+  EXPECT_FALSE(listened->feed.sample(2.21, kRunStart + 2.21).valid);
+  const Datagram again = listened->say(1, hand_pose(3.0), 3.0);
+  listened->hear(again, kRunStart + 3.0);
+  const TrackedPose pose = listened->feed.sample(3.0, kRunStart + 3.0);
   EXPECT_TRUE(pose.valid);
   EXPECT_NEAR(time_of(pose.X_WFt), 3.0, 1e-5);
 }
@@ -276,9 +278,9 @@ TEST_P(StreamFaults, SilenceIsLostTrackingAndEndsWithIt) {
 TEST_P(StreamFaults, HalfADatagramChangesNothing) {
   const auto listened = stream();
   const auto before = run(*listened, {}, 2.0);
-  const double now = kStart + 2.0;
+  const double now = kRunStart + 2.0;
   const TrackedPose last = listened->feed.sample(2.0, now);
-  const Datagram whole = listened->say(5000, true_pose(2.5), 2.0);
+  const Datagram whole = listened->say(5000, hand_pose(2.5), 2.0);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     Datagram half(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     listened->hear(half, now);
@@ -297,7 +299,7 @@ TEST_P(StreamFaults, HalfADatagramChangesNothing) {
 
 TEST(OscFaults, HalfADatagramIsRefused) {
   for (const bool float64 : {false, true}) {
-    const auto whole = encode_osc_pose(true_pose(1.0), float64);
+    const auto whole = encode_osc_pose(hand_pose(1.0), float64);
     for (std::size_t size = 0; size < whole.size(); ++size) {
       ASSERT_FALSE(decode_osc_pose(std::span(whole).first(size)))
           << size << " of " << whole.size() << " bytes";

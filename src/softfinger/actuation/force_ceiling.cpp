@@ -30,9 +30,9 @@ constexpr double kSpacing = 1.0 * mm;
 /// moved aside, forces change more from node to node.
 constexpr double kReserve = 0.93;
 constexpr double kReserveAside = 0.75;
-constexpr int kProbes = 40;              // of how far an axis goes
-constexpr double kFarthest = 20.0 * mm;  // of surface motion from home that is looked at
-constexpr double kMarch = 0.5 * mm;      // of advance between two presses
+constexpr int kProbes = 40;                      // of how far an axis goes
+constexpr double kFarthestLookedAt = 20.0 * mm;  // of surface motion from home that is looked at
+constexpr double kMarch = 0.5 * mm;              // of advance between two presses
 constexpr double kLeastMarch = 0.1 * mm;
 constexpr double kAdvanceTolerance = 3e-5;  // m
 constexpr double kNearEnough = 0.01;        // of the force looked for
@@ -69,7 +69,7 @@ void widen(const Device& device, const Advance& advance, const Configuration& q,
            const Holds& holds, Span& span) {
   const ConfigurationAxis& axis = device.axes()[static_cast<std::size_t>(std::max(k, 0))];
   const double home = k < 0 ? advance.of(device.home()) : device.home()[k];
-  const double far = kFarthest / axis.metric;
+  const double far = kFarthestLookedAt / axis.metric;
   const double min = std::max(axis.min, home - far);
   const double max = std::min(axis.max, home + far);
   for (int i = 0; i <= kProbes; ++i) {

@@ -9,7 +9,7 @@ namespace softfinger {
 namespace {
 
 /// No part of a fingertip device moves further than this (m); bounds wanted values before use.
-constexpr double kFarthest = 0.2;
+constexpr double kLargestMotion = 0.2;
 /// Halvings in a search on a segment: a millionth of its length.
 constexpr int kHalvings = 20;
 /// Points at which a way is looked at before a detour is given up.
@@ -119,7 +119,7 @@ void MotionGuard::reset(const Configuration& q) {
 Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
   Configuration goal = wanted;
   for (Eigen::Index i = 0; i < goal.size(); ++i) {
-    const double farthest = kFarthest / device_->axes()[static_cast<std::size_t>(i)].metric;
+    const double farthest = kLargestMotion / device_->axes()[static_cast<std::size_t>(i)].metric;
     goal[i] = std::clamp(goal[i], -farthest, farthest);
   }
   if (ceiling_) ceiling_->lower(goal, kBelowCeiling);

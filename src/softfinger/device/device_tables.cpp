@@ -11,10 +11,7 @@
 namespace softfinger {
 namespace {
 
-// Ranges in the units of the file: beyond them a number is a slip of the pen.
-const Range kPlace = Range::between(-1000.0, 1000.0);  // mm
-const Range kTurn = Range::between(-360.0, 360.0);     // deg
-const Range kComponent = Range::between(-1e3, 1e3);    // of an axis
+const Range kComponent = Range::between(-1e3, 1e3);  // of an axis
 
 Pose read_mount(const ConfigTable& mount) {
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
@@ -202,9 +199,9 @@ int read_name(const ConfigTable& table, const std::string& key,
 Pose read_frame(const ConfigTable& table, const std::string& suffix) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(3);
   Pose pose;
-  pose.translation = table.numbers("origin" + suffix + "_mm", 3, kPlace, none);
-  pose.rotation =
-      exp_rotation(Vector3(table.numbers("rotation_vector" + suffix + "_deg", 3, kTurn, none)));
+  pose.translation = table.numbers("origin" + suffix + "_mm", 3, kPlaceRange, none);
+  pose.rotation = exp_rotation(
+      Vector3(table.numbers("rotation_vector" + suffix + "_deg", 3, kTurnRange, none)));
   return pose;
 }
 

@@ -13,6 +13,10 @@ namespace softfinger {
 // The tables of a device file that every kind has. A kind's reader asks for its own keys, fills in
 // axes and joint limits, reads the shared tables, builds the device and checks where it rests.
 
+// Beyond these a number of a file, in its unit, is a slip of the pen.
+inline const Range kPlaceRange = Range::between(-1000.0, 1000.0);  ///< mm
+inline const Range kTurnRange = Range::between(-360.0, 360.0);     ///< deg
+
 /// `joint_deg` and `joint_rate_deg_per_s` of `[limits]`, the same for all `joints`.
 [[nodiscard]] JointLimits read_joint_limits(const ConfigTable& limits, int joints);
 

@@ -69,7 +69,7 @@ struct DriveKeys {
   std::vector<SurfacePiece> surface;
 };
 
-DriveKeys read_keys(const ConfigFile& file, DeviceSettings& settings, bool load_meshes) {
+DriveKeys read_drive_keys(const ConfigFile& file, DeviceSettings& settings, bool load_meshes) {
   const ConfigTable root = file.root();
   DriveKeys keys;
   keys.directions = read_drives(root, settings);
@@ -83,12 +83,12 @@ DriveKeys read_keys(const ConfigFile& file, DeviceSettings& settings, bool load_
 }  // namespace
 
 DeviceSettings read_linear_drives_keys(const ConfigFile& file, DeviceSettings settings) {
-  static_cast<void>(read_keys(file, settings, false));
+  static_cast<void>(read_drive_keys(file, settings, false));
   return settings;
 }
 
 std::shared_ptr<const Device> read_linear_drives(const ConfigFile& file, DeviceSettings settings) {
-  DriveKeys keys = read_keys(file, settings, true);
+  DriveKeys keys = read_drive_keys(file, settings, true);
   auto kinematics = std::make_unique<const LinearDrives>(settings, std::move(keys.directions),
                                                          keys.approach_axis);
   check_rest_poses(file, settings,

@@ -267,7 +267,8 @@ struct MechanismKeys {
   int approach_axis = -1;
 };
 
-MechanismKeys read_keys(const ConfigFile& file, DeviceSettings& settings, bool load_meshes) {
+MechanismKeys read_mechanism_keys(const ConfigFile& file, DeviceSettings& settings,
+                                  bool load_meshes) {
   const ConfigTable root = file.root();
   MechanismKeys keys{.tables = read_linkage(root)};
   LinkagePlacement at_guess;
@@ -284,13 +285,13 @@ MechanismKeys read_keys(const ConfigFile& file, DeviceSettings& settings, bool l
 }  // namespace
 
 DeviceSettings read_mechanism_keys(const ConfigFile& file, DeviceSettings settings) {
-  static_cast<void>(read_keys(file, settings, false));
+  static_cast<void>(read_mechanism_keys(file, settings, false));
   return settings;
 }
 
 std::shared_ptr<const Device> read_mechanism(const ConfigFile& file, DeviceSettings settings) {
   const ConfigTable root = file.root();
-  const MechanismKeys keys = read_keys(file, settings, true);
+  const MechanismKeys keys = read_mechanism_keys(file, settings, true);
   const LinkageTables& tables = keys.tables;
   const LinkageAssembly assembly =
       assembled(root, tables, keys.configuration.size(), keys.joints.size());

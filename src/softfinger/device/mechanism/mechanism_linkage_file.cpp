@@ -11,10 +11,6 @@
 namespace softfinger {
 namespace {
 
-// Ranges in the units of the file: beyond them a number is a slip of the pen.
-const Range kPlace = Range::between(-1000.0, 1000.0);  // mm
-const Range kTurn = Range::between(-360.0, 360.0);     // deg
-
 /// A joint with what the linkage needs of it; bodies by their place in the file, 0 is the base.
 struct ReadJoint {
   NamedJoint named;
@@ -38,20 +34,20 @@ LinkageCoordinates read_guess(const ConfigTable& table, JointType type) {
     case JointType::kFixed:
       break;
     case JointType::kRevolute:
-      guess[0] = table.number("guess_deg", kTurn, 0.0);
+      guess[0] = table.number("guess_deg", kTurnRange, 0.0);
       break;
     case JointType::kPrismatic:
-      guess[0] = table.number("guess_mm", kPlace, 0.0);
+      guess[0] = table.number("guess_mm", kPlaceRange, 0.0);
       break;
     case JointType::kUniversal:
-      guess = table.numbers("guess_deg", 2, kTurn, none.head(2));
+      guess = table.numbers("guess_deg", 2, kTurnRange, none.head(2));
       break;
     case JointType::kSpherical:
-      guess = table.numbers("guess_rotation_vector_deg", 3, kTurn, none);
+      guess = table.numbers("guess_rotation_vector_deg", 3, kTurnRange, none);
       break;
     case JointType::kFree:
-      guess.head(3) = table.numbers("guess_position_mm", 3, kPlace, none);
-      guess.tail(3) = table.numbers("guess_rotation_vector_deg", 3, kTurn, none);
+      guess.head(3) = table.numbers("guess_position_mm", 3, kPlaceRange, none);
+      guess.tail(3) = table.numbers("guess_rotation_vector_deg", 3, kTurnRange, none);
       break;
   }
   return guess;
@@ -66,7 +62,7 @@ void read_actuation(const ConfigTable& table, NamedJoint& joint) {
   }
   const std::string key = joint.type == JointType::kRevolute ? "joint_deg" : "joint_mm";
   const Eigen::VectorXd limits =
-      table.numbers(key, 2, joint.type == JointType::kRevolute ? kTurn : kPlace);
+      table.numbers(key, 2, joint.type == JointType::kRevolute ? kTurnRange : kPlaceRange);
   if (limits[0] >= limits[1]) table.fail(key, "must be [least, largest]");
   joint.min = limits[0];
   joint.max = limits[1];
