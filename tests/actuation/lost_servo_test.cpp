@@ -104,6 +104,28 @@ TEST_P(LostServo, ItGoesOnOnlyWhenTheServoIsBackAndSomebodyReleases) {
   EXPECT_EQ(looks_, 2);
 }
 
+class BrownOut : public LeverLine, public testing::WithParamInterface<const char*> {
+ protected:
+  BrownOut() : LeverLine({.rate = 60.0, .kind = GetParam()}) { line_.plug_in(board_); }
+  Board board_ = board_at(*device_, device_->home());
+};
+INSTANTIATE_TEST_SUITE_P(Buses, BrownOut, testing::Values("dynamixel", "feetech"),
+                         [](const auto& name) { return std::string(name.param); });
+
+// Power that fails again each time the servos pull: the port is opened anew for ever.
+TEST_P(BrownOut, LetsTheRunEndAllTheSame) {
+  for (double time = 2.0; time < 60.0; time += 0.2) {
+    line_.at(time, [this] {
+      ++looks_;
+      board_.reset();
+    });
+  }
+  line_.run(4.0);
+  EXPECT_GT(looks_, 10);
+  EXPECT_GT(line_.channel().times_lost, 2U);
+  EXPECT_LE(line_.time(), 4.0 + 20.0);
+}
+
 class StandsElsewhere : public LeverLine, public testing::WithParamInterface<const char*> {
  protected:
   StandsElsewhere() : LeverLine({.rate = 60.0, .kind = GetParam()}) {}

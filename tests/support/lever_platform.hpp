@@ -22,7 +22,8 @@ struct LeverShape {
   bool reversed_servo = false;
   double acceleration = std::numeric_limits<double>::infinity();  ///< rad/s^2
   std::string kind = "maestro";                                   ///< of transport
-  double press_time = 0.0;                                        ///< s
+  int max_temperature = 70;  ///< of its servos, degrees Celsius
+  double press_time = 0.0;   ///< s
   bool limp_at_end = false;
 };
 
@@ -157,6 +158,7 @@ inline DeviceSettings lever_settings(const LeverShape& shape) {
   transport.unit_scale = kind.unit_scale;
   transport.follows_travel = kind.follows_travel;
   if (kind.whole_set_points) transport.baud = 1000000;
+  if (kind.tells_heat) transport.max_temperature = shape.max_temperature;
   for (int i = 0; i < (transport.follows_travel ? 1 : 3); ++i) {
     transport.servos.push_back(lever_servo(shape, i));
   }

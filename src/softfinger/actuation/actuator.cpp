@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <thread>
 #include <utility>
@@ -215,6 +216,18 @@ std::string Actuator::Impl::fault_text() const {
   tell(faults.silent, "does not answer");
   tell(faults.limp, "has no torque or protects itself");
   tell(line->channel().astray, "is not where it was sent");
+  constexpr std::array<std::pair<ServoComplaint, std::string_view>, 4> kComplaints{
+      {{kBadVoltage, "says that its voltage is wrong"},
+       {kTooHot, "says that it is too hot"},
+       {kOverload, "says that it is overloaded"},
+       {kDefect, "says that it is defective"}}};
+  for (const auto& [complaint, words] : kComplaints) {
+    std::uint32_t servos = 0;
+    for (std::size_t i = 0; i < transport.servos.size(); ++i) {
+      if ((line->channel().complaints[i] & complaint) != 0) servos |= 1U << i;
+    }
+    tell(servos, words);
+  }
   return parts.empty() ? "a servo failed" : fmt::format("{}", fmt::join(parts, ", "));
 }
 

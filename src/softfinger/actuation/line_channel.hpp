@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -48,6 +49,8 @@ struct LineChannel {
   std::atomic<ServoFaults> faults{};
   /// Servos that answer and do not follow, bits as in ServoFaults.
   std::atomic<std::uint32_t> astray{0};
+  /// Of each servo, bits of ServoComplaint.
+  std::array<std::atomic<std::uint8_t>, kMostServos> complaints{};
   std::atomic<bool> connected{false};
   std::atomic<DeviceState> state{DeviceState::kDisconnected};
   std::atomic<std::uint64_t> commands_sent{0};

@@ -27,6 +27,8 @@ constexpr double kLongestUnheard = 0.1;  ///< s
 /// A port that went away so shortly before the end may be back in a moment (USB that is enumerated
 /// anew), with servos that press.
 constexpr milliseconds kBlink{3000};
+/// And no end takes longer because of ports that come and go.
+constexpr milliseconds kLongestEnd{15000};
 /// At the end: for servos to say that they are retracted, before they let go.
 constexpr milliseconds kArrivalTime{1000};
 constexpr milliseconds kBeforeAnswers{20};
@@ -147,6 +149,18 @@ void ServoLine::note_faults() {
   if (!ramp_.is_under_way()) ramp_.start(guard_.joints());
 }
 
+void ServoLine::note_complaints() {
+  bool more = false;
+  complains_ = false;
+  for (std::size_t i = 0; i < guard_.servos().size(); ++i) {
+    const std::uint8_t complaints = bus_->complaints(i);
+    more = more || (complaints & ~channel_.complaints[i].load()) != 0;
+    complains_ = complains_ || complaints != 0;
+    channel_.complaints[i] = complaints;
+  }
+  if (more) channel_.stop.stop(StopCause::kServo);
+}
+
 bool ServoLine::look_for_lost_servos() {
   bus_->close();
   const bool open = this->open().empty();
@@ -172,7 +186,7 @@ void ServoLine::note_loss() {
 }
 
 bool ServoLine::may_come_back(TimePoint now) const {
-  return channel_.commands_sent != 0 && now - lost_ < kBlink;
+  return channel_.commands_sent != 0 && now - lost_ < kBlink && now - *ending_since_ < kLongestEnd;
 }
 
 void ServoLine::try_to_connect(TimePoint now) {
@@ -206,6 +220,7 @@ void ServoLine::follow() {
     wait_until(due);
     if (bus_->is_open() && !stop_is_news()) clock_.sleep_until(last_sent_ + spacing);
     TimePoint now = clock_.now();
+    if (ending() && !ending_since_) ending_since_ = now;
     if (channel_.wanted.refresh()) {
       last_fresh_ = now;
       fresh_ever_ = fresh_ = true;
@@ -279,7 +294,7 @@ void ServoLine::answer_release(TimePoint now) {
   ReleaseRefusal reason = ReleaseRefusal::kNone;
   if (stalled_ || now - last_fresh_ >= 2 * period_) {
     reason = ReleaseRefusal::kNoCommands;
-  } else if (unheard_ > most_unheard_ || faults_.any() != 0 || channel_.astray != 0) {
+  } else if (unheard_ > most_unheard_ || faults_.any() != 0 || channel_.astray != 0 || complains_) {
     reason = ReleaseRefusal::kServoFault;
   } else if (!retracted_since_ || now - *retracted_since_ < seconds(kRetractedRepeatTime)) {
     reason = ReleaseRefusal::kRetracting;
@@ -338,6 +353,7 @@ bool ServoLine::tick(TimePoint now) {
   }
 
   note_faults();
+  note_complaints();
   const bool presses = channel_.state.load() == DeviceState::kRendering;
   if (supervision_.pressed_too_long(to_seconds(now - start_), presses) && presses) {
     channel_.stop.stop(StopCause::kPressed);

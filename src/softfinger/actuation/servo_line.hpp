@@ -57,8 +57,8 @@ class ServoLine {
   void follow();
   void try_to_connect(TimePoint now);
   void note_loss();
-  [[nodiscard]] bool may_come_back(TimePoint now) const;
-  void wait_until(TimePoint due);  ///< or until something was submitted
+  [[nodiscard]] bool may_come_back(TimePoint now) const;  ///< at the end
+  void wait_until(TimePoint due);                         ///< or until something was submitted
   /// Asks for the positions and waits a little; true when they place the device in its workspace.
   bool learn_positions();
   /// Where servos say nothing: goes on from what a line before this one sent last, if one did.
@@ -69,6 +69,7 @@ class ServoLine {
   void lead(TimePoint now, bool retracting);
   [[nodiscard]] bool arrived(TimePoint now) const;
   void note_faults();
+  void note_complaints();
   void note_who_follows(TimePoint now, const JointAngles& joints);
   /// The end of a device whose servos are to let go: once they say that they are retracted.
   void let_go();
@@ -91,6 +92,7 @@ class ServoLine {
   MotionGuard guard_;
   JointRamp ramp_;  ///< under way: instead of the guard
   ServoFaults faults_;
+  bool complains_ = false;  ///< some servo does
   Supervision supervision_;
   DeviceStateMachine machine_;
   ServoLag lag_;
@@ -100,6 +102,7 @@ class ServoLine {
   TimePoint last_sent_;
   TimePoint last_fresh_;
   TimePoint next_attempt_;
+  std::optional<TimePoint> ending_since_;
   TimePoint lost_;                 ///< when the port went away last
   bool positions_unknown_ = true;  ///< since the port was opened
   TimePoint homing_until_;         ///< positions unknown: stay at the first pose until then

@@ -34,6 +34,7 @@ struct MotorKind {
   double unit_scale = 1.0;           ///< set point of one such unit
   bool whole_set_points = false;     ///< in that unit
   bool follows_travel = false;       ///< see TransportSettings
+  bool tells_heat = false;           ///< see TransportSettings::max_temperature
   bool has_torque = false;           ///< that ServoBus::let_go() takes away
   std::string_view servo_key;        ///< by what servos are told apart
   std::span<const KeyMeaning> keys;  ///< of its `[[transport.servo]]`

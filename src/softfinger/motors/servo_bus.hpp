@@ -36,6 +36,9 @@ class ServoBus {
   /// the bus cannot tell.
   [[nodiscard]] virtual ServoFaults faults() const noexcept { return {}; }
 
+  /// Of one servo, bits of ServoComplaint. None where the bus cannot tell.
+  [[nodiscard]] virtual std::uint8_t complaints(std::size_t /*servo*/) const noexcept { return 0; }
+
   /// Sends the targets of all servos, whole or not at all. False: not sent, since earlier bytes
   /// still wait or the port vanished (it is closed then).
   virtual bool write(std::span<const std::int32_t> targets) noexcept = 0;

@@ -15,4 +15,12 @@ struct alignas(8) ServoFaults {
   bool operator==(const ServoFaults&) const = default;
 };
 
+/// What a servo says of itself that must not go on, bits; it can be led all the same.
+enum ServoComplaint : std::uint8_t {
+  kBadVoltage = 1 << 0,
+  kTooHot = 1 << 1,
+  kOverload = 1 << 2,  ///< more current or torque than it bears
+  kDefect = 1 << 3,    ///< of its sensor or its electronics
+};
+
 }  // namespace softfinger

@@ -34,6 +34,8 @@ struct TransportSettings {
   std::vector<ServoSettings> servos;  ///< one a joint, in joint order
   /// At the end, once the device is retracted, the servos let go instead of holding it there.
   bool limp_at_end = false;
+  /// No servo may be hotter, degrees Celsius, as it says itself; 0: none is asked.
+  int max_temperature = 0;
   std::string unit = "us";   ///< of set points as people read them: "us", "ticks", ""
   double unit_scale = 1e-6;  ///< set point of one such unit
   /// The one servo follows the coordinate that leads the surface to the finger

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "softfinger/motors/servo_faults.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -35,9 +37,28 @@ std::uint16_t dynamixel_crc(std::span<const std::uint8_t> bytes) {
 }
 
 const ControlTable& DynamixelProtocol::table() const {
-  static constexpr ControlTable kTable{
-      .address_bytes = 2, .torque = {64, 1}, .goal = {116, 4}, .present = {132, 4}};
+  static constexpr ControlTable kTable{.address_bytes = 2,
+                                       .torque = {64, 1},
+                                       .goal = {116, 4},
+                                       .present = {132, 4},
+                                       .temperature = {146, 1},
+                                       .errors = {70, 1},
+                                       .watchdog = {98, 1},
+                                       .torque_question = {64, 7},
+                                       .watchdog_question = {98, 2},
+                                       .temperature_question = {144, 3}};
   return kTable;
+}
+
+std::uint8_t DynamixelProtocol::complaints(std::uint32_t errors) const {
+  constexpr std::uint32_t kVoltage = 1U << 0, kHeat = 1U << 2, kEncoder = 1U << 3, kShock = 1U << 4,
+                          kLoad = 1U << 5;
+  std::uint8_t found = 0;
+  if ((errors & kVoltage) != 0) found |= kBadVoltage;
+  if ((errors & kHeat) != 0) found |= kTooHot;
+  if ((errors & kLoad) != 0) found |= kOverload;
+  if ((errors & (kEncoder | kShock)) != 0) found |= kDefect;
+  return found;
 }
 
 std::size_t DynamixelProtocol::encode(const ServoFrame& frame, std::span<std::uint8_t> out) const {

@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "softfinger/motors/servo_faults.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -17,9 +19,29 @@ std::uint8_t checksum(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 const ControlTable& FeetechProtocol::table() const {
-  static constexpr ControlTable kTable{
-      .address_bytes = 1, .torque = {0x28, 1}, .goal = {0x2A, 2}, .present = {0x38, 2}};
+  static constexpr ControlTable kTable{.address_bytes = 1,
+                                       .torque = {0x28, 1},
+                                       .goal = {0x2A, 2},
+                                       .present = {0x38, 2},
+                                       .temperature = {0x3F, 1},
+                                       .errors = {0x41, 1},
+                                       .errors_in_status = true,
+                                       .watchdog = {},
+                                       .torque_question = {0x28, 1},
+                                       .watchdog_question = {},
+                                       .temperature_question = {0x3E, 3}};
   return kTable;
+}
+
+std::uint8_t FeetechProtocol::complaints(std::uint32_t errors) const {
+  constexpr std::uint32_t kVoltage = 1U << 0, kSensor = 1U << 1, kHeat = 1U << 2,
+                          kCurrent = 1U << 3, kLoad = 1U << 5;
+  std::uint8_t found = 0;
+  if ((errors & kVoltage) != 0) found |= kBadVoltage;
+  if ((errors & kHeat) != 0) found |= kTooHot;
+  if ((errors & (kCurrent | kLoad)) != 0) found |= kOverload;
+  if ((errors & kSensor) != 0) found |= kDefect;
+  return found;
 }
 
 std::size_t FeetechProtocol::encode(const ServoFrame& frame, std::span<std::uint8_t> out) const {

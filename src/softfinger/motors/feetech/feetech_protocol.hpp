@@ -19,6 +19,7 @@ class FeetechProtocol : public ServoProtocol {
   [[nodiscard]] std::optional<ServoStatus> status(const ServoFrame& frame) const override;
   [[nodiscard]] ServoFrame status_frame(std::uint8_t id, std::uint8_t error,
                                         std::span<const std::uint8_t> data) const override;
+  [[nodiscard]] std::uint8_t complaints(std::uint32_t errors) const override;
   [[nodiscard]] std::uint32_t to_register(std::int32_t position) const override;
   [[nodiscard]] std::int32_t to_position(std::uint32_t value) const override;
 };

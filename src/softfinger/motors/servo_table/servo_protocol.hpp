@@ -56,7 +56,24 @@ struct ServoRegister {
 struct ControlTable {
   int address_bytes = 1;  ///< of addresses and lengths in frames
   ServoRegister torque, goal, present;
+  ServoRegister temperature;  ///< degrees Celsius
+  ServoRegister errors;       ///< see ServoProtocol::complaints()
+  /// The error of a status is `errors`, and its data are good all the same.
+  bool errors_in_status = false;
+  /// Ends a servo's motion that hears nothing for so many kWatchdogUnit; kWatchdogBarked: it did,
+  /// and takes no goal before 0 is written. Of size 0: there is none.
+  ServoRegister watchdog;
+
+  // What is read at once beside `present`, with what is meant in it. All differ in size: answers
+  // may come late, and must not be taken for those to another question.
+  ServoRegister torque_question;    ///< and `errors`, where a status does not tell them
+  ServoRegister watchdog_question;  ///< of size 0: none
+  ServoRegister temperature_question;
 };
+
+inline constexpr double kWatchdogUnit = 20e-3;  ///< s
+inline constexpr std::uint32_t kMostWatchdog = 127;
+inline constexpr std::uint32_t kWatchdogBarked = 0xFF;
 
 /// Frames and control table of one family of servos. Pure functions.
 class ServoProtocol {
@@ -77,6 +94,8 @@ class ServoProtocol {
   [[nodiscard]] virtual std::optional<ServoStatus> status(const ServoFrame& frame) const = 0;
   [[nodiscard]] virtual ServoFrame status_frame(std::uint8_t id, std::uint8_t error,
                                                 std::span<const std::uint8_t> data) const = 0;
+  /// Bits of ServoComplaint, from those of ControlTable::errors.
+  [[nodiscard]] virtual std::uint8_t complaints(std::uint32_t errors) const = 0;
   /// A position in ticks as its register has it, and back.
   [[nodiscard]] virtual std::uint32_t to_register(std::int32_t position) const = 0;
   [[nodiscard]] virtual std::int32_t to_position(std::uint32_t value) const = 0;

@@ -13,8 +13,11 @@ namespace {
 
 constexpr std::chrono::milliseconds kStatusTime{100};
 constexpr int kPingTries = 5;
-/// Every so many questions are about the torque.
+/// Every so many questions are about the torque, and halfway between about something else.
 constexpr unsigned kTorqueEvery = 8;
+/// What the watchdog waits for at least, s, and in ticks: a busy machine is no dead one.
+constexpr double kWatchdogTime = 1.0;
+constexpr double kWatchdogTicks = 5.0;
 /// So many questions in a row without all answers, and for half a second, are a lost bus.
 constexpr unsigned kMostUnanswered = 20;
 /// Start and stop bit and eight between them.
@@ -31,6 +34,9 @@ ServoTableBus::ServoTableBus(std::unique_ptr<const ServoProtocol> protocol,
       clock_(clock),
       baud_(static_cast<unsigned>(transport.baud)),
       most_unanswered_(std::max(kMostUnanswered, static_cast<unsigned>(transport.rate / 2.0))),
+      watchdog_(at_least(std::max(kWatchdogTime, kWatchdogTicks / transport.rate) / kWatchdogUnit,
+                         kMostWatchdog)),
+      max_temperature_(transport.max_temperature),
       presets_(std::move(presets)),
       reader_(*protocol_) {
   for (const ServoSettings& servo : transport.servos) {
@@ -39,6 +45,8 @@ ServoTableBus::ServoTableBus(std::unique_ptr<const ServoProtocol> protocol,
   answers_.resize(ids_.size());
   answered_.resize(ids_.size());
   missed_.resize(ids_.size());
+  complaints_.resize(ids_.size());
+  hot_.resize(ids_.size());
   check_speed(transport);
 }
 
@@ -46,13 +54,13 @@ void ServoTableBus::check_speed(const TransportSettings& transport) const {
   const ControlTable& table = protocol_->table();
   std::array<std::uint8_t, ServoProtocol::kMostBytes> bytes;
   const std::vector<std::uint32_t> goals(ids_.size());
-  const std::array<std::uint8_t, 4> data{};
+  const std::array<std::uint8_t, ServoProtocol::kMostBytes> data{};
+  const std::size_t answer = std::max(table.present.size, table.torque_question.size);
   const std::size_t count =
       protocol_->encode(sync_write_request(*protocol_, table.goal, ids_, goals), bytes) +
       protocol_->encode(sync_read_request(*protocol_, table.present, ids_), bytes) +
       ids_.size() *
-          protocol_->encode(
-              protocol_->status_frame(0, 0, std::span(data).first(table.present.size)), bytes);
+          protocol_->encode(protocol_->status_frame(0, 0, std::span(data).first(answer)), bytes);
   const double time = kBitsPerByte * static_cast<double>(count) / transport.baud +
                       kReturnDelay * static_cast<double>(ids_.size());
   if (time * transport.rate <= 1.0) return;
@@ -135,6 +143,10 @@ std::string ServoTableBus::find_servos() {
 std::string ServoTableBus::write_presets(std::size_t servo) {
   const std::uint8_t id = ids_[servo];
   bool torque_off = false;
+  // One that has barked takes no goal, and one that watches would bark while others are asked.
+  if (const ServoRegister watchdog = protocol_->table().watchdog; watchdog.size != 0) {
+    write(id, watchdog, 0);
+  }
   for (const Preset& preset : presets_[servo]) {
     const Reply now = read(id, preset.at);
     if (now.came && now.error == 0 && now.value == preset.value) continue;
@@ -184,6 +196,9 @@ std::string ServoTableBus::open(const std::string& port) {
   port_.discard_input();
   reader_.reset();
   faults_ = {};
+  watched_ = false;
+  std::fill(complaints_.begin(), complaints_.end(), std::uint8_t{0});
+  std::fill(hot_.begin(), hot_.end(), false);
   reason = find_servos();
   std::size_t ready = 0;
   std::string refused;
@@ -213,6 +228,19 @@ std::string ServoTableBus::open(const std::string& port) {
   return {};
 }
 
+void ServoTableBus::close() noexcept {
+  // Whoever opens the port next may not know of watchdogs.
+  if (watched_ && port_.is_open()) tell_all(protocol_->table().watchdog, 0);
+  watched_ = false;
+  port_.close();
+}
+
+bool ServoTableBus::tell_all(ServoRegister to, std::uint32_t value) noexcept {
+  std::array<std::uint32_t, kMostServos> values;
+  values.fill(value);
+  return send(sync_write_request(*protocol_, to, ids_, std::span(values).first(ids_.size())));
+}
+
 bool ServoTableBus::write(std::span<const std::int32_t> targets) noexcept {
   std::array<std::uint8_t, kMostServos> ids;
   std::array<std::uint32_t, kMostServos> values;
@@ -222,20 +250,40 @@ bool ServoTableBus::write(std::span<const std::int32_t> targets) noexcept {
     ids[count] = ids_[i];
     values[count++] = protocol_->to_register(targets[i]);
   }
-  return send(sync_write_request(*protocol_, protocol_->table().goal, std::span(ids).first(count),
-                                 std::span(values).first(count)));
+  const bool sent =
+      send(sync_write_request(*protocol_, protocol_->table().goal, std::span(ids).first(count),
+                              std::span(values).first(count)));
+  const ServoRegister watchdog = protocol_->table().watchdog;
+  if (sent && !watched_ && watchdog.size != 0) watched_ = tell_all(watchdog, watchdog_);
+  return sent;
 }
 
 bool ServoTableBus::let_go() noexcept {
   // Those that are lost too: a servo that has no voice may still have ears.
-  const std::array<std::uint32_t, kMostServos> off{};
-  return send(sync_write_request(*protocol_, protocol_->table().torque, ids_,
-                                 std::span(off).first(ids_.size())));
+  return tell_all(protocol_->table().torque, 0);
 }
 
-ServoRegister ServoTableBus::asked() const {
+ServoRegister ServoTableBus::register_of(Question question) const {
   const ControlTable& table = protocol_->table();
-  return question_ == Question::kTorque ? table.torque : table.present;
+  switch (question) {
+    case Question::kPosition:
+      return table.present;
+    case Question::kTorque:
+      return table.torque_question;
+    case Question::kWatchdog:
+      return table.watchdog_question;
+    case Question::kTemperature:
+      return max_temperature_ > 0 ? table.temperature_question : ServoRegister{};
+  }
+  return {};
+}
+
+ServoTableBus::Question ServoTableBus::next_question() const {
+  if (asked_ % kTorqueEvery == 0) return Question::kTorque;
+  if (asked_ % kTorqueEvery != kTorqueEvery / 2) return Question::kPosition;
+  constexpr std::array kByTurns{Question::kWatchdog, Question::kTemperature};
+  const Question next = kByTurns[asked_ / kTorqueEvery % kByTurns.size()];
+  return register_of(next).size != 0 ? next : Question::kPosition;
 }
 
 /// Of the last question.
@@ -264,7 +312,7 @@ bool ServoTableBus::ask() noexcept {
   count_silence();
   if (!port_.is_open()) return true;
   ++asked_;
-  question_ = asked_ % kTorqueEvery == 0 ? Question::kTorque : Question::kPosition;
+  question_ = next_question();
   known_ = false;
   limp_ = 0;
   reader_.reset();  // half an answer belongs to the last question
@@ -280,16 +328,33 @@ bool ServoTableBus::ask() noexcept {
 
 void ServoTableBus::take(const ServoFrame& frame) noexcept {
   const auto status = protocol_->status(frame);
-  // The size tells a late answer to the other question.
-  if (!status || status->error != 0 || status->data.size() != asked().size) return;
+  // The size tells a late answer to the question before.
+  if (!status || status->data.size() != asked().size) return;
+  if (status->error != 0 && !protocol_->table().errors_in_status) return;
   const auto found = std::find(ids_.begin(), ids_.end(), status->id);
   if (found == ids_.end()) return;
   const auto servo = static_cast<std::size_t>(found - ids_.begin());
-  const std::uint32_t value = register_value(status->data);
-  if (question_ == Question::kTorque) {
-    if (value == 0) limp_ |= 1U << servo;
-  } else {
-    answers_[servo] = value;
+  const ControlTable& table = protocol_->table();
+  const auto value_of = [&](ServoRegister at) {
+    return register_value(status->data.subspan(at.address - asked().address, at.size));
+  };
+  if (table.errors_in_status) complaints_[servo] = protocol_->complaints(status->error);
+  switch (question_) {
+    case Question::kPosition:
+      answers_[servo] = value_of(table.present);
+      break;
+    case Question::kTorque:
+      if (value_of(table.torque) == 0) limp_ |= 1U << servo;
+      if (!table.errors_in_status) {
+        complaints_[servo] = protocol_->complaints(value_of(table.errors));
+      }
+      break;
+    case Question::kWatchdog:
+      if (value_of(table.watchdog) == kWatchdogBarked) limp_ |= 1U << servo;
+      break;
+    case Question::kTemperature:
+      hot_[servo] = static_cast<int>(value_of(table.temperature)) > max_temperature_;
+      break;
   }
   answered_[servo] = true;
   if (!std::all_of(answered_.begin(), answered_.end(), [](bool one) { return one; })) return;

@@ -68,6 +68,8 @@ void ServoTableEmulator::lose_power() {
     put(servo, protocol_->table().torque, 0);
     if (dynamixel_) {
       put(servo, dynamixel::kGoalCurrent, 0);
+      put(servo, protocol_->table().watchdog, 0);
+      servo.barked = false;
       put(servo, dynamixel::kProfileVelocity, 0);
       put(servo, dynamixel::kProfileAcceleration, 0);
     } else {
@@ -108,7 +110,11 @@ void ServoTableEmulator::answer_read(Servo& servo, std::size_t address, std::siz
     return answer(servo.id, dynamixel::kRangeError, {});
   }
   note_position(servo);
-  answer(servo.id, 0, std::span(servo.memory).subspan(address, length));
+  const ControlTable& table = protocol_->table();
+  put(servo, table.errors, servo.errors);
+  put(servo, table.temperature, servo.temperature);
+  answer(servo.id, table.errors_in_status ? servo.errors.load() : std::uint8_t{0},
+         std::span(servo.memory).subspan(address, length));
 }
 
 std::uint8_t ServoTableEmulator::write(Servo& servo, std::size_t address,
@@ -119,6 +125,11 @@ std::uint8_t ServoTableEmulator::write(Servo& servo, std::size_t address,
   if (dynamixel_ && address < dynamixel::kFirstVolatile && servo.torque) {
     return dynamixel::kAccessError;
   }
+  const bool watchdog = table.watchdog.size != 0 && address == table.watchdog.address;
+  if (watchdog && bytes[0] > kMostWatchdog) return dynamixel::kRangeError;
+  if (servo.barked && address == table.goal.address) return dynamixel::kRangeError;
+  if (watchdog && bytes[0] == 0) servo.barked = false;
+  if (watchdog && servo.barked) return dynamixel::kRangeError;
   const bool goal = address == table.goal.address && bytes.size() >= table.goal.size;
   if (goal) {
     const std::int32_t position =
@@ -148,7 +159,22 @@ std::uint8_t ServoTableEmulator::write(Servo& servo, std::size_t address,
   return 0;
 }
 
+void ServoTableEmulator::hear_nothing(Servo& servo) {
+  const ServoRegister watchdog = protocol_->table().watchdog;
+  if (watchdog.size == 0 || !servo.torque || servo.barked) return;
+  const std::uint32_t patience = get(servo, watchdog);
+  ++servo.unheard;
+  if (patience == 0 || servo.unheard * ServoMotion::kStep <= patience * kWatchdogUnit) return;
+  put(servo, watchdog, kWatchdogBarked);
+  servo.barked = true;
+  note_position(servo);
+  servo.goal = protocol_->to_position(get(servo, protocol_->table().present));
+}
+
 void ServoTableEmulator::execute(const ServoFrame& frame) {
+  for (Servo& servo : servos_) {
+    if (!servo.cut_off) servo.unheard = 0;
+  }
   const auto a = static_cast<std::size_t>(protocol_->table().address_bytes);
   const std::span<const std::uint8_t> used = frame.used();
   const auto number = [&](std::size_t at) -> std::size_t {
@@ -205,6 +231,7 @@ void ServoTableEmulator::execute(const ServoFrame& frame) {
 void ServoTableEmulator::advance_to(double time) {
   for (int step = clock_.steps_to(time); step > 0; --step) {
     for (Servo& servo : servos_) {
+      hear_nothing(servo);
       servo.torque && !servo.blocked ? servo.motion.move(servo.goal) : servo.motion.rest();
     }
   }

@@ -40,9 +40,17 @@ class ServoTableEmulator : public BusEmulator {
   void cut_off(std::size_t servo, bool off = true) { servos_[servo].cut_off = off; }
   /// One servo protects itself, as from overload: its torque is off. From any thread.
   void trip(std::size_t servo) { servos_[servo].tripped = true; }
+  /// What one servo says of itself when asked: bits of its errors, and its temperature, degrees
+  /// Celsius. From any thread.
+  void complain(std::size_t servo, std::uint8_t errors) { servos_[servo].errors = errors; }
+  void heat(std::size_t servo, std::uint8_t temperature) {
+    servos_[servo].temperature = temperature;
+  }
   /// One servo is stuck where it is, and says so when asked; or is free again. From any thread.
   void block(std::size_t servo, bool on = true) { servos_[servo].blocked = on; }
   [[nodiscard]] std::int32_t goal(std::size_t servo) const { return servos_[servo].goal; }
+  /// Whether a servo's watchdog has stopped it, and still does.
+  [[nodiscard]] bool has_barked(std::size_t servo) const { return servos_[servo].barked; }
   [[nodiscard]] bool torque(std::size_t servo) const { return servos_[servo].torque; }
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
   /// Bytes that were part of no valid frame.
@@ -50,6 +58,7 @@ class ServoTableEmulator : public BusEmulator {
   /// Least and largest goal ever written.
   [[nodiscard]] std::int32_t least_goal() const { return least_goal_; }
   [[nodiscard]] std::int32_t largest_goal() const { return largest_goal_; }
+  [[nodiscard]] const ControlTable& table() const { return protocol_->table(); }
   /// A register as it is; of a bus that is still.
   [[nodiscard]] std::uint32_t value(std::size_t servo, ServoRegister at) const {
     return get(servos_[servo], at);
@@ -69,6 +78,10 @@ class ServoTableEmulator : public BusEmulator {
     std::atomic<bool> cut_off{false};
     std::atomic<bool> tripped{false};
     std::atomic<bool> blocked{false};
+    std::atomic<std::uint8_t> errors{0};
+    std::atomic<std::uint8_t> temperature{35};
+    std::atomic<bool> barked{false};  ///< its watchdog
+    int unheard = 0;                  ///< ms since the last instruction
   };
 
   void execute(const ServoFrame& frame);
@@ -79,6 +92,8 @@ class ServoTableEmulator : public BusEmulator {
   void put(Servo& servo, ServoRegister at, std::uint32_t value);
   [[nodiscard]] std::uint32_t get(const Servo& servo, ServoRegister at) const;
   void note_position(Servo& servo);
+  /// 1 ms without an instruction.
+  void hear_nothing(Servo& servo);
   void lose_power();
 
   std::unique_ptr<const ServoProtocol> protocol_;

@@ -41,6 +41,7 @@ MotorKind servo_table_kind() {
   kind.wire = MotorKind::Wire::kSerial;
   kind.unit = "ticks";
   kind.whole_set_points = true;
+  kind.tells_heat = true;
   kind.has_torque = true;
   kind.servo_key = "id";
   kind.keys = kTableKeys;
