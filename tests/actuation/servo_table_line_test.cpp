@@ -170,6 +170,21 @@ TEST_P(ServoTable, ServosThatWereResetComeBackWithoutAJump) {
   EXPECT_TRUE(reaches(actuator, emulator, pose(-5, 0, 3)));
 }
 
+// What nobody speaks to any more a Dynamixel ends by itself, and a Feetech servo does not.
+TEST_P(ServoTable, ItIsToldWhatTheServosDoIfTheComputerDies) {
+  const auto lever = device();
+  ServoTableEmulator emulator(protocol_of(GetParam()), bus_servos(*lever, lever->home()));
+  EmulatorTerminal terminal(emulator);
+  Actuator actuator(lever, {.port = terminal.port()});
+  ASSERT_TRUE(actuator.connected());
+  int told = 0;
+  while (const auto event = actuator.take_event()) {
+    told += *event == ActuatorEvent::kUnwatched ? 1 : 0;
+    EXPECT_NE(actuator.message(*event).find("keep the last command"), std::string::npos);
+  }
+  EXPECT_EQ(told, emulator.table().watchdog.size == 0 ? 1 : 0);
+}
+
 TEST_P(ServoTable, PortVanishesAndComesBack) {
   const auto lever = device();
   const auto name = std::filesystem::temp_directory_path() /

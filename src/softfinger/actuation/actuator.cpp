@@ -136,6 +136,9 @@ struct Actuator::Impl {
 
   std::string absence;  ///< why the port was not open at the start; empty: it was
   bool absence_told = false;
+  /// See MotorKind; empty for an emulator.
+  [[nodiscard]] std::string_view left_alone() const;
+  bool unwatched_told = false;
   std::uint32_t losses_told = 0;
   std::uint32_t connections_told = 0;
   std::uint32_t stalls_told = 0;
@@ -199,6 +202,10 @@ void Actuator::Impl::send_to_simulated(double time) {
   simulated->advance_to(time);
   simulated->receive(guard.targets());
   ++sent_to_simulated;
+}
+
+std::string_view Actuator::Impl::left_alone() const {
+  return emulated ? "" : motor_kind(device->settings().transport->kind).left_alone;
 }
 
 std::string Actuator::Impl::fault_text() const {
@@ -421,6 +428,10 @@ std::optional<ActuatorEvent> Actuator::take_event() noexcept {
     self.guard_loss_told = true;
     return ActuatorEvent::kGuardLost;
   }
+  if (!self.unwatched_told && !self.left_alone().empty() && connected()) {
+    self.unwatched_told = true;
+    return ActuatorEvent::kUnwatched;
+  }
   return std::nullopt;
 }
 
@@ -452,8 +463,10 @@ std::string Actuator::message(ActuatorEvent event) const {
           impl_->port);
     case ActuatorEvent::kStopped:
       if (stop_latch().cause() == StopCause::kServo) {
-        return fmt::format("{}; the others retract and stay so until the device is released",
-                           impl_->fault_text());
+        const LineChannel& line = impl_->line->channel();
+        const bool all = line.faults.load().any() == 0 && line.astray == 0;
+        return fmt::format("{}; {} and stay so until the device is released", impl_->fault_text(),
+                           all ? "all servos retract" : "the others retract");
       }
       return fmt::format("the device is stopped by {}; it stays retracted until it is released",
                          row_of(kStopCauses, stop_latch().cause()).words);
@@ -462,6 +475,9 @@ std::string Actuator::message(ActuatorEvent event) const {
     case ActuatorEvent::kReleaseRefused:
       return fmt::format("the device is not released: {}",
                          row_of(kReleaseRefusals, stop_latch().refusal()).words);
+    case ActuatorEvent::kUnwatched:
+      return fmt::format("port {}: {}; keep a switch in their supply at hand", impl_->port,
+                         impl_->left_alone());
     case ActuatorEvent::kLoopStalled:
       break;
   }

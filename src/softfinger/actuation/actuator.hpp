@@ -72,7 +72,8 @@ enum class ActuatorEvent : std::uint8_t {
   kReleased,        ///< follows again
   kReleaseRefused,  ///< why, see stop_latch()
   kGuardReplaced,   ///< the process that owned the port died or hung; another retracts the device
-  kGuardLost        ///< and none takes its place: nothing more is sent
+  kGuardLost,       ///< and none takes its place: nothing more is sent
+  kUnwatched        ///< a real port is open for the first time: see MotorKind::left_alone
 };
 
 /// The way from a wanted configuration to the motors of one device: state machine, limits, servo

@@ -27,13 +27,15 @@ struct KeyMeaning {
 struct MotorKind {
   enum class Wire { kSerial, kUdp, kTcp };
 
-  std::string_view name;             ///< `transport.kind`
-  Wire wire = Wire::kSerial;         ///< where not serial, the port is HOST:PORT
-  int default_baud = 0;              ///< of a serial port
-  std::string_view unit;             ///< of set points as people read them: "us", "ticks", ""
-  double unit_scale = 1.0;           ///< set point of one such unit
-  bool whole_set_points = false;     ///< in that unit
-  bool follows_travel = false;       ///< see TransportSettings
+  std::string_view name;          ///< `transport.kind`
+  Wire wire = Wire::kSerial;      ///< where not serial, the port is HOST:PORT
+  int default_baud = 0;           ///< of a serial port
+  std::string_view unit;          ///< of set points as people read them: "us", "ticks", ""
+  double unit_scale = 1.0;        ///< set point of one such unit
+  bool whole_set_points = false;  ///< in that unit
+  bool follows_travel = false;    ///< see TransportSettings
+  /// What becomes of the motors if this computer dies, in words; empty: they stop by themselves.
+  std::string_view left_alone;
   bool tells_heat = false;           ///< see TransportSettings::max_temperature
   bool has_torque = false;           ///< that ServoBus::let_go() takes away
   std::string_view servo_key;        ///< by what servos are told apart

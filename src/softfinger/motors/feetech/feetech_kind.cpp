@@ -14,6 +14,7 @@ const MotorKind& feetech_kind() {
   static const MotorKind kKind = [] {
     MotorKind kind = servo_table_kind();
     kind.name = "feetech";
+    kind.left_alone = "its servos keep the last command if this computer dies";
     kind.default_baud = 1000000;
     kind.read_servo = [](const ConfigTable& table, const std::string& slope, const JointLimits&,
                          int) { return read_table_servo(table, slope, 253); };

@@ -43,6 +43,9 @@ const MotorKind& maestro_kind() {
       .default_baud = 115200,
       .unit = "us",
       .unit_scale = us,
+      .left_alone =
+          "its servos keep the last command if this computer dies, unless the Maestro has "
+          "a serial timeout",
       .has_torque = true,
       .servo_key = "channel",
       .keys = kMaestroKeys,

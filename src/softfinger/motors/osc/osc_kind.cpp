@@ -60,6 +60,9 @@ const MotorKind& osc_kind() {
       .name = "osc",
       .wire = MotorKind::Wire::kUdp,
       .unit = "",
+      .left_alone =
+          "motors keep the last command if this computer dies, unless who listens there "
+          "has a timeout",
       .servo_key = "address",
       .keys = kOscKeys,
       .read_servo = read_osc_servo,

@@ -58,6 +58,7 @@ const MotorKind& weart_kind() {
       .wire = MotorKind::Wire::kTcp,
       .unit = "",
       .follows_travel = true,
+      .left_alone = "thimbles keep the last force if this computer dies",
       .servo_key = "point",
       .keys = kWeartKeys,
       .read_servo = read_weart_servo,
