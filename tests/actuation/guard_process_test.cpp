@@ -64,6 +64,21 @@ TEST(GuardSetup, WhatIsNoneIsRefused) {
   }
 }
 
+TEST(GuardSetup, AnotherVersionsIsRefusedInOneLine) {
+  const auto device = load_device(kThimble);
+  std::string text = to_text(
+      {.device_file = kThimble, .device_text = device->settings().text, .line = {.port = "none"}});
+  const std::size_t at = text.find("\"version\":\"") + 11;
+  ASSERT_LT(at, text.size());
+  text[at] = '9';
+  try {
+    (void)read_guard_setup(text);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("two versions"));
+  }
+}
+
 class GuardedThimble : public ::testing::Test {
  protected:
   static std::vector<EmulatedServo> servos_of(const Device& device, const Configuration& q) {

@@ -179,7 +179,12 @@ void SimulatedLine::loop_tick() {
   ++ticks_;
   const auto q = wanted ? wanted(time()) : std::nullopt;
   if (!q || channel_.ending) return;
-  channel_.wanted.draft() = {*q, touching ? DeviceState::kRendering : DeviceState::kReady};
+  LineChannel::Wanted& draft = channel_.wanted.draft();
+  draft = {.q = *q,
+           .state = touching ? DeviceState::kRendering : DeviceState::kReady,
+           .number = ++submitted_};
+  draft.seal = draft.seal_of_this();
+  if (spoil) spoil(draft);
   channel_.wanted.publish();
   wake();
 }
@@ -190,7 +195,9 @@ void SimulatedLine::wake() {
 }
 
 void SimulatedLine::was_sent_before(const Configuration& q) {
-  channel_.sent.draft() = q;
+  channel_.sent.draft().q = q;
+  channel_.sent.draft().seal = channel_.sent.draft().seal_of_this();
+  if (spoil_sent) spoil_sent(channel_.sent.draft());
   channel_.sent.publish();
   channel_.commands_sent = 1;
 }

@@ -44,6 +44,9 @@ class SimulatedLine final : public LineClock {
   /// What the loop wants at a time (s), asked at each device tick; none: it says nothing.
   std::function<std::optional<Configuration>(double)> wanted;
   bool touching = false;  ///< what the loop says of it
+  /// What a defect of the loop does to a command between the two; empty: nothing.
+  std::function<void(LineChannel::Wanted&)> spoil;
+  std::function<void(LineChannel::Sent&)> spoil_sent;
   /// What becomes of bytes on their way; empty: nothing.
   std::function<void(Bytes&)> to_board;
   std::function<void(Bytes&)> from_board;
@@ -91,6 +94,7 @@ class SimulatedLine final : public LineClock {
   TimePoint start_ = now_;
   std::multimap<TimePoint, std::function<void()>> events_;
   long ticks_ = 0;
+  std::uint64_t submitted_ = 0;
   int wake_ = -1;
   std::string name_;  ///< of the port, as stable as those of USB adapters
   int near_ = -1;     ///< the board's end

@@ -14,6 +14,9 @@ namespace {
 
 using nlohmann::json;
 
+/// Of the program and of what is said between it and its guard: to be raised with either.
+constexpr const char* kVersion = SOFTFINGER_VERSION "/2";
+
 json ceiling_text(const TravelCeiling& ceiling) {
   json grid = json::array();
   for (const TravelCeiling::GridAxis& axis : ceiling.grid()) {
@@ -39,7 +42,8 @@ std::shared_ptr<const TravelCeiling> read_ceiling(std::shared_ptr<const Device> 
 }  // namespace
 
 std::string to_text(const GuardSetup& setup) {
-  json text = {{"device_file", setup.device_file.string()},
+  json text = {{"version", kVersion},
+               {"device_file", setup.device_file.string()},
                {"device_text", setup.device_text},
                {"mount_shift_m", setup.mount_shift},
                {"port", setup.line.port},
@@ -53,6 +57,10 @@ std::string to_text(const GuardSetup& setup) {
 GuardedDevice read_guard_setup(std::string_view text) {
   try {
     const json told = json::parse(text);
+    if (told.at("version") != kVersion) {
+      throw InputError(
+          "the program and its softfinger-guard are of two versions; install them anew");
+    }
     GuardedDevice guarded;
     guarded.setup.device_file = told.at("device_file").get<std::string>();
     guarded.setup.line.port = told.at("port");

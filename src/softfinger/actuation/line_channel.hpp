@@ -21,6 +21,20 @@ struct LineChannel {
     Configuration q;
     DeviceState state = DeviceState::kHoming;  ///< of the loop that wants it
     double formed = 0.0;                       ///< s, monotonic clock
+    std::uint64_t number = 0;                  ///< each is larger than the one before it
+    std::uint64_t seal = 0;                    ///< of all that, see is_whole()
+
+    [[nodiscard]] std::uint64_t seal_of_this() const noexcept;
+    /// Whether it is what was published: either process may have a defect that writes anywhere.
+    [[nodiscard]] bool is_whole() const noexcept { return seal == seal_of_this(); }
+  };
+  /// What was sent to the servos last.
+  struct Sent {
+    Configuration q;
+    std::uint64_t seal = 0;
+
+    [[nodiscard]] std::uint64_t seal_of_this() const noexcept;
+    [[nodiscard]] bool is_whole() const noexcept { return seal == seal_of_this(); }
   };
   /// Where the servos said they are.
   struct Report {
@@ -29,11 +43,11 @@ struct LineChannel {
   };
 
   explicit LineChannel(const Configuration& home)
-      : wanted(Wanted{home, DeviceState::kHoming, 0.0}), report(Report{home, false}), sent(home) {}
+      : wanted(Wanted{.q = home}), report(Report{home, false}), sent(Sent{.q = home}) {}
 
   Mailbox<Wanted> wanted;             ///< from the loop
   Mailbox<Report> report;             ///< from the line
-  Mailbox<Configuration> sent;        ///< from the line, to the line that takes its place
+  Mailbox<Sent> sent;                 ///< from the line, to the line that takes its place
   Mailbox<CommandDelivery> delivery;  ///< from the line, of each wanted q that was sent
   std::atomic<bool> ending{false};    ///< the loop wants the line to retract the device and to end
 
@@ -54,6 +68,7 @@ struct LineChannel {
   std::atomic<bool> connected{false};
   std::atomic<DeviceState> state{DeviceState::kDisconnected};
   std::atomic<std::uint64_t> commands_sent{0};
+  std::atomic<std::uint64_t> commands_refused{0};  ///< not whole, or older than one before
   std::atomic<std::uint32_t> times_lost{0};
   std::atomic<std::uint32_t> times_connected{0};  ///< after the first time
   std::atomic<std::uint32_t> times_stalled{0};

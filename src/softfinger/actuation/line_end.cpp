@@ -24,6 +24,8 @@ void LineEnd::submit(const Configuration& q, DeviceState state) noexcept {
   draft.q = q;
   draft.state = state;
   draft.formed = monotonic_time();
+  draft.number = ++submitted_;
+  draft.seal = draft.seal_of_this();
   channel_->wanted.publish();
   wake();
 }

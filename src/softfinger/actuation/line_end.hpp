@@ -49,6 +49,7 @@ class LineEnd {
   LineChannel* channel_ = nullptr;  ///< set by the constructor of whoever has the bytes
 
  private:
+  std::uint64_t submitted_ = 0;
   int wake_ = -1;  ///< event descriptor: counting up never blocks and needs no lock
 };
 

@@ -59,6 +59,7 @@ ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, Line
       guard_(device_, device_->settings().transport->servos, options_.ceiling),
       ramp_(device_, guard_.servos()),
       supervision_(*device_),
+      wanted_{.q = device_->home()},
       lag_(static_cast<Eigen::Index>(guard_.servos().size()),
            guard_.servos().empty() ? 0.0 : kLagMotion * guard_.servos().front().resolution()) {}
 
@@ -171,9 +172,22 @@ bool ServoLine::look_for_lost_servos() {
 bool ServoLine::take_over() {
   if (fresh_ever_ || channel_.commands_sent == 0 || guard_.servos().empty()) return false;
   channel_.sent.refresh();
-  const Configuration& sent = channel_.sent.latest();
-  if (sent.size() != device_->home().size() || !sent.allFinite()) return false;
-  guard_.reset(sent);
+  const LineChannel::Sent& sent = channel_.sent.latest();
+  if (!sent.is_whole() || sent.q.size() != device_->home().size() || !sent.q.allFinite()) {
+    return false;
+  }
+  guard_.reset(sent.q);
+  return true;
+}
+
+bool ServoLine::take_wanted() {
+  if (!channel_.wanted.refresh()) return false;
+  const LineChannel::Wanted& next = channel_.wanted.latest();
+  if (!next.is_whole() || next.number <= wanted_.number) {
+    channel_.commands_refused.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  wanted_ = next;
   return true;
 }
 
@@ -221,7 +235,7 @@ void ServoLine::follow() {
     if (bus_->is_open() && !stop_is_news()) clock_.sleep_until(last_sent_ + spacing);
     TimePoint now = clock_.now();
     if (ending() && !ending_since_) ending_since_ = now;
-    if (channel_.wanted.refresh()) {
+    if (take_wanted()) {
       last_fresh_ = now;
       fresh_ever_ = fresh_ = true;
     }
@@ -249,7 +263,7 @@ void ServoLine::follow() {
 }
 
 void ServoLine::tell_delivery() {
-  delivery_.send = monotonic_time() - channel_.wanted.latest().formed;
+  delivery_.send = monotonic_time() - wanted_.formed;
   channel_.delivery.draft() = delivery_;
   channel_.delivery.publish();
   delivery_ = CommandDelivery();
@@ -320,7 +334,7 @@ void ServoLine::lead(TimePoint now, bool retracting) {
   }
   // Away from the finger it goes even where nobody answers.
   if (retracting || (now >= homing_until_ && unheard_ <= most_unheard_)) {
-    guard_.step(retracting ? device_->retracted() : channel_.wanted.latest().q, dt);
+    guard_.step(retracting ? device_->retracted() : wanted_.q, dt);
   }
 }
 
@@ -361,9 +375,8 @@ bool ServoLine::tick(TimePoint now) {
   answer_release(now);
   const StopLatch::Number stop = channel_.stop.newest();
   const bool stopped = channel_.stop.is_stopped();
-  const LineChannel::Wanted& wanted = channel_.wanted.latest();
   DeviceState state = machine_.advance({.time = to_seconds(now - start_),
-                                        .touching = wanted.state == DeviceState::kRendering,
+                                        .touching = wanted_.state == DeviceState::kRendering,
                                         .ending = ending(),
                                         .emergency = stopped,
                                         .stalled = stalled && !ending(),
@@ -371,7 +384,7 @@ bool ServoLine::tick(TimePoint now) {
   if (state == DeviceState::kStopped) return false;
   const bool retracting = state == DeviceState::kRetracting;
   // While it follows, what the loop says it does is what the device does.
-  if (state == DeviceState::kReady || state == DeviceState::kRendering) state = wanted.state;
+  if (state == DeviceState::kReady || state == DeviceState::kRendering) state = wanted_.state;
 
   lead(now, retracting);
   if (ramp_.is_under_way()) state = DeviceState::kRetracting;
@@ -381,7 +394,9 @@ bool ServoLine::tick(TimePoint now) {
     channel_.commands_sent.fetch_add(1, std::memory_order_relaxed);
     channel_.state.store(state, std::memory_order_relaxed);
     if (stopped) channel_.stop.confirm(stop);
-    channel_.sent.draft() = guard_.configuration();
+    LineChannel::Sent& sent = channel_.sent.draft();
+    sent.q = guard_.configuration();
+    sent.seal = sent.seal_of_this();
     channel_.sent.publish();
     if (!retracting || !arrived(now)) {
       retracted_since_.reset();

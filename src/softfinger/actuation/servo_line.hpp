@@ -68,6 +68,8 @@ class ServoLine {
   bool tick(TimePoint now);  ///< false: stopped
   void lead(TimePoint now, bool retracting);
   [[nodiscard]] bool arrived(TimePoint now) const;
+  /// The newest command that is whole and newer than the last; false: there is none.
+  bool take_wanted();
   void note_faults();
   void note_complaints();
   void note_who_follows(TimePoint now, const JointAngles& joints);
@@ -95,6 +97,7 @@ class ServoLine {
   bool complains_ = false;  ///< some servo does
   Supervision supervision_;
   DeviceStateMachine machine_;
+  LineChannel::Wanted wanted_;  ///< the line's own: what is shared may change
   ServoLag lag_;
   CommandDelivery delivery_;
 
