@@ -1,6 +1,7 @@
 // Commands that a defect spoils between loop and line are none; in simulated time.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <string>

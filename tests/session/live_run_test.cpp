@@ -71,6 +71,43 @@ TEST(LiveRun, PausesRestartsAndChangesScene) {
   EXPECT_TRUE(replay({.recording = directory / "live-2.db", .scene = {}}).agree);
 }
 
+TEST(LiveRun, TrackingThatIsLostInAPauseRetractsTheDevice) {
+  const ScenesWithoutForceLimit scenes;
+  RunOptions options;
+  options.scene = scenes.scene("plane");
+  options.trackers = {"page"};
+  options.twin = false;
+  LiveSession session(options, false);
+  std::atomic<bool> stop{false};
+  std::thread viewer([&] {
+    bool seen = true;  // the finger, by the page
+    const auto wait = [&](const auto& condition) {
+      for (int i = 0; i < 6000; ++i) {
+        LiveRequest pose;
+        pose.kind = LiveRequest::Kind::kPose;
+        pose.X_WFt.translation.z() = 20e-3;
+        if (seen) session.request(pose);
+        session.refresh();
+        if (condition(session.latest())) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      return false;
+    };
+    const auto state = [](const Snapshot& s) { return s.fingers.at(0).device_state; };
+    EXPECT_TRUE(wait([&](const Snapshot& s) { return s.step > 100 && state(s) == "ready"; }));
+    session.request({LiveRequest::Kind::kPause, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.paused; }));
+    seen = false;
+    EXPECT_TRUE(wait([&](const Snapshot& s) { return state(s) == "retracting"; }));
+    EXPECT_TRUE(session.latest().paused);
+    seen = true;
+    EXPECT_TRUE(wait([&](const Snapshot& s) { return s.paused && state(s) == "ready"; }));
+    stop = true;
+  });
+  session.run(stop);
+  viewer.join();
+}
+
 TEST(LiveRun, APauseTellsWhatTheDeviceDoesAndOutlastsRestartAndScene) {
   const ScenesWithoutForceLimit scenes;
   RunOptions options;

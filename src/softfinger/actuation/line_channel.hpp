@@ -9,6 +9,7 @@
 #include "softfinger/actuation/stop_latch.hpp"
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/motors/servo_faults.hpp"
+#include "softfinger/motors/transport_settings.hpp"
 #include "softfinger/threads/mailbox.hpp"
 
 namespace softfinger {

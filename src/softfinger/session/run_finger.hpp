@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/session/live_device.hpp"
@@ -28,7 +29,9 @@ struct RunFinger {
   std::unique_ptr<LiveDevice> live;             ///< null: headless, or no device
   std::chrono::steady_clock::time_point taken;  ///< when the last step took its pose
   TrackedPose tracked;                          ///< that pose
-  FingerSummary summary;                        ///< simulation thread
+  /// Of a pause: since when its tracking is lost.
+  std::optional<std::chrono::steady_clock::time_point> lost_in_pause;
+  FingerSummary summary;  ///< simulation thread
 };
 
 }  // namespace softfinger

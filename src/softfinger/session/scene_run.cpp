@@ -188,7 +188,7 @@ void SceneRun::simulate() {
   std::int64_t step = 0;
   while (!stopping_.load(std::memory_order_relaxed) && !(total_steps_ && step >= *total_steps_)) {
     if (paused_.load(std::memory_order_relaxed) && mode_ == Mode::kLive) {
-      keep_devices_alive();
+      keep_devices_alive(step);
       publish_snapshot(step, false);
       std::this_thread::sleep_for(kPausedInterval);
       pacer.restart(step + 1);
@@ -252,10 +252,20 @@ void SceneRun::tick_here(RunFinger& finger, const TickInput& input) {
   if (hooks_.on_tick) hooks_.on_tick(static_cast<std::size_t>(tick.finger), *finger.chain);
 }
 
-void SceneRun::keep_devices_alive() {
+void SceneRun::keep_devices_alive(std::int64_t step) {
   obey_signals();
+  const auto now = std::chrono::steady_clock::now();
   for (const auto& finger : fingers_) {
-    if (finger->live) finger->live->hand_over_again();
+    if (!finger->live) continue;
+    // The run's time stands still, and with it the time for which tracking is lost; where nothing
+    // more is handed over the device retracts.
+    if (finger->tracker.sample(static_cast<double>(step) / rate_).valid) {
+      finger->lost_in_pause.reset();
+    } else if (!finger->lost_in_pause) {
+      finger->lost_in_pause = now;
+    }
+    const auto lost = now - finger->lost_in_pause.value_or(now);
+    if (lost < std::chrono::duration<double>(kHoldTime)) finger->live->hand_over_again();
   }
 }
 

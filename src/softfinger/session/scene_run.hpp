@@ -94,7 +94,7 @@ class SceneRun {
   void conclude_step(RunFinger& finger, std::int64_t step);
   void tick_here(RunFinger& finger, const TickInput& input);
   void obey_signals() noexcept;
-  void keep_devices_alive();
+  void keep_devices_alive(std::int64_t step);
   void publish_snapshot(std::int64_t step, bool finished);
   void end_threads();
   void retract_devices();

@@ -12,7 +12,8 @@ void PageTracker::offer(const Pose& X_WFt) {
 }
 
 TrackedPose PageTracker::sample(double time) {
-  clock_.step(time, monotonic_time());
+  const double now = monotonic_time();
+  clock_.step(time, now);
   if (offered_.refresh()) {
     known_ = true;
     const Offer& offer = offered_.latest();
@@ -21,7 +22,8 @@ TrackedPose PageTracker::sample(double time) {
     newest_.arrival = clock_.run_time(offer.received);
     newest_.time = newest_.arrival;
   }
-  newest_.valid = known_ && time - heard_ <= kLostAfter;
+  newest_.valid =
+      known_ && time - heard_ <= kLostAfter && now - offered_.latest().received <= kLostOnWallAfter;
   return newest_;
 }
 

@@ -10,6 +10,8 @@ namespace softfinger {
 
 /// Tracking is lost where no pose came for this long, s.
 inline constexpr double kLostAfter = 0.2;
+/// And by the clock on the wall, s, where the run's time stands still or is slow.
+inline constexpr double kLostOnWallAfter = 0.4;
 
 /// Where the real fingertip is. `valid` is false while tracking is lost; the pose is then the last
 /// known one.

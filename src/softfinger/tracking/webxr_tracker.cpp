@@ -20,7 +20,8 @@ void WebXrTracker::offer(const XrHand& hand) noexcept {
 }
 
 TrackedPose WebXrTracker::sample(double time) {
-  run_clock_.step(time, monotonic_time());
+  const double now = monotonic_time();
+  run_clock_.step(time, now);
   if (offered_.refresh()) {
     const Offer& offer = offered_.latest();
     // A headset that stands still and repeats itself is gone; after a silence it is another one,
@@ -32,6 +33,7 @@ TrackedPose WebXrTracker::sample(double time) {
       if (!(offer.time > headset_time_)) headset_clock_.reset();
       known_ = true;
       heard_ = time;
+      received_ = offer.received;
       headset_time_ = offer.time;
       tracked_ = offer.tracked;
       if (tracked_) {
@@ -41,7 +43,7 @@ TrackedPose WebXrTracker::sample(double time) {
       }
     }
   }
-  newest_.valid = tracked_ && time - heard_ <= kLostAfter;
+  newest_.valid = tracked_ && time - heard_ <= kLostAfter && now - received_ <= kLostOnWallAfter;
   return newest_;
 }
 

@@ -37,6 +37,7 @@ class WebXrTracker final : public Tracker {
   RunClock run_clock_;
   TrackedPose newest_;
   double heard_ = 0.0;         // s, of the run, when something new came
+  double received_ = 0.0;      // s, monotonic clock, the same
   double headset_time_ = 0.0;  // s, of what came then
   bool known_ = false;
   bool tracked_ = false;
