@@ -248,7 +248,7 @@ void Rendering::stop() noexcept {
 bool Rendering::release() noexcept {
   FingerChain& chain = implementation_->chain;
   return chain.has_device() &&
-         chain.device().actuator().ask_release(implementation_->command.stops);
+         chain.device().actuator().ask_release(implementation_->command.stops, StopCause::kProgram);
 }
 
 RenderingSnapshot Rendering::snapshot() const {

@@ -273,7 +273,7 @@ TEST_P(FaultyGuard, IsReplacedByOneThatRetractsUntilItIsReleased) {
     std::this_thread::sleep_for(std::chrono::milliseconds(33));
     EXPECT_LT(away_from(device->retracted()), kNear) << "nobody released it";
   }
-  ASSERT_TRUE(guard.ask_release(guard.channel().stop.newest()));
+  ASSERT_TRUE(guard.ask_release(guard.channel().stop.newest(), StopCause::kPerson));
   EXPECT_TRUE(follow([&] { return away_from(wanted) < kNear; }));
   guard.finish();
   EXPECT_FALSE(guard.is_served());

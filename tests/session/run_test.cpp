@@ -1,12 +1,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cmath>
 #include <fstream>
+#include <iterator>
+#include <thread>
 
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
 #include "recorded_run.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/recording/csv_export.hpp"
+#include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/replay.hpp"
 
 namespace softfinger {
@@ -101,6 +107,44 @@ TEST(Run, AStopRetractsFromTheNextTickOn) {
   EXPECT_GT(followed, 55);
   EXPECT_GT(retracting, 25);
   EXPECT_TRUE(replay({.recording = directory / "run.db", .scene = {}}).agree);
+}
+
+TEST(Run, ItsRecordingHasWhoStoppedADeviceWhoReleasedItAndWhen) {
+  const ScenesWithoutForceLimit scenes;
+  const TemporaryDirectory directory;
+  StopSignals signals;
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.duration = 4.0;
+  options.as_fast_as_possible = true;
+  options.recording = directory / "run.db";
+  options.stop_signals = &signals;
+  SceneRun::Hooks hooks;
+  hooks.on_tick = [&](std::size_t, const FingerChain& chain) {
+    if (chain.device().record().time > 1.0) signals.stops = 1;
+    if (chain.device().record().time > 3.0) signals.releases = 1;
+    // What is told is looked for every few milliseconds, and this run does not wait for the clock.
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  };
+  const std::atomic<bool> stop{false};
+  std::vector<std::string> told;
+  (void)run_headless(options, stop,
+                     {.message = [&](const std::string& line) { told.push_back(line); }}, hooks);
+  const std::vector<RecordedMessage> messages = RecordingReader(directory / "run.db").messages();
+  ASSERT_EQ(messages.size(), 2U);
+  ASSERT_EQ(told.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(messages[i].text, told[i]);
+  EXPECT_NE(messages[0].text.find("stopped by a signal"), std::string::npos);
+  EXPECT_NE(messages[1].text.find("released by a signal"), std::string::npos);
+  EXPECT_GE(messages[0].time, 1.0);
+  EXPECT_GE(messages[1].time, 3.0);
+  EXPECT_EQ(static_cast<double>(messages[1].step), std::round(1000.0 * messages[1].time));
+  EXPECT_GT(messages[1].since_start, messages[0].since_start);
+  ASSERT_EQ(export_csv(directory / "run.db", directory / "csv"), "");
+  std::ifstream csv(directory / "csv/messages.csv");
+  const std::string text{std::istreambuf_iterator<char>(csv), {}};
+  EXPECT_EQ(text.find("time_s,since_start_s,message\n"), 0U);
+  for (const std::string& line : told) EXPECT_NE(text.find(line), std::string::npos);
 }
 
 TEST(Run, NamesBelongToSeveralFingers) {

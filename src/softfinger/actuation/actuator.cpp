@@ -317,8 +317,8 @@ StopLatch::Number Actuator::stop(StopCause cause) noexcept {
   return impl_->line ? impl_->line->stop(cause) : impl_->latch.stop(cause);
 }
 
-bool Actuator::ask_release(StopLatch::Number number) noexcept {
-  return impl_->line ? impl_->line->ask_release(number) : impl_->latch.ask_release(number);
+bool Actuator::ask_release(StopLatch::Number number, StopCause by) noexcept {
+  return impl_->line ? impl_->line->ask_release(number, by) : impl_->latch.ask_release(number, by);
 }
 
 const StopLatch& Actuator::stop_latch() const noexcept {
@@ -471,7 +471,8 @@ std::string Actuator::message(ActuatorEvent event) const {
       return fmt::format("the device is stopped by {}; it stays retracted until it is released",
                          row_of(kStopCauses, stop_latch().cause()).words);
     case ActuatorEvent::kReleased:
-      return "the device is released";
+      return fmt::format("the device is released by {}",
+                         row_of(kStopCauses, stop_latch().asked_by()).words);
     case ActuatorEvent::kReleaseRefused:
       return fmt::format("the device is not released: {}",
                          row_of(kReleaseRefusals, stop_latch().refusal()).words);

@@ -114,7 +114,7 @@ class Actuator {
   StopLatch::Number stop(StopCause cause) noexcept;
   /// Asks to release the device from this stop; granted or refused by whoever leads the servos.
   /// False: it is not the newest stop, or was released. Any thread.
-  bool ask_release(StopLatch::Number number) noexcept;
+  bool ask_release(StopLatch::Number number, StopCause by = StopCause::kPerson) noexcept;
   /// What is known of stops: asked for, confirmed, refused releases. Any thread.
   [[nodiscard]] const StopLatch& stop_latch() const noexcept;
 

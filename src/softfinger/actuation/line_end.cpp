@@ -36,8 +36,8 @@ StopLatch::Number LineEnd::stop(StopCause cause) noexcept {
   return number;
 }
 
-bool LineEnd::ask_release(StopLatch::Number number) noexcept {
-  const bool asked = channel_->stop.ask_release(number);
+bool LineEnd::ask_release(StopLatch::Number number, StopCause by) noexcept {
+  const bool asked = channel_->stop.ask_release(number, by);
   if (asked) wake();
   return asked;
 }

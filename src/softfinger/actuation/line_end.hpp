@@ -33,7 +33,7 @@ class LineEnd {
   /// Stops the device at once, see StopLatch. Any thread; signal handlers too.
   StopLatch::Number stop(StopCause cause) noexcept;
   /// Asks to release it. Any thread.
-  bool ask_release(StopLatch::Number number) noexcept;
+  bool ask_release(StopLatch::Number number, StopCause by) noexcept;
   /// Joint angles by the positions the servos report; false where they never answered. From the
   /// thread that submits.
   bool read_joints(JointAngles& joints) noexcept;

@@ -66,12 +66,17 @@ class StopLatch {
     return newest_.fetch_add(1, std::memory_order_acq_rel) + 1;
   }
   /// Asks to end the stop of this number; false: it is not the newest, or has ended.
-  bool ask_release(Number number) noexcept {
+  bool ask_release(Number number, StopCause by = StopCause::kPerson) noexcept {
     if (number != newest() || !is_stopped()) return false;
+    asked_by_.store(by, std::memory_order_relaxed);
     asked_.store(number, std::memory_order_release);
     return true;
   }
 
+  /// Who asked for the newest release.
+  [[nodiscard]] StopCause asked_by() const noexcept {
+    return asked_by_.load(std::memory_order_relaxed);
+  }
   [[nodiscard]] bool is_stopped() const noexcept { return newest() != released(); }
   [[nodiscard]] Number newest() const noexcept { return newest_.load(std::memory_order_acquire); }
   [[nodiscard]] Number released() const noexcept {
@@ -116,6 +121,7 @@ class StopLatch {
   std::atomic<Number> confirmed_{0};
   std::atomic<std::uint32_t> refusals_{0};
   std::atomic<StopCause> cause_{StopCause::kNone};
+  std::atomic<StopCause> asked_by_{StopCause::kNone};
   std::atomic<ReleaseRefusal> refusal_{ReleaseRefusal::kNone};
 };
 

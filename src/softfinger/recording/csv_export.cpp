@@ -111,6 +111,7 @@ class Export {
   void write() {
     write_ticks();
     write_steps();
+    write_messages();
     if (reader_.info().with_state) write_states();
   }
 
@@ -251,6 +252,17 @@ class Export {
       if (step.step > 0) write_row(*timing, CsvFile::kTiming, tick ? &*tick : nullptr);
     }
     for (const auto& csv : {&pose, &bone, &contact, &timing}) (*csv)->close();
+  }
+
+  void write_messages() {
+    CsvWriter csv(directory_ / "messages.csv", "time_s,since_start_s,message");
+    for (const RecordedMessage& message : reader_.messages()) {
+      csv.field(message.time);
+      csv.field(message.since_start);
+      csv.field(std::string_view(message.text));
+      csv.end_row();
+    }
+    csv.close();
   }
 
   void write_states() {

@@ -7,6 +7,15 @@
 
 namespace softfinger {
 
+/// What people were told while the run was recorded: who stopped a device and when it was released,
+/// what failed.
+struct RecordedMessage {
+  std::int64_t step = 0;     ///< the last one taken when it was told
+  double time = 0.0;         ///< s, of the run
+  double since_start = 0.0;  ///< s on the monotonic clock, also where the run's time stood still
+  std::string text;          ///< one line
+};
+
 /// The recording's layout; a program reads the versions it knows.
 inline constexpr std::int64_t kRecordingFormatVersion = 3;
 

@@ -17,6 +17,8 @@ create table files(path text primary key, content blob not null) without rowid;
 create table fingers(finger integer primary key, name text not null, model text not null,
   device text not null, tracker text not null, configuration_names text not null,
   joints integer not null, device_rate_Hz real not null);
+create table messages(number integer primary key, step integer not null, time_s real not null,
+  since_start_s real not null, message text not null);
 create table states(step integer not null, finger integer not null, nodes blob not null,
   samples blob not null, primary key(step, finger)) without rowid;
 )sql";

@@ -23,6 +23,8 @@ namespace {
 
 /// Targets are 32 bits.
 constexpr double kMostSteps = 2147483647.0;
+/// That a run can tell; a stranger's recording may have any number.
+constexpr int kMostMessages = 100'000;
 
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> words;
@@ -301,6 +303,23 @@ std::string RecordingReader::how_it_was_cut() {
       "{0}: ends at step {1} because its run was cut there or goes on; if it was copied during the "
       "run, the rest is in {2}-wal, which belongs beside it",
       file_.string(), last_step(), file_.filename().string());
+}
+
+std::vector<RecordedMessage> RecordingReader::messages() {
+  try {
+    std::vector<RecordedMessage> messages;
+    if (database_->columns_of("messages").empty()) return messages;
+    SqliteStatement rows(database_->connection,
+                         fmt::format("select step, time_s, since_start_s, message from messages "
+                                     "order by number limit {}",
+                                     kMostMessages));
+    while (rows.next()) {
+      messages.push_back({rows.integer(0), rows.number(1), rows.number(2), rows.text(3)});
+    }
+    return messages;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
 }
 
 bool RecordingReader::next(StepRecord& r) {

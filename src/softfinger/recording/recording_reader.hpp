@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "softfinger/recording/record.hpp"
 #include "softfinger/recording/recording_info.hpp"
@@ -33,6 +34,8 @@ class RecordingReader {
   bool next(StepRecord& record);
   /// Next tick in order of (step, finger, tick); false at the end.
   bool next(TickRecord& record);
+  /// In the order in which they were told; none in recordings from before there were any.
+  [[nodiscard]] std::vector<RecordedMessage> messages();
   /// Starts both over.
   void rewind();
 

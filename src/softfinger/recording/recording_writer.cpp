@@ -94,6 +94,7 @@ struct RecordingWriter::Database {
     insert_step.emplace(connection, recording_layout::insert_step());
     insert_tick.emplace(connection, recording_layout::insert_tick());
     insert_state.emplace(connection, recording_layout::insert_into("states", 4));
+    insert_message.emplace(connection, recording_layout::insert_into("messages", 5));
   }
 
   /// One file and nothing beside it, so that it can be read where nothing can be written. Where
@@ -103,6 +104,7 @@ struct RecordingWriter::Database {
     insert_step.reset();
     insert_tick.reset();
     insert_state.reset();
+    insert_message.reset();
     try {
       connection.execute("pragma journal_mode = delete");
     } catch (const SqliteFailure&) {
@@ -181,6 +183,15 @@ struct RecordingWriter::Database {
 
   void write(const TickRecord& r) { insert(*insert_tick, kTickFields, r, servo_step_of(r.finger)); }
 
+  void write(const RecordedMessage& message) {
+    insert_message->bind(0, ++messages);
+    insert_message->bind(1, message.step);
+    insert_message->bind(2, message.time);
+    insert_message->bind(3, message.since_start);
+    insert_message->bind(4, message.text);
+    insert_message->run();
+  }
+
   [[nodiscard]] double servo_step_of(std::int64_t finger) const {
     return servo_steps[static_cast<std::size_t>(finger)];
   }
@@ -199,7 +210,9 @@ struct RecordingWriter::Database {
 
   SqliteDatabase connection;
   std::vector<double> servo_steps;  ///< of the fingers
-  std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_state;
+  std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_state,
+      insert_message;
+  std::int64_t messages = 0;  ///< written
   bool in_transaction = true;
   Clock::time_point began = Clock::now();
 };
@@ -252,6 +265,27 @@ void RecordingWriter::push(const TickRecord& record) {
   push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);
 }
 
+void RecordingWriter::push(std::int64_t step, double time, const std::string& message) {
+  const std::chrono::duration<double> since = Clock::now() - start_;
+  const std::lock_guard lock(messages_mutex_);
+  if (messages_.size() < kMostMessages) messages_.push_back({step, time, since.count(), message});
+}
+
+void RecordingWriter::write_messages() {
+  std::vector<RecordedMessage> messages;
+  {
+    const std::lock_guard lock(messages_mutex_);
+    messages.swap(messages_);
+  }
+  if (failed_ || messages.empty()) return;
+  try {
+    database_->begin();
+    for (const RecordedMessage& message : messages) database_->write(message);
+  } catch (const SqliteFailure&) {
+    failed_ = true;
+  }
+}
+
 // One round: what is there now, but not so much that the next commit is late. Steps before ticks,
 // and no commit between: a step never names a tick that was not handed over before it, so none is
 // committed without it.
@@ -272,6 +306,7 @@ bool RecordingWriter::drain() {
     }
     return true;
   };
+  write_messages();
   bool more = take(steps_, kStepsARound);
   for (auto& ring : ticks_) more = take(*ring, ring->capacity()) || more;
   return more;

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -31,6 +34,8 @@ namespace softfinger {
 ///     ticks(step, finger, tick, ...)   one TickRecord a row (kTickFields); vectors are float64
 ///     blobs,
 ///                                   little-endian
+///     messages(number, step, time_s, since_start_s, message)   what people were told: one
+///                                   RecordedMessage a row
 ///     states(step, finger, nodes, samples)   with_state only; float64 blobs, row by row:
 ///                                   nodes x y z in W; samples x y z gap fx fy fz in_contact in F
 class RecordingWriter {
@@ -52,6 +57,10 @@ class RecordingWriter {
   /// One thread per finger. Copies the record; allocates nothing, takes no lock.
   void push(const TickRecord& record);
 
+  /// A line that people were told, after this step, at this time (s) of the run. One thread, none
+  /// of the loops.
+  void push(std::int64_t step, double time, const std::string& message);
+
   /// Writes what is left, marks the recording complete and closes the file. Throws OperationError
   /// when something could not be written. Called once, after the producers have ended.
   void close();
@@ -63,16 +72,22 @@ class RecordingWriter {
   [[nodiscard]] bool failed() const { return failed_.load(std::memory_order_relaxed); }
 
  private:
+  static constexpr std::size_t kMostMessages = 1000;  ///< that wait to be written
+
   struct Database;
   template <typename Record>
   void push_to(RingBuffer<Record>& ring, const Record& record);
   void write_until_closed();
+  void write_messages();
   bool drain();  ///< says whether there may be more
 
   std::filesystem::path file_;
   WhenFull when_full_;
   RingBuffer<StepRecord> steps_;
   std::vector<std::unique_ptr<RingBuffer<TickRecord>>> ticks_;  // one per finger
+  std::mutex messages_mutex_;                                   ///< of the next line
+  std::vector<RecordedMessage> messages_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::unique_ptr<Database> database_;
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> failed_{false};

@@ -68,6 +68,7 @@ RunSummary run_headless(std::shared_ptr<const RunSetup> setup, const RunOptions&
     observe(run, observer);
     std::this_thread::sleep_for(kPollInterval);
   }
+  observe(run, observer);
   RunSummary summary = run.finish();
   observe(run, observer);
   return summary;
@@ -153,6 +154,7 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
       std::this_thread::sleep_for(kPollInterval);
     }
     begin_anew();
+    observe(*run_, observer);
     summary = run_->finish();
     observe(*run_, observer);
     // A script may end while the scene that is to follow loads.
@@ -308,7 +310,7 @@ void LiveSession::release(const LiveRequest& request) {
   const bool registering = registration_.state().phase == RegistrationState::Phase::kRunning;
   const bool seen =
       request.generation == description_->generation && request.stops == run_->stops();
-  if (registering || !seen || !run_->ask_release(request.stops)) {
+  if (registering || !seen || !run_->ask_release(request.stops, StopCause::kPerson)) {
     if (messages_.size() >= kMostMessages) return;
     messages_.push_back(registering ? "the device is not released: a finger is being registered"
                                     : "the device is not released: it was stopped again");

@@ -120,14 +120,14 @@ void SceneRun::stop_devices(StopCause cause) noexcept {
   if (!any) no_device_.confirm(no_device_.stop(cause));
 }
 
-bool SceneRun::ask_release(StopLatch::Number stops) noexcept {
+bool SceneRun::ask_release(StopLatch::Number stops, StopCause by) noexcept {
   if (stops != this->stops()) return false;
   for (const auto& finger : fingers_) {
     if (Actuator* actuator = finger->actuator()) {
-      actuator->ask_release(actuator->stop_latch().newest());
+      actuator->ask_release(actuator->stop_latch().newest(), by);
     }
   }
-  if (no_device_.ask_release(no_device_.newest())) {
+  if (no_device_.ask_release(no_device_.newest(), by)) {
     no_device_.answer_release(ReleaseRefusal::kNone);
   }
   return true;
@@ -170,7 +170,7 @@ void SceneRun::obey_signals() noexcept {
   }
   const std::uint32_t releases = signals_->releases.load(std::memory_order_relaxed);
   if (release_signals_seen_.exchange(releases, std::memory_order_relaxed) != releases) {
-    ask_release(this->stops());
+    ask_release(this->stops(), StopCause::kSignal);
   }
 }
 
@@ -334,7 +334,12 @@ RunSummary SceneRun::finish() {
 }
 
 std::optional<std::string> SceneRun::take_message() {
-  return messages_.take(*setup_, fingers_, recording_.get());
+  std::optional<std::string> message = messages_.take(*setup_, fingers_, recording_.get());
+  if (message && recording_) {
+    const std::int64_t step = step_.load(std::memory_order_relaxed);
+    recording_->push(step, static_cast<double>(step) / rate_, *message);
+  }
+  return message;
 }
 
 }  // namespace softfinger

@@ -61,7 +61,7 @@ class SceneRun {
   void continue_after(const SceneRun& before) noexcept;
   /// Asks to release them. Says nothing, and does nothing, where devices were stopped again since
   /// stops() was `stops`. Any thread.
-  bool ask_release(StopLatch::Number stops) noexcept;
+  bool ask_release(StopLatch::Number stops, StopCause by) noexcept;
   /// How often devices were stopped so far, by whomever.
   [[nodiscard]] StopLatch::Number stops() const noexcept;
   [[nodiscard]] DevicesStopped stopped() const noexcept;
