@@ -28,6 +28,12 @@ target_compile_options(softfinger_compiler INTERFACE
 if(SOFTFINGER_WARNINGS_AS_ERRORS)
   target_compile_options(softfinger_compiler INTERFACE -Werror)
 endif()
+if(NOT SOFTFINGER_SANITIZE)
+  # Programs that listen and drive motors: a defect of memory ends them instead of being led on.
+  add_compile_options(-fstack-protector-strong)
+  add_compile_definitions($<$<CONFIG:Release,RelWithDebInfo>:_FORTIFY_SOURCE=2>)
+  add_link_options(LINKER:-z,relro,-z,now)
+endif()
 if(SOFTFINGER_SANITIZE)
   add_compile_options(-fsanitize=${SOFTFINGER_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   if(SOFTFINGER_SANITIZE MATCHES "address.*undefined")
