@@ -8,25 +8,19 @@
 
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <functional>
 #include <thread>
 
-#include "../support/maestro_terminal.hpp"
+#include "guarded_thimble.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/device/device_file.hpp"
-#include "softfinger/motors/servo_map.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {
 
 using ::testing::HasSubstr;
-
-const std::filesystem::path kThimble =
-    std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / "thimble-3rrs.toml";
 
 TEST(GuardSetup, SaysAllAndKeepsEveryBit) {
   const auto device = load_device(kThimble);
@@ -78,72 +72,6 @@ TEST(GuardSetup, AnotherVersionsIsRefusedInOneLine) {
     EXPECT_THAT(error.what(), HasSubstr("two versions"));
   }
 }
-
-class GuardedThimble : public ::testing::Test {
- protected:
-  static std::vector<EmulatedServo> servos_of(const Device& device, const Configuration& q) {
-    std::vector<EmulatedServo> servos;
-    const JointAngles joints = joints_of(device, q);
-    for (const ServoSettings& settings : device.settings().transport->servos) {
-      const ServoMap map(settings);
-      servos.push_back({.channel = map.channel(),
-                        .initial_setpoint = map.setpoint(joints[Eigen::Index(servos.size())])});
-    }
-    return servos;
-  }
-  static JointAngles joints_of(const Device& device, const Configuration& q) {
-    JointAngles joints;
-    EXPECT_TRUE(device.inverse_kinematics(q, joints));
-    return joints;
-  }
-  /// How far the emulated servos are from where q has them, rad.
-  double away_from(const Configuration& q) const {
-    const JointAngles joints = joints_of(*device, q);
-    double farthest = 0.0;
-    for (Eigen::Index i = 0; i < joints.size(); ++i) {
-      const ServoMap map(device->settings().transport->servos[static_cast<std::size_t>(i)]);
-      const double servo = map.joint(terminal.emulator().servo_pulse(map.channel()));
-      farthest = std::max(farthest, std::abs(servo - joints[i]));
-    }
-    return farthest;
-  }
-  ActuatorOptions options() const {
-    return {.port = terminal.port(), .device_file = kThimble, .guard_program = SOFTFINGER_GUARD};
-  }
-  GuardSetup setup() const {
-    return {.device_file = kThimble,
-            .device_text = device->settings().text,
-            .line = {.port = terminal.port()}};
-  }
-  /// Commands q at every tick until `done`; false where it never is.
-  static bool follow(Actuator& actuator, const Configuration& q,
-                     const std::function<bool()>& done) {
-    for (int k = 0; k < 300; ++k) {
-      actuator.command({.configuration = q, .touching = true}, time_ += 1.0 / 30.0);
-      std::this_thread::sleep_for(std::chrono::milliseconds(33));
-      if (done()) return true;
-    }
-    return false;
-  }
-  static bool soon(const std::function<bool()>& done) {
-    for (int i = 0; i < 2000; ++i) {
-      if (done()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
-  }
-
-  std::shared_ptr<const Device> device = load_device(kThimble);
-  MaestroTerminal terminal{servos_of(*device, device->home())};
-  Configuration wanted = [this] {
-    Configuration q = device->home();
-    q[0] += 0.1;
-    return q;
-  }();
-  static inline double time_ = 0.0;
-};
-
-constexpr double kNear = 0.01;  // rad
 
 TEST_F(GuardedThimble, FollowsAndRetractsAtTheEnd) {
   Actuator actuator(device, options());
