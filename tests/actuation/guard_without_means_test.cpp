@@ -4,10 +4,15 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -15,6 +20,7 @@
 #include "../support/temporary_directory.hpp"
 #include "guarded_thimble.hpp"
 #include "softfinger/actuation/guard_process.hpp"
+#include "softfinger/actuation/guard_socket.hpp"
 #include "softfinger/base/error.hpp"
 
 namespace softfinger {
@@ -94,6 +100,74 @@ TEST_F(GuardWithoutMeans, SaysSoWhereItIsAnotherProgram) {
   GuardProcess guard("/bin/true", device->home(), setup());
   EXPECT_THAT(guard.start(false), HasSubstr("does not answer"));
   EXPECT_FALSE(guard.is_served());
+}
+
+/// The guard program with these as its socket and its memory (-1: none); its exit status.
+int run_guard(int socket, int memory) {
+  const pid_t process = ::fork();
+  if (process == 0) {
+    // Out of the way of each other first.
+    const int from_socket = socket < 0 ? -1 : ::fcntl(socket, F_DUPFD, 100);
+    const int from_memory = memory < 0 ? -1 : ::fcntl(memory, F_DUPFD, 100);
+    for (int descriptor = 3; descriptor < 100; ++descriptor) ::close(descriptor);
+    if (from_socket >= 0) ::dup2(from_socket, guard_socket::kSocket);
+    if (from_memory >= 0) ::dup2(from_memory, guard_socket::kMemory);
+    ::execl(SOFTFINGER_GUARD, SOFTFINGER_GUARD, nullptr);
+    ::_exit(99);
+  }
+  int status = 0;
+  ::waitpid(process, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+class GuardProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends_.data()), 0);
+    memory_ = ::memfd_create("line", MFD_CLOEXEC);
+    ASSERT_GE(memory_, 0);
+  }
+  ~GuardProgram() override {
+    for (const int descriptor : {ends_[0], ends_[1], memory_}) ::close(descriptor);
+  }
+  std::string answer() {
+    std::string text;
+    EXPECT_TRUE(guard_socket::receive(ends_[0], text, std::chrono::seconds(5)));
+    return text;
+  }
+  std::array<int, 2> ends_{-1, -1};
+  int memory_ = -1;
+};
+
+TEST_F(GuardProgram, IsOfNoUseByItself) { EXPECT_EQ(run_guard(-1, -1), 1); }
+
+TEST_F(GuardProgram, SaysThatItIsOfAnotherVersionByTheSizeOfWhatIsShared) {
+  ASSERT_EQ(::ftruncate(memory_, 4096), 0);
+  EXPECT_EQ(run_guard(ends_[1], memory_), 1);
+  EXPECT_THAT(answer(), HasSubstr("two versions"));
+}
+
+TEST_F(GuardProgram, EndsWhereNobodyTellsItWhatToGuard) {
+  ASSERT_EQ(::ftruncate(memory_, sizeof(LineChannel)), 0);
+  ::shutdown(ends_[0], SHUT_WR);
+  EXPECT_EQ(run_guard(ends_[1], memory_), 1);
+}
+
+TEST_F(GuardProgram, SaysWhatIsWrongWithWhatItIsTold) {
+  ASSERT_EQ(::ftruncate(memory_, sizeof(LineChannel)), 0);
+  ASSERT_TRUE(guard_socket::send(ends_[0], "{}"));
+  EXPECT_EQ(run_guard(ends_[1], memory_), 1);
+  EXPECT_THAT(answer(), HasSubstr("not softfinger that started it"));
+}
+
+TEST_F(GuardProgram, EndsAfterSayingThatThePortCannotBeOpened) {
+  ASSERT_EQ(::ftruncate(memory_, sizeof(LineChannel)), 0);
+  const auto device = load_device(kThimble);
+  ASSERT_TRUE(guard_socket::send(ends_[0], to_text({.device_file = kThimble,
+                                                    .device_text = device->settings().text,
+                                                    .line = {.port = "/dev/no-such-port"}})));
+  EXPECT_EQ(run_guard(ends_[1], memory_), 0);
+  EXPECT_THAT(answer(), HasSubstr("no such port"));
 }
 
 class GuardThatIsNotThereAgain : public GuardWithoutMeans,
