@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -107,6 +109,20 @@ TEST(WebXrTracker, IsLostWhenNothingNewComes) {
   // After a silence it is another page, with another clock.
   tracker.offer(flat_hand(0.1, 3.0F));
   EXPECT_NEAR(tracker.sample(2.5).X_WFt.translation.z(), 3.0, kRounding);
+}
+
+TEST(WebXrTracker, IsLostWhileALinkDeliversThePast) {
+  WebXrTracker tracker(Pose(), HandSide::kRight, HandFinger::kIndex);
+  tracker.offer(flat_hand(10.0));
+  EXPECT_TRUE(tracker.sample(0.0).valid);
+  // It held back what the headset saw for 0.6 s, then brings all of it.
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  for (int frame = 1; frame <= 5; ++frame) {
+    tracker.offer(flat_hand(10.0 + 0.011 * frame));
+    EXPECT_FALSE(tracker.sample(0.6 + 0.001 * frame).valid) << frame;
+  }
+  tracker.offer(flat_hand(10.6));
+  EXPECT_TRUE(tracker.sample(0.61).valid) << "it is in the present again";
 }
 
 TEST(WebXrTracker, SpecsNameSideAndFinger) {

@@ -126,6 +126,12 @@ bool has_log(const std::filesystem::path& file) {
          header[kReadVersion] == 2;
 }
 
+/// Whether a change of it is to be undone first.
+bool is_half_closed(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::file_size(file.string() + "-journal", error) > 0 && !error;
+}
+
 }  // namespace
 
 struct RecordingReader::Database {
@@ -247,6 +253,7 @@ std::unique_ptr<RecordingReader::Database> RecordingReader::open() const {
   try {
     return std::make_unique<Database>(file_, SqliteDatabase::Mode::kRead);
   } catch (const SqliteFailure& failure) {
+    if (is_half_closed(file_)) return roll_back();
     if (!has_log(file_)) throw;
     const std::filesystem::path log = file_.string() + "-wal";
     std::error_code error;
@@ -266,6 +273,19 @@ std::unique_ptr<RecordingReader::Database> RecordingReader::open() const {
         "{0}: was being written when it was copied, and its newest part is in {1}-wal, which "
         "belongs to it; copy both, or copy when the run has ended",
         file_.string(), file_.filename().string()));
+  }
+}
+
+/// A disk failed as the run closed it: the last change is undone as SQLite does it.
+std::unique_ptr<RecordingReader::Database> RecordingReader::roll_back() const {
+  try {
+    SqliteDatabase(file_, SqliteDatabase::Mode::kRollBack).execute("select 1 from sqlite_master");
+    return std::make_unique<Database>(file_, SqliteDatabase::Mode::kRead);
+  } catch (const SqliteFailure&) {
+    throw InputError(
+        fmt::format("{0}: could not be closed when its run ended, and {1}-journal says how to undo "
+                    "that; copy both, under these names, to a folder that can be written",
+                    file_.string(), file_.filename().string()));
   }
 }
 

@@ -42,6 +42,7 @@ class RecordingReader {
  private:
   struct Database;
   [[nodiscard]] std::unique_ptr<Database> open() const;
+  [[nodiscard]] std::unique_ptr<Database> roll_back() const;
   [[noreturn]] void fail() const;
 
   std::filesystem::path file_;

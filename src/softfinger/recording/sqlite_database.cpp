@@ -34,6 +34,7 @@ std::string immutable_uri(const std::filesystem::path& file) {
 SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, Mode mode) {
   const std::string name = mode == Mode::kReadImmutable ? immutable_uri(file) : file.string();
   const int flags = mode == Mode::kCreate          ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
+                    : mode == Mode::kRollBack      ? SQLITE_OPEN_READWRITE
                     : mode == Mode::kReadImmutable ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI
                                                    : SQLITE_OPEN_READONLY;
   const int result = sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr);

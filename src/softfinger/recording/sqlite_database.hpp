@@ -24,6 +24,7 @@ class SqliteDatabase {
     kRead,
     kReadImmutable,  ///< nothing is made beside the file, nothing beside it is read, nobody writes
                      ///< it
+    kRollBack,       ///< what a journal beside it says is done first
     kCreate
   };
   SqliteDatabase(const std::filesystem::path& file, Mode mode);

@@ -43,7 +43,10 @@ TrackedPose WebXrTracker::sample(double time) {
       }
     }
   }
-  newest_.valid = tracked_ && time - heard_ <= kLostAfter && now - received_ <= kLostOnWallAfter;
+  // What a link held back is the past, however fast it comes then.
+  const bool is_late = time - newest_.time > kLostOnWallAfter;
+  newest_.valid =
+      tracked_ && !is_late && time - heard_ <= kLostAfter && now - received_ <= kLostOnWallAfter;
   return newest_;
 }
 

@@ -9,8 +9,10 @@
 namespace softfinger {
 
 /// A finger of a hand that a headset tracks, as its page tells frame by frame. Tracking is lost
-/// when the headset says so, or says nothing new for kLostAfter of the run's time; the last pose is
-/// then held. Before the first it is nowhere but at its start. Glitches are left out, see JumpGate.
+/// when the headset says so, says nothing new for kLostAfter of the run's time, or what it says is
+/// older than kLostOnWallAfter by its own clock (by a second or more: its clock was set, and
+/// nobody knows); the last pose is then held. Before the first it is nowhere but at its start.
+/// Glitches are left out, see JumpGate.
 class WebXrTracker final : public Tracker {
  public:
   /// `start`: X_WFt until the headset has seen the hand.
