@@ -87,6 +87,8 @@ std::vector<ServoSettings> servo_settings(const Device& device) {
 
 /// Less above the ceiling (m) than this is as good as on it.
 constexpr double kForceLimited = 1e-5;
+/// A stop is heard in milliseconds; on a machine that is too busy for this it is not.
+constexpr std::chrono::milliseconds kStopTestTime{5000};
 
 [[noreturn]] void refuse_port(const ActuatorOptions& options, const std::string& port,
                               const std::string& reason) {
@@ -182,6 +184,10 @@ void Actuator::Impl::open() {
   const std::string reason = line->start(options.wait_for_device);
   if (!reason.empty() && !options.wait_for_device) refuse_port(options, port, reason);
   absence = reason;
+  if (!line->would_hear_a_stop(kStopTestTime)) {
+    throw OperationError(fmt::format(
+        "port {}: who leads its servos does not hear a stop; nothing was commanded", port));
+  }
 }
 
 void Actuator::Impl::form(const Configuration& goal, double dt) {

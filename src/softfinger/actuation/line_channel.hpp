@@ -53,6 +53,8 @@ struct LineChannel {
   std::atomic<bool> ending{false};    ///< the loop wants the line to retract the device and to end
 
   StopLatch stop;  ///< the line obeys it, whatever the loop wants
+  /// Counted up by who wants to know whether a stop would be heard; the line answers with the same.
+  std::atomic<std::uint32_t> question{0}, answer{0};
 
   // What the line says of itself.
   /// When it last showed life, s on the monotonic clock; 0: not yet.

@@ -3,6 +3,8 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <thread>
+
 #include "softfinger/base/error.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 
@@ -17,6 +19,17 @@ LineEnd::~LineEnd() { ::close(wake_); }
 void LineEnd::wake() noexcept {
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t put = ::write(wake_, &one, sizeof one);
+}
+
+bool LineEnd::would_hear_a_stop(std::chrono::milliseconds patience) noexcept {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  const std::uint32_t question = channel_->question.fetch_add(1) + 1;
+  wake();
+  while (channel_->answer.load() != question) {
+    if (std::chrono::steady_clock::now() >= until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
 }
 
 void LineEnd::submit(const Configuration& q, DeviceState state) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,6 +29,9 @@ class LineEnd {
   /// How often who served it had to be replaced.
   [[nodiscard]] virtual std::uint32_t replacements() const noexcept { return 0; }
 
+  /// Asks, on the way of a stop and before anything is commanded, whether one would be heard;
+  /// false: nobody has answered for `patience`. After start(). Blocks as long.
+  [[nodiscard]] bool would_hear_a_stop(std::chrono::milliseconds patience) noexcept;
   /// Newest wanted q and the state of the loop that wants it. From one thread; wait-free.
   void submit(const Configuration& q, DeviceState state) noexcept;
   /// Stops the device at once, see StopLatch. Any thread; signal handlers too.

@@ -232,6 +232,7 @@ void ServoLine::follow() {
   TimePoint due = clock_.now() + period_;
   while (true) {
     wait_until(due);
+    channel_.answer = channel_.question.load();
     if (bus_->is_open() && !stop_is_news()) clock_.sleep_until(last_sent_ + spacing);
     TimePoint now = clock_.now();
     if (ending() && !ending_since_) ending_since_ = now;
