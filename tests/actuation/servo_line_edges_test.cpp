@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 #include <sys/eventfd.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -96,6 +99,35 @@ TEST_F(ServoLineEdges, ALineThatTakesOverGoesOnFromWhatWasSentBefore) {
 TEST_F(ServoLineEdges, TheFirstLineStartsAtHome) {
   run_stopped();
   EXPECT_LE(first_from(device_->home()), tick_travel());
+}
+
+// As that of a program that is killed: nobody says that it ends.
+TEST_F(ServoLineEdges, ALoopWhoseProcessEndsHasTheDeviceRetractAndTheLineEnd) {
+  for (const bool silent : {false, true}) {
+    SimulatedLine line(device_);
+    Board board = board_at(*device_, device_->home());
+    line.plug_in(board);
+    std::array<int, 2> ends{};
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+    line.loop = ends[0];
+    bool gone = false;
+    line.wanted = [&](double) -> std::optional<Configuration> {
+      if (gone || silent) return std::nullopt;
+      return advanced(12.0 * mm);
+    };
+    line.at(2.0, [&] {
+      ::close(ends[1]);
+      gone = true;
+    });
+    line.run(60.0);
+    ::close(ends[0]);
+    EXPECT_TRUE(gone);
+    EXPECT_LT(line.time(), 10.0) << "it does not wait to be told";
+    EXPECT_EQ(line.sent().empty(), silent);
+    if (silent) continue;
+    EXPECT_LT((line.sent().back().joints - joints_of(device_->retracted())).cwiseAbs().maxCoeff(),
+              0.1 * deg);
+  }
 }
 
 TEST_F(ServoLineEdges, WhatIsNoPoseIsNotTakenOver) {

@@ -111,5 +111,69 @@ TEST_P(SetupFaults, EndInADeviceThatIsLedAsIfThereHadBeenNone) {
   EXPECT_EQ(began, looks);
 }
 
+/// Frames that are none of what was asked for, around each answer: of an id that nobody has, with
+/// an error, of another size, and no answer at all.
+class StrangersOnTheLine : public LeverLine, public testing::WithParamInterface<const char*> {
+ protected:
+  StrangersOnTheLine() : LeverLine({.rate = 60.0, .kind = GetParam()}) { line_.plug_in(board_); }
+
+  void add(SimulatedLine::Bytes& bytes, const ServoFrame& frame) const {
+    std::array<std::uint8_t, ServoProtocol::kMostBytes> encoded;
+    const std::size_t size = protocol().encode(frame, encoded);
+    bytes.insert(bytes.end(), encoded.begin(), encoded.begin() + static_cast<std::ptrdiff_t>(size));
+  }
+  [[nodiscard]] const ServoProtocol& protocol() const {
+    static const DynamixelProtocol kDynamixel;
+    static const FeetechProtocol kFeetech;
+    if (std::string(GetParam()) == "dynamixel") return kDynamixel;
+    return kFeetech;
+  }
+
+  Board board_ = board_at(*device_, device_->home());
+};
+INSTANTIATE_TEST_SUITE_P(Buses, StrangersOnTheLine, testing::Values("dynamixel", "feetech"),
+                         [](const auto& name) { return std::string(name.param); });
+
+TEST_P(StrangersOnTheLine, AreNotTakenForServos) {
+  const std::array<std::uint8_t, 7> far_away{0xFF, 0x0F};
+  int strange = 0;
+  line_.from_board = [&](SimulatedLine::Bytes& bytes) {
+    if (bytes.empty()) return;
+    SimulatedLine::Bytes around;
+    for (const std::size_t size : {0U, 1U, 2U, 3U, 4U, 7U}) {
+      add(around, protocol().status_frame(77, 0, std::span(far_away).first(size)));
+    }
+    // Of a servo that is asked, but in sizes that no question has.
+    const auto servo =
+        static_cast<std::uint8_t>(device_->settings().transport->servos.front().channel);
+    for (const std::size_t size : {5U, 6U}) {
+      add(around, protocol().status_frame(servo, 0, std::span(far_away).first(size)));
+    }
+    if (std::string(GetParam()) == "dynamixel") {
+      // Nor is one that refused what it was asked, or somebody else's question.
+      for (const std::size_t size : {1U, 2U, 3U, 4U, 7U}) {
+        add(around, protocol().status_frame(servo, 5, std::span(far_away).first(size)));
+      }
+      add(around, read_request(protocol(), servo, protocol().table().present));
+    }
+    ++strange;
+    if (line_.time() > 1.0) bytes.insert(bytes.begin(), around.begin(), around.end());
+    if (line_.time() > 2.0) bytes.insert(bytes.end(), around.begin(), around.end());
+  };
+  line_.at(4.0, [this] {
+    ++looks_;
+    EXPECT_LE(away(pressing_), 0.3 * deg);
+    EXPECT_FALSE(line_.channel().stop.is_stopped());
+    EXPECT_EQ(line_.channel().times_lost, 0U);
+    const auto reported = line_.reported();
+    ASSERT_TRUE(reported);
+    EXPECT_LE((*reported - line_.standing()).cwiseAbs().maxCoeff(), 0.5 * deg);
+  });
+  line_.run(4.2);
+  EXPECT_EQ(looks_, 1);
+  EXPECT_GT(strange, 100);
+  expect_no_jump();
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -122,7 +122,7 @@ void SimulatedLine::run(double until) {
     channel_.ending = true;
     wake();
   });
-  ServoLine line(device_, {.port = name_, .rate = 1.0 / period()}, channel_, wake_, -1, *this);
+  ServoLine line(device_, {.port = name_, .rate = 1.0 / period()}, channel_, wake_, loop, *this);
   // A thread of its own, since it takes the priority of those that serve ports.
   std::thread([&line] {
     (void)line.open();

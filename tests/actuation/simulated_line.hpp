@@ -47,6 +47,8 @@ class SimulatedLine final : public LineClock {
   /// What a defect of the loop does to a command between the two; empty: nothing.
   std::function<void(LineChannel::Wanted&)> spoil;
   std::function<void(LineChannel::Sent&)> spoil_sent;
+  /// The process that wants something, which ends when this is closed; -1: it goes on.
+  int loop = -1;
   /// What becomes of bytes on their way; empty: nothing.
   std::function<void(Bytes&)> to_board;
   std::function<void(Bytes&)> from_board;

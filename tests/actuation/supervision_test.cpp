@@ -47,6 +47,30 @@ TEST(Supervision, AServoThatStandsStillIsNamedOnceItsCommandsHaveLeftIt) {
   }
 }
 
+TEST(Supervision, NamesNobodyWhereNothingWasSentOrNoErrorIsTooLarge) {
+  const auto device = lever_platform();
+  Supervision nothing_sent(*device);
+  DeviceSettings tolerant = lever_settings({});
+  tolerant.following_error = 0.0;
+  const Device no_limit(tolerant, std::make_unique<const LeverPlatform>(tolerant, false),
+                        std::make_unique<const LevelPlane>());
+  Supervision unlimited(no_limit);
+  Supervision of_others(*device);
+  for (int k = 0; k < 240; ++k) {
+    const double time = k / 60.0;
+    unlimited.sent(time, all(0.0));
+    of_others.sent(time, JointAngles::Zero(2));
+    EXPECT_EQ(nothing_sent.seen(time, all(1.0)), 0U);
+    EXPECT_EQ(unlimited.seen(time, all(1.0)), 0U);
+    EXPECT_EQ(of_others.seen(time, all(1.0)), 0U) << "three joints were not told of two";
+  }
+  // From the first report on that is of what was sent.
+  for (int k = 240; k < 360; ++k) of_others.sent(k / 60.0, all(0.0));
+  std::uint32_t astray = 0;
+  for (int k = 0; k < 10; ++k) astray = of_others.seen(6.0, all(1.0));
+  EXPECT_EQ(astray, 7U);
+}
+
 TEST(Supervision, OneWrongReportNamesNobody) {
   const auto device = lever_platform();
   Supervision supervision(*device);

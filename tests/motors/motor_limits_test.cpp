@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
 #include "softfinger/motors/emulation/emulator_terminal.hpp"
@@ -51,6 +52,38 @@ TEST_P(MotorLimits, AreSomewhatAboveThoseOfTheJoints) {
               1e-6);
   const JointLimits free = limits_of(400.0 * deg, std::numeric_limits<double>::infinity());
   EXPECT_EQ(settings_of(GetParam(), free).servos.front().max_acceleration, 0.0);
+}
+
+TEST_P(MotorLimits, OfJointsThatMayGetFasterAtOnceAreOfSpeedAlone) {
+  const JointLimits free = limits_of(400.0 * deg, std::numeric_limits<double>::infinity());
+  const TransportSettings settings = settings_of(GetParam(), free);
+  EXPECT_GT(settings.servos.front().max_rate, 0.0);
+  EXPECT_NE(motor_kind(GetParam()).make_bus(settings, steady_line_clock()), nullptr);
+}
+
+TEST_P(MotorLimits, RangesThatAreNoneAreRefusedWithTheKey) {
+  const bool maestro = std::string(GetParam()) == "maestro";
+  const auto refusal = [&](const std::string& servo) -> std::string {
+    const ConfigFile file("device.toml", std::string("[transport]\nkind = \"") + GetParam() +
+                                             "\"\n[[transport.servo]]\n" + servo);
+    try {
+      (void)read_transport(file.root().table("transport"), limits_of(1.0, 1.0));
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  const std::string head = maestro ? "channel = 3\nzero_us = 1500.0\nus_per_deg = 10.0\n"
+                                   : "id = 3\nzero_ticks = 2048.0\nticks_per_deg = 11.3778\n";
+  const std::string unit = maestro ? "_us" : "_ticks";
+  const auto range = [&](const std::string& min, const std::string& max) {
+    return refusal(head + "min" + unit + " = " + min + "\nmax" + unit + " = " + max + "\n");
+  };
+  const std::string dot = maestro ? ".0" : "";
+  EXPECT_EQ(range("900" + dot, "3000" + dot), "");
+  EXPECT_NE(range("2000" + dot, "2000" + dot).find("min" + unit), std::string::npos);
+  EXPECT_NE(range("2001" + dot, "2000" + dot).find("less than max"), std::string::npos);
+  EXPECT_NE(range("900" + dot, "4097" + dot).find("max" + unit), std::string::npos);
 }
 
 // A goal far away, as if nothing in the program bounded it: the servo takes the time that its limit

@@ -78,6 +78,24 @@ TEST(ServoProtocolEdges, AFrameOfMoreParametersThanFitIsNone) {
   EXPECT_EQ(protocol.frame_length(dynamixel_frame_of(ServoFrame::kMostParameters + 1)), -1);
 }
 
+TEST(ServoProtocolEdges, AHeaderInsideThatIsNotStuffedMakesAFrameNone) {
+  const DynamixelProtocol protocol;
+  const auto with = [](std::vector<std::uint8_t> parameters) {
+    std::vector<std::uint8_t> bytes = dynamixel_frame_of(parameters.size());
+    std::ranges::copy(parameters, bytes.begin() + 8);
+    const std::size_t end = bytes.size() - 2;
+    const std::uint16_t crc = dynamixel_crc(std::span(bytes).first(end));
+    bytes[end] = static_cast<std::uint8_t>(crc & 0xFF);
+    bytes[end + 1] = static_cast<std::uint8_t>(crc >> 8);
+    return bytes;
+  };
+  const auto stuffed = with({0xFF, 0xFF, 0xFD, 0xFD, 0x01});
+  EXPECT_EQ(protocol.frame_length(stuffed), static_cast<int>(stuffed.size()));
+  EXPECT_EQ(protocol.decode(stuffed).size, 4U);
+  EXPECT_EQ(protocol.frame_length(with({0xFF, 0xFF, 0xFD, 0x00, 0x01})), -1);
+  EXPECT_EQ(protocol.frame_length(with({0x01, 0xFF, 0xFF, 0xFD})), -1) << "at the end";
+}
+
 TEST(ServoProtocolEdges, ValuesOfRegistersAreOfOneToFourBytes) {
   const std::array<std::uint8_t, 5> bytes{0x78, 0x56, 0x34, 0x12, 0x99};
   EXPECT_EQ(register_value(std::span(bytes).first(0)), 0U);
