@@ -104,6 +104,27 @@ TEST_P(LostServo, ItGoesOnOnlyWhenTheServoIsBackAndSomebodyReleases) {
   EXPECT_EQ(looks_, 2);
 }
 
+TEST_P(LostServo, AReleaseThatFindsNobodyIsRefused) {
+  line_.at(2.0, [this] { lose(); });
+  line_.at(7.0, [this] {
+    ++looks_;
+    ASSERT_TRUE(line_.channel().stop.is_stopped());
+    // Nobody answers who is looked for.
+    line_.from_board = [](SimulatedLine::Bytes& bytes) { bytes.clear(); };
+    line_.ask_release(line_.channel().stop.newest());
+  });
+  line_.at(9.0, [this] {
+    ++looks_;
+    EXPECT_TRUE(line_.channel().stop.is_stopped());
+    EXPECT_EQ(line_.channel().stop.refusals(), 1U);
+    line_.from_board = nullptr;
+  });
+  line_.run(14.0);
+  EXPECT_EQ(looks_, 2);
+  EXPECT_TRUE(line_.channel().stop.is_stopped());
+  EXPECT_LE(away(lost_ == 0 ? 1 : 0, device_->retracted()), 0.3 * deg);
+}
+
 class BrownOut : public LeverLine, public testing::WithParamInterface<const char*> {
  protected:
   BrownOut() : LeverLine({.rate = 60.0, .kind = GetParam()}) { line_.plug_in(board_); }
@@ -158,6 +179,30 @@ TEST_P(StandsElsewhere, IsLedFromThereAtTheRateLimit) {
   });
   line_.run(5.0);
   expect_no_jump();
+  EXPECT_EQ(looks_, 2);
+}
+
+// Beyond what the joints may do, above or below.
+TEST_P(StandsElsewhere, AlsoFromBeyondALimit) {
+  const auto& servos = device_->settings().transport->servos;
+  const JointLimits& limits = device_->joint_limits();
+  for (const double sign : {-1.0, 1.0}) {
+    SimulatedLine line(device_);
+    Board board = board_at(*device_, device_->home());
+    JointAngles standing = joints_at(device_->home());
+    standing[1] = sign > 0.0 ? limits.max[1] + 6.0 * deg : limits.min[1] - 6.0 * deg;
+    dynamic_cast<ServoTableEmulator&>(*board.bus)
+        .turn(1, ServoMap(servos[1]).setpoint(standing[1]));
+    line.plug_in(board);
+    line.wanted = [this](double) { return pressing_; };
+    line.at(4.0, [&] {
+      ++looks_;
+      EXPECT_LE((line.standing() - joints_at(pressing_)).cwiseAbs().maxCoeff(), 0.3 * deg);
+    });
+    line.run(5.0);
+    const double tick = limits.max_rate * 2.0 * line.period();
+    EXPECT_LE(std::abs(line.sent().front().joints[1] - standing[1]), tick + 6.0 * deg);
+  }
   EXPECT_EQ(looks_, 2);
 }
 

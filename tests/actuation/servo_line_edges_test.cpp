@@ -130,6 +130,16 @@ TEST_F(ServoLineEdges, ALoopWhoseProcessEndsHasTheDeviceRetractAndTheLineEnd) {
   }
 }
 
+TEST_F(ServoLineEdges, APortThatGoesAwayBeforeAnythingWasSentIsNotWaitedForAtTheEnd) {
+  SimulatedLine line(device_);
+  Board board = board_at(*device_, device_->home());
+  line.plug_in(board);
+  line.at(0.5, [&] { line.unplug(); });
+  line.run(1.0);
+  EXPECT_TRUE(line.sent().empty());
+  EXPECT_LT(line.time(), 2.0);
+}
+
 TEST_F(ServoLineEdges, WhatIsNoPoseIsNotTakenOver) {
   for (const Configuration& no_pose : {Configuration(Configuration::Zero(2)),
                                        advanced(std::numeric_limits<double>::quiet_NaN())}) {

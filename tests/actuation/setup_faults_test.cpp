@@ -157,6 +157,13 @@ TEST_P(StrangersOnTheLine, AreNotTakenForServos) {
       add(around, read_request(protocol(), servo, protocol().table().present));
     }
     ++strange;
+    // While they are made ready a refusal of their own counts, but nobody else's.
+    SimulatedLine::Bytes of_others;
+    for (const std::size_t size : {0U, 1U, 2U, 4U}) {
+      add(of_others, protocol().status_frame(77, 5, std::span(far_away).first(size)));
+    }
+    add(of_others, protocol().status_frame(servo, 0, std::span(far_away).first(5)));
+    if (line_.time() <= 1.0) bytes.insert(bytes.begin(), of_others.begin(), of_others.end());
     if (line_.time() > 1.0) bytes.insert(bytes.begin(), around.begin(), around.end());
     if (line_.time() > 2.0) bytes.insert(bytes.end(), around.begin(), around.end());
   };

@@ -156,5 +156,25 @@ TEST_P(StoppedLine, StoppedBeforeAnythingWasWantedItRetracts) {
   EXPECT_EQ(looks_, 1);
 }
 
+TEST_P(StoppedLine, IsNotReleasedWhileTheBoardSaysNothingOrTheLoopIsLate) {
+  line_.at(2.0, [&] { line_.stop(); });
+  line_.at(5.0, [&] {
+    ++looks_;
+    line_.from_board = [](SimulatedLine::Bytes& bytes) { bytes.clear(); };
+  });
+  // Longer than a board may be silent, and not long enough to be lost.
+  const double silent = 5.0 + std::max(0.1, 3.0 * line_.period()) + 3.0 * line_.period();
+  line_.at(silent, [&] { line_.ask_release(line_.channel().stop.newest()); });
+  line_.at(silent + 2.0 * line_.period(), [&] {
+    ++looks_;
+    EXPECT_TRUE(line_.channel().stop.is_stopped());
+    EXPECT_EQ(line_.channel().stop.refusal(), ReleaseRefusal::kServoFault);
+    line_.from_board = nullptr;
+  });
+  line_.run(silent + 4.0);
+  EXPECT_EQ(looks_, 2);
+  EXPECT_TRUE(line_.channel().stop.is_stopped());
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <tuple>
 
@@ -232,6 +233,30 @@ TEST_P(LimpAtEnd, AlsoWhereOneIsStuck) {
   EXPECT_EQ(looks_, 1);
   EXPECT_GT(away(1, device_->retracted()), kError) << "or nothing is stuck";
   for (std::size_t i = 0; i < 3; ++i) EXPECT_FALSE(servos.torque(i)) << "it may press";
+}
+
+TEST_P(LimpAtEnd, DoesNotWaitForAPortThatGoesAwayMeanwhile) {
+  for (const double after : {0.35, 0.5, 0.65, 0.8}) {
+    SimulatedLine line(device_);
+    Board board = board_at(*device_, device_->home());
+    line.plug_in(board);
+    line.wanted = [this](double) { return pressing_; };
+    line.at(2.0 + after, [&] {
+      ++looks_;
+      line.unplug();
+    });
+    line.run(2.0);
+    EXPECT_LT(line.time(), 2.0 + 6.0) << after;
+  }
+  EXPECT_EQ(looks_, 4);
+}
+
+TEST_P(LimpAtEnd, ThoseThatWereToldNothingKeepWhatTheyHave) {
+  auto& servos = dynamic_cast<ServoTableEmulator&>(*board_.bus);
+  line_.wanted = [](double) -> std::optional<Configuration> { return std::nullopt; };
+  line_.run(2.0);
+  EXPECT_TRUE(line_.sent().empty());
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(servos.torque(i));
 }
 
 class WithoutPulsesAtEnd : public LimpAtEnd {};
