@@ -96,6 +96,7 @@ TEST(TravelCeiling, HoldsEveryPin) {
   ceiling.lower(q);
   EXPECT_EQ(q[3], 1.0 * mm);
   EXPECT_EQ(q[2], 0.5 * mm);
+  EXPECT_EQ(ceiling.travel(q), 1.0 * mm) << "as far as every pin may";
 }
 
 }  // namespace

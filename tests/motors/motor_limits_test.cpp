@@ -59,6 +59,9 @@ TEST_P(MotorLimits, OfJointsThatMayGetFasterAtOnceAreOfSpeedAlone) {
   const TransportSettings settings = settings_of(GetParam(), free);
   EXPECT_GT(settings.servos.front().max_rate, 0.0);
   EXPECT_NE(motor_kind(GetParam()).make_bus(settings, steady_line_clock()), nullptr);
+  const TransportSettings gentle = settings_of(GetParam(), limits_of(400.0 * deg, 8000.0 * deg));
+  EXPECT_GT(gentle.servos.front().max_acceleration, 0.0);
+  EXPECT_NE(motor_kind(GetParam()).make_bus(gentle, steady_line_clock()), nullptr);
 }
 
 TEST_P(MotorLimits, RangesThatAreNoneAreRefusedWithTheKey) {

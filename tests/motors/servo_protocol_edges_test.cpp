@@ -78,6 +78,12 @@ TEST(ServoProtocolEdges, AFrameOfMoreParametersThanFitIsNone) {
   EXPECT_EQ(protocol.frame_length(dynamixel_frame_of(ServoFrame::kMostParameters + 1)), -1);
 }
 
+TEST(ServoProtocolEdges, WhatIsNoAnswerIsNone) {
+  EXPECT_FALSE(DynamixelProtocol().status({.id = 1, .code = 0x55})) << "says not even its error";
+  EXPECT_FALSE(DynamixelProtocol().status(ping_request(1))) << "a question";
+  EXPECT_FALSE(FeetechProtocol().status({.id = kEveryServo, .code = 0})) << "of all servos at once";
+}
+
 TEST(ServoProtocolEdges, AHeaderInsideThatIsNotStuffedMakesAFrameNone) {
   const DynamixelProtocol protocol;
   const auto with = [](std::vector<std::uint8_t> parameters) {
