@@ -104,6 +104,39 @@ TEST_P(LostServo, ItGoesOnOnlyWhenTheServoIsBackAndSomebodyReleases) {
   EXPECT_EQ(looks_, 2);
 }
 
+/// Servos that are cut off, at several rates of ticks.
+class SilentServo : public LeverLine,
+                    public testing::WithParamInterface<std::tuple<const char*, double>> {
+ protected:
+  SilentServo() : LeverLine({.rate = std::get<1>(GetParam()), .kind = std::get<0>(GetParam())}) {
+    line_.plug_in(board_);
+  }
+  Board board_ = board_at(*device_, device_->home());
+};
+INSTANTIATE_TEST_SUITE_P(Rates, SilentServo,
+                         testing::Combine(testing::Values("dynamixel", "feetech"),
+                                          testing::Values(20.0, 60.0, 200.0)),
+                         [](const auto& name) {
+                           return std::string(std::get<0>(name.param)) + "At" +
+                                  std::to_string(static_cast<int>(std::get<1>(name.param))) + "Hz";
+                         });
+
+TEST_P(SilentServo, CountsAsLostAfterTwentyTicksAndHalfASecond) {
+  auto& servos = dynamic_cast<ServoTableEmulator&>(*board_.bus);
+  line_.at(2.0, [&] { servos.cut_off(2); });
+  const double patience = std::max(20.0 * line_.period(), 0.5);
+  line_.at(2.0 + patience - 2.0 * line_.period(), [this] {
+    ++looks_;
+    EXPECT_EQ(line_.channel().faults.load().any(), 0U);
+  });
+  line_.at(2.0 + patience + 6.0 * line_.period(), [this] {
+    ++looks_;
+    EXPECT_EQ(line_.channel().faults.load().any(), 4U);
+  });
+  line_.run(6.0);
+  EXPECT_EQ(looks_, 2);
+}
+
 TEST_P(LostServo, AReleaseThatFindsNobodyIsRefused) {
   line_.at(2.0, [this] { lose(); });
   line_.at(7.0, [this] {

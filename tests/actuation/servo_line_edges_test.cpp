@@ -130,6 +130,28 @@ TEST_F(ServoLineEdges, ALoopWhoseProcessEndsHasTheDeviceRetractAndTheLineEnd) {
   }
 }
 
+// What was not heard of one board is not held against the one that is there when the port is back.
+TEST_F(ServoLineEdges, ABoardThatWasSilentAndComesBackWithoutPulsesIsLed) {
+  SimulatedLine line(device_);
+  Board board = board_at(*device_, device_->home());
+  line.plug_in(board);
+  line.wanted = [](double) { return advanced(12.0 * mm); };
+  line.at(2.0, [&] { line.from_board = [](SimulatedLine::Bytes& bytes) { bytes.clear(); }; });
+  line.at(2.5, [&] {
+    line.unplug();
+    board.reset();
+    line.from_board = nullptr;
+  });
+  line.at(3.0, [&] { line.plug_in(board); });
+  bool looked = false;
+  line.at(6.0, [&] {
+    looked = true;
+    EXPECT_LE((line.standing() - joints_of(advanced(12.0 * mm))).cwiseAbs().maxCoeff(), 0.3 * deg);
+  });
+  line.run(6.5);
+  EXPECT_TRUE(looked);
+}
+
 TEST_F(ServoLineEdges, APortThatGoesAwayBeforeAnythingWasSentIsNotWaitedForAtTheEnd) {
   SimulatedLine line(device_);
   Board board = board_at(*device_, device_->home());

@@ -72,6 +72,25 @@ TEST(Supervision, NamesNobodyWhereNothingWasSentOrNoErrorIsTooLarge) {
   EXPECT_EQ(astray, 7U);
 }
 
+TEST(Supervision, StartsAnewWithAPortThatIsOpenedAgain) {
+  const auto device = lever_platform();
+  Supervision supervision(*device);
+  const auto stand = [&](double from, double until) {
+    for (double time = from; time < until; time += 1.0 / 60.0) supervision.sent(time, all(0.0));
+  };
+  stand(0.0, 2.0);
+  std::uint32_t astray = 0;
+  int reports = 0;
+  for (; astray == 0 && reports < 20; ++reports) astray = supervision.seen(2.0, all(1.0));
+  ASSERT_EQ(astray, 7U);
+  ASSERT_GT(reports, 1) << "one report is none";
+  supervision.restart();
+  EXPECT_EQ(supervision.seen(2.1, all(1.0)), 0U) << "nothing was sent yet";
+  stand(3.0, 5.0);
+  for (int k = 1; k < reports; ++k) EXPECT_EQ(supervision.seen(5.0, all(1.0)), 0U) << k;
+  EXPECT_EQ(supervision.seen(5.0, all(1.0)), 7U);
+}
+
 TEST(Supervision, OneWrongReportNamesNobody) {
   const auto device = lever_platform();
   Supervision supervision(*device);

@@ -78,6 +78,17 @@ TEST(ServoProtocolEdges, AFrameOfMoreParametersThanFitIsNone) {
   EXPECT_EQ(protocol.frame_length(dynamixel_frame_of(ServoFrame::kMostParameters + 1)), -1);
 }
 
+TEST(ServoProtocolEdges, SoMuchAndNoMoreFitsIntoAFrameOfFeetech) {
+  const FeetechProtocol protocol;
+  ServoFrame frame{.id = 1, .code = 3};
+  for (std::size_t i = 0; i < ServoFrame::kMostParameters; ++i) frame.add(0);
+  std::array<std::uint8_t, ServoProtocol::kMostBytes> bytes;
+  const std::size_t size = protocol.encode(frame, bytes);
+  EXPECT_EQ(protocol.frame_length(std::span(bytes).first(size)), static_cast<int>(size));
+  ++bytes[3];
+  EXPECT_EQ(protocol.frame_length(bytes), -1) << "one more";
+}
+
 TEST(ServoProtocolEdges, WhatIsNoAnswerIsNone) {
   EXPECT_FALSE(DynamixelProtocol().status({.id = 1, .code = 0x55})) << "says not even its error";
   EXPECT_FALSE(DynamixelProtocol().status(ping_request(1))) << "a question";
