@@ -16,7 +16,8 @@
 #include <string>
 #include <thread>
 
-#include "../support/mesh_process.hpp"
+#include "../support/child_process.hpp"
+#include "../support/large_mesh.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/geometry/mesh_file.hpp"

@@ -12,7 +12,8 @@
 #include <string>
 #include <thread>
 
-#include "../support/mesh_process.hpp"
+#include "../support/child_process.hpp"
+#include "../support/large_mesh.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "softfinger/session/live_session.hpp"
 

@@ -1,5 +1,13 @@
 #include "live_faults.hpp"
 
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "../support/child_process.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -25,6 +33,63 @@ void cut_packets(TroubledBoard& board, const LiveFault::Wait& wait) {
   (void)wait(0.7);
   board.maestro().cut(false);
 }
+
+void blink(TroubledBoard& board, std::chrono::milliseconds gone) {
+  board.pull();
+  std::this_thread::sleep_for(gone);
+  board.plug_in();
+}
+
+constexpr std::chrono::milliseconds kAwayAtEnd{300};
+
+void blink_often(TroubledBoard& board, const LiveFault::Wait& wait) {
+  for (int i = 1; i <= 10; ++i) {
+    if (!wait(0.06 * i)) return;
+    blink(board, std::chrono::milliseconds(20 * i));
+  }
+  for (int i = 0; i < 3 && wait(1.0); ++i) {
+    blink(board, kAwayAtEnd);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+}
+
+void hold_back(TroubledBoard& board, const LiveFault::Wait& wait) {
+  for (const double from : {0.1, 0.3, 0.5}) {
+    if (!wait(from)) return;
+    board.line().hold(true);
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    board.line().hold(false);
+  }
+}
+
+/// Waits for the middle of a contact, well after the start; false: the run has ended.
+bool await_contact(const TroubledBoard& board, const LiveFault::Wait& wait) {
+  for (double share = 0.3; wait(share); share = 0.0) {
+    if (board.presses()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
+}
+
+constexpr std::size_t kDeadServo = 1;
+
+void silence_servo(TroubledBoard& board, const LiveFault::Wait& wait) {
+  if (await_contact(board, wait)) board.cut_off(kDeadServo);
+}
+
+/// The guard process is the only child of this one.
+void send_guard(int signal, const TroubledBoard& board, const LiveFault::Wait& wait) {
+  if (!await_contact(board, wait)) return;
+  if (const pid_t guard = child_of(::getpid()); guard > 0) ::kill(guard, signal);
+}
+void kill_guard(TroubledBoard& board, const LiveFault::Wait& wait) {
+  send_guard(SIGKILL, board, wait);
+}
+void stop_guard(TroubledBoard& board, const LiveFault::Wait& wait) {
+  send_guard(SIGSTOP, board, wait);
+}
+
+constexpr const char* kGuardReplaced = "died or hung; another one retracts the device";
 
 }  // namespace
 
@@ -54,6 +119,22 @@ std::vector<LiveFault> live_faults(double seconds) {
                     }}});
   faults.push_back({.name = "disk full", .disk_fills = true});
   faults.push_back({.name = "200 browsers coming and going", .crowd = true});
+  faults.push_back({.name = "one of the servos on a bus falls silent",
+                    .device = "thimble-3rrs-dynamixel.toml",
+                    .board = silence_servo,
+                    .stops = true,
+                    .told = "servo 2 does not answer; the others retract"});
+  faults.push_back(
+      {.name = "guard killed", .board = kill_guard, .stops = true, .told = kGuardReplaced});
+  faults.push_back(
+      {.name = "guard stopped", .board = stop_guard, .stops = true, .told = kGuardReplaced});
+  faults.push_back({.name = "port blinks, ten times and at the end",
+                    .board = blink_often,
+                    .told = "went away",
+                    .times_told = 3,
+                    .away_at_end = std::chrono::duration<double>(kAwayAtEnd).count()});
+  faults.push_back(
+      {.name = "line holds bytes back, three times", .board = hold_back, .holds_back = true});
   return faults;
 }
 

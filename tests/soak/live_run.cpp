@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -10,6 +11,7 @@
 #include "../support/temporary_directory.hpp"
 #include "largest_file.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/threads/thread_clock.hpp"
@@ -26,6 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRoom = 16 << 20;  // bytes of a disk that fills: a second of whole states
 constexpr double kMayBeLost = 0.2;       // s
+constexpr double kThere = 0.5 * deg;
 
 /// Where the servos were, 200 times a second.
 class Observation {
@@ -58,7 +61,7 @@ class Observation {
 };
 
 /// From the commands of the last second, for nine tenths of it.
-std::optional<double> behind(const std::vector<TickRecord>& ticks,
+std::optional<double> behind(const TroubledBoard& board, const std::vector<TickRecord>& ticks,
                              const std::vector<Observation::Sample>& observed,
                              std::span<const double> step_times) {
   const double end = step_times.back();
@@ -74,16 +77,30 @@ std::optional<double> behind(const std::vector<TickRecord>& ticks,
     const double commanded =
         step_times[static_cast<std::size_t>(std::max<std::int64_t>(tick.step, 1) - 1)];
     if (sample.time - commanded > 0.2) continue;  // not recorded
-    apart.push_back((sample.joints - tick.command.joints).cwiseAbs().maxCoeff());
+    apart.push_back(board.away_from(sample.joints, tick.command.joints));
   }
   if (apart.empty()) return std::nullopt;
   return quantile(apart, 0.9);
+}
+
+/// From `since` (s on the monotonic clock) until the servos stood there for good.
+double time_to(const JointAngles& there, const TroubledBoard& board,
+               const std::vector<Observation::Sample>& observed, double since) {
+  if (observed.empty()) return std::numeric_limits<double>::infinity();
+  const auto elsewhere = std::find_if(observed.rbegin(), observed.rend(), [&](const auto& sample) {
+    return board.away_from(sample.joints, there) > kThere;
+  });
+  if (elsewhere == observed.rbegin()) return std::numeric_limits<double>::infinity();
+  return elsewhere == observed.rend() ? 0.0 : std::max(0.0, elsewhere->time - since);
 }
 
 RunOptions options_for(const LiveFault& fault, double seconds,
                        const TemporaryDirectory& directory) {
   RunOptions options;
   options.scene = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes/sphere.toml";
+  if (!fault.device.empty()) {
+    options.devices = {(fs::path(SOFTFINGER_SOURCE_DIR) / "devices" / fault.device).string()};
+  }
   options.duration = seconds;
   options.actuator.guard_program = SOFTFINGER_GUARD;
   options.actuator.port = (directory / "board").string();
@@ -144,15 +161,17 @@ LiveOutcome run_live(const LiveFault& fault, double seconds) {
   if (fault.crowd) visitors = std::make_unique<Visitors>(server->port());
   Observation observation(board);
   std::atomic<bool> ended{false};
-  const double began = monotonic_time();
+  const double steps = 1e3 * seconds;
+  double over = 0.0;
   std::thread trouble([&] {
     if (!fault.board) return;
     fault.board(board, [&](double share) {
-      while (!ended && monotonic_time() - began < share * seconds) {
+      while (!ended && static_cast<double>(std::ssize(times.times())) < share * steps) {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
       }
       return !ended;
     });
+    over = monotonic_time();
   });
   const std::atomic<bool> stop{false};
   try {
@@ -164,12 +183,16 @@ LiveOutcome run_live(const LiveFault& fault, double seconds) {
   }
   ended = true;
   trouble.join();
-  const auto& observed = observation.end();
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // for the servos to get there
+  const auto& observed = observation.end();
   JointAngles retracted;
   (void)device->inverse_kinematics(device->retracted(), retracted);
   outcome.stolen = stolen.share();
-  outcome.unretracted = (board.standing() - retracted).cwiseAbs().maxCoeff();
+  outcome.unretracted = board.away_from(board.standing(), retracted);
+  const double end = times.times().empty() ? 0.0 : times.times().back();
+  outcome.retracted_in = time_to(retracted, board, observed, fault.stops ? over : end);
+  outcome.held_back = board.line().most_waiting();
+  if (fault.holds_back) outcome.replayed = board.maestro().most_at_once();
   if (visitors) outcome.visitors = visitors->came();
   visitors.reset();
   server.reset();
@@ -186,7 +209,7 @@ LiveOutcome run_live(const LiveFault& fault, double seconds) {
       fault.disk_fills ? disk_full_at - kMayBeLost : 1e-3 * static_cast<double>(outcome.steps + 1);
   outcome.missing =
       std::max<std::int64_t>(0, static_cast<std::int64_t>(1e3 * due + 0.5) - outcome.recorded);
-  if (!times.times().empty()) outcome.behind = behind(ticks, observed, times.times());
+  if (!times.times().empty()) outcome.behind = behind(board, ticks, observed, times.times());
   return outcome;
 }
 

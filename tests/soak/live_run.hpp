@@ -23,6 +23,11 @@ struct LiveOutcome {
   /// commands of then are not recorded.
   std::optional<double> behind;
   double unretracted = 0.0;  ///< how far the servos ended from the retracted pose, rad
+  /// How long it took until the servos stood retracted for good, s: since the run's last step, or
+  /// the fault, where that stops the device; infinite: they did not.
+  double retracted_in = 0.0;
+  std::size_t held_back = 0;  ///< the most bytes that waited in the line
+  int replayed = 0;           ///< how often a servo's target changed when those came
   std::vector<std::string> messages;
   long visitors = 0;
   long pictures = 0;             ///< that a page which watched all the time got

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,13 @@ constexpr int kMostAttempts = 5;
 /// Servos follow a command of each 33 ms with the lag of a servo.
 constexpr double kMostBehind = 10.0 * deg;
 constexpr double kMostUnretracted = 0.5 * deg;
+/// What docs/safety.md promises of those that are left when a servo is lost.
+constexpr double kLongestRetraction = 4.0;  // s
+/// A line that held back a second holds some twenty commands.
+constexpr std::size_t kLeastHeldBack = 200;  // bytes
+/// It brings no more of those that differ than may be sent to servos that do not answer: 0.1 s and
+/// a tick of 33 ms, with what waits as the holding begins and ends.
+constexpr int kMostReplayed = 6;
 
 /// Share of steps that were not made in time.
 double lost_rate(const LiveOutcome& outcome) { return std::max(0.0, 1.0 - outcome.rate * kPeriod); }
@@ -44,7 +52,20 @@ bool holds_pace_beside(const LiveOutcome& outcome, const LiveOutcome& undisturbe
 bool is_disturbed(const LiveOutcome& outcome) { return outcome.stolen.value_or(0.0) > kMostStolen; }
 bool is_where_it_should_be(const LiveOutcome& outcome) {
   const bool followed = outcome.behind.value_or(0.0) <= kMostBehind || is_disturbed(outcome);
-  return followed && outcome.unretracted <= kMostUnretracted;
+  return followed && outcome.unretracted <= kMostUnretracted &&
+         outcome.retracted_in <= kLongestRetraction;
+}
+bool is_told(const LiveFault& fault, const LiveOutcome& outcome) {
+  const auto lines = std::ranges::count_if(outcome.messages, [&](const std::string& line) {
+    return line.find(fault.told) != std::string::npos;
+  });
+  return fault.told.empty() || lines >= fault.times_told;
+}
+/// Whether the fault came about at all, and in what it had to.
+bool is_shown(const LiveFault& fault, const LiveOutcome& outcome) {
+  if (fault.stops && outcome.retracted_in <= 0.0) return false;
+  if (outcome.retracted_in < fault.away_at_end) return false;
+  return !fault.holds_back || (outcome.held_back >= kLeastHeldBack && outcome.replayed > 1);
 }
 
 void print(const LiveFault& fault, const LiveOutcome& outcome) {
@@ -67,7 +88,12 @@ void print(const LiveFault& fault, const LiveOutcome& outcome) {
   } else {
     fmt::print("  commands of the last second not recorded;");
   }
-  fmt::print(" retracted to within {:.2f} deg\n", outcome.unretracted / deg);
+  fmt::print(" retracted to within {:.2f} deg, {:.2f} s after the {}\n", outcome.unretracted / deg,
+             outcome.retracted_in, fault.stops ? "fault" : "end");
+  if (fault.holds_back) {
+    fmt::print("  {} bytes were held back, with {} different targets of a servo\n",
+               outcome.held_back, outcome.replayed);
+  }
   fmt::print("  a page that watches got {} pictures, {:.0f} ms apart at most", outcome.pictures,
              1e3 * outcome.longest_gap);
   fmt::print("{}\n", outcome.visitors > 0 ? fmt::format(", beside {} visits", outcome.visitors)
@@ -79,7 +105,7 @@ void print(const LiveFault& fault, const LiveOutcome& outcome) {
 }
 
 /// Says what is wrong; true where nothing is.
-bool judge(const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
+bool judge(const LiveFault& fault, const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
   const bool holds = holds_pace_beside(outcome, undisturbed);
   const bool paced = holds || is_disturbed(outcome);
   const bool in_place = is_where_it_should_be(outcome);
@@ -87,7 +113,13 @@ bool judge(const LiveOutcome& outcome, const LiveOutcome& undisturbed) {
   if (!paced) fmt::print("  DOES NOT HOLD ITS PACE\n");
   if (outcome.missing > 0) fmt::print("  STEPS ARE MISSING FROM THE RECORDING\n");
   if (!in_place) fmt::print("  THE DEVICE IS NOT WHERE IT SHOULD BE\n");
-  return paced && in_place && outcome.missing == 0;
+  const bool told = is_told(fault, outcome);
+  const bool shown = is_shown(fault, outcome);
+  const bool replayed = fault.holds_back && outcome.replayed > kMostReplayed;
+  if (!told) fmt::print("  NOBODY WAS TOLD: {}\n", fault.told);
+  if (!shown) fmt::print("  THE FAULT DID NOT COME ABOUT\n");
+  if (replayed) fmt::print("  THE PAST WAS REPLAYED\n");
+  return paced && in_place && outcome.missing == 0 && told && shown && !replayed;
 }
 
 /// For docs/robustness.md.
@@ -125,7 +157,7 @@ bool soak_live(double seconds) {
     outcomes.push_back(least_disturbed(fault, seconds));
     const LiveOutcome& outcome = outcomes.back();
     print(fault, outcome);
-    sound = judge(outcome, outcomes.front()) && sound;
+    sound = judge(fault, outcome, outcomes.front()) && sound;
     if (!holds_pace(outcome) && is_disturbed(outcome)) ++unshown;
   }
   print_table_head();

@@ -25,12 +25,15 @@ struct SoakOptions {
   bool live = true;
 };
 
-long whole_number(std::string_view flag, std::string_view text) {
+/// Shorter runs leave no time for what a fault brings about.
+constexpr long kLeastLive_s = 5;
+
+long whole_number(std::string_view flag, std::string_view text, long least = 1) {
   long value = 0;
   const char* end = text.data() + text.size();
   if (const auto read = std::from_chars(text.data(), end, value);
-      read.ec != std::errc{} || read.ptr != end || value < 1) {
-    throw InputError(fmt::format("{}: needs a whole number of at least 1", flag));
+      read.ec != std::errc{} || read.ptr != end || value < least) {
+    throw InputError(fmt::format("{}: needs a whole number of at least {}", flag, least));
   }
   return value;
 }
@@ -45,7 +48,7 @@ SoakOptions options_of(std::span<char*> arguments) {
     } else if (flag == "--seed") {
       options.seed = whole_number(flag, value);
     } else if (flag == "--live-s") {
-      options.live_s = whole_number(flag, value);
+      options.live_s = whole_number(flag, value, kLeastLive_s);
     } else if (flag == "--only" && (value == "exploration" || value == "live")) {
       options.explore = value == "exploration";
       options.live = value == "live";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "softfinger/motors/emulation/emulated_bus.hpp"
 #include "softfinger/motors/servo_map.hpp"
 
 namespace softfinger {
@@ -12,16 +13,30 @@ bool TroubledMaestro::cuts() {
   return cut_before_;
 }
 
+void TroubledMaestro::take(std::span<const std::uint8_t> bytes) {
+  const auto targets = [this] {
+    std::vector<std::uint16_t> all;
+    for (const EmulatedServo& servo : servos_) all.push_back(maestro_.target(servo.channel));
+    return all;
+  };
+  const std::vector<std::uint16_t> before = targets();
+  maestro_.receive(bytes);
+  const std::vector<std::uint16_t> after = targets();
+  for (std::size_t i = 0; i < servos_.size(); ++i) {
+    if (after[i] != before[i]) most_at_once_ = std::max(most_at_once_.load(), ++changes_[i]);
+  }
+}
+
 void TroubledMaestro::receive(std::span<const std::uint8_t> bytes) {
   if (!bytes.empty() && reset_.exchange(false)) {
     const std::size_t middle = random_() % bytes.size();
-    maestro_.receive(bytes.first(middle));
+    take(bytes.first(middle));
     maestro_.reset();
     bytes = bytes.subspan(middle);
   } else if (!bytes.empty() && cuts()) {
     bytes = bytes.first(random_() % bytes.size());
   }
-  maestro_.receive(bytes);
+  take(bytes);
 }
 
 std::size_t TroubledMaestro::take_replies(std::span<std::uint8_t> out) {
@@ -33,7 +48,8 @@ TroubledBoard::TroubledBoard(std::shared_ptr<const Device> device, std::filesyst
     : device_(std::move(device)), name_(std::move(name)) {
   JointAngles home;
   (void)device_->inverse_kinematics(device_->home(), home);
-  maestro_ = std::make_unique<TroubledMaestro>(servos_at(home));
+  cut_off_.resize(device_->settings().transport->servos.size());
+  bus_ = bus_at(home);
   plug_in();
 }
 
@@ -51,6 +67,18 @@ std::vector<EmulatedServo> TroubledBoard::servos_at(const JointAngles& joints) c
   return servos;
 }
 
+std::unique_ptr<BusEmulator> TroubledBoard::bus_at(const JointAngles& joints) const {
+  const TransportSettings& transport = *device_->settings().transport;
+  if (transport.kind == "maestro") return std::make_unique<TroubledMaestro>(servos_at(joints));
+  return make_bus_emulator(transport, servos_at(joints));
+}
+
+void TroubledBoard::cut_off(std::size_t servo) {
+  const std::lock_guard lock(mutex_);
+  dynamic_cast<ServoTableEmulator&>(*bus_).cut_off(servo);
+  cut_off_[servo] = true;
+}
+
 void TroubledBoard::pull() {
   const std::lock_guard lock(mutex_);
   std::error_code ignored;
@@ -62,8 +90,9 @@ void TroubledBoard::plug_in() {
   const JointAngles joints = standing();
   const std::lock_guard lock(mutex_);
   // Its servos' time begins anew with the terminal's.
-  maestro_ = std::make_unique<TroubledMaestro>(servos_at(joints));
-  terminal_ = std::make_unique<EmulatorTerminal>(*maestro_);
+  bus_ = bus_at(joints);
+  line_ = std::make_unique<HoldingLine>(*bus_);
+  terminal_ = std::make_unique<EmulatorTerminal>(*line_);
   std::filesystem::create_symlink(terminal_->port(), name_);
 }
 
@@ -72,9 +101,26 @@ JointAngles TroubledBoard::standing() const {
   const auto& servos = device_->settings().transport->servos;
   JointAngles joints(std::ssize(servos));
   for (std::size_t i = 0; i < servos.size(); ++i) {
-    joints[static_cast<Eigen::Index>(i)] = ServoMap(servos[i]).joint(maestro_->setpoint(i));
+    joints[static_cast<Eigen::Index>(i)] = ServoMap(servos[i]).joint(bus_->setpoint(i));
   }
   return joints;
+}
+
+double TroubledBoard::away_from(const JointAngles& standing, const JointAngles& joints) const {
+  const std::lock_guard lock(mutex_);
+  double farthest = 0.0;
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
+    if (cut_off_[static_cast<std::size_t>(i)]) continue;
+    farthest = std::max(farthest, std::abs(standing[i] - joints[i]));
+  }
+  return farthest;
+}
+
+bool TroubledBoard::presses() const {
+  Configuration q;
+  if (!device_->forward_kinematics(standing(), q)) return false;
+  const Eigen::Index travel = device_->approach_axis();
+  return q[travel] > device_->home()[travel] + device_->settings().matching.approach;
 }
 
 }  // namespace softfinger

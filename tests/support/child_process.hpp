@@ -10,16 +10,6 @@
 
 namespace softfinger {
 
-/// An OBJ file whose import takes a second or so.
-inline std::string text_of_large_mesh() {
-  std::string text;
-  for (int i = 0; i < 600'000; ++i) {
-    const std::string number = std::to_string(i);
-    text += "v " + number + " 0 1\nv 0 " + number + " 1\nv 1 0 " + number + "\nf -1 -2 -3\n";
-  }
-  return text;
-}
-
 /// A process that `parent` has started; 0: none within half a minute.
 inline pid_t child_of(pid_t parent) {
   for (int i = 0; i < 30'000; ++i) {
