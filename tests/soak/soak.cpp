@@ -26,7 +26,7 @@ struct SoakOptions {
 };
 
 /// Shorter runs leave no time for what a fault brings about.
-constexpr long kLeastLive_s = 5;
+constexpr long kLeastLive_s = 8;
 
 long whole_number(std::string_view flag, std::string_view text, long least = 1) {
   long value = 0;
