@@ -18,17 +18,23 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(ServoTableBus, RefusesMoreThanTheLineCarries) {
-  TransportSettings transport;
-  transport.kind = "dynamixel";
-  transport.baud = 9600;
-  transport.rate = 100.0;
-  transport.servos.push_back({.channel = 1, .step = 1.0});
-  try {
-    static_cast<void>(make_servo_bus(transport));
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("rate_Hz"), HasSubstr("9600 baud")));
+TEST(SerialBus, RefusesMoreThanTheLineCarries) {
+  for (const char* kind : {"maestro", "dynamixel", "feetech"}) {
+    TransportSettings transport;
+    transport.kind = kind;
+    transport.baud = 9600;
+    for (int channel = 1; channel <= 2; ++channel) {
+      transport.servos.push_back({.channel = channel, .step = 1.0});
+    }
+    transport.rate = 10.0;
+    EXPECT_NE(make_servo_bus(transport), nullptr) << kind;
+    transport.rate = 100.0;
+    try {
+      static_cast<void>(make_servo_bus(transport));
+      FAIL() << kind;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("rate_Hz"), HasSubstr("9600 baud")));
+    }
   }
 }
 

@@ -17,6 +17,22 @@ namespace {
 constexpr double kSpeedUnit = kQuarterMicrosecond / 10e-3;
 constexpr double kAccelerationUnit = kQuarterMicrosecond / (10e-3 * 80e-3);
 
+/// Start and stop bit and eight between them.
+constexpr double kBitsPerByte = 10.0;
+/// Bytes of a channel in a tick: its target, the question for its position, and the answer.
+constexpr double kBytesOfChannel = 4.0 + 2.0 + 2.0;
+
+/// A line that carries less than is sent would carry out the past.
+void check_speed(const TransportSettings& transport) {
+  const double time = kBitsPerByte * kBytesOfChannel *
+                      static_cast<double>(transport.servos.size()) / transport.baud;
+  if (time * transport.rate <= 1.0) return;
+  throw InputError(fmt::format(
+      "transport.rate_Hz: {:g} ticks a second leave {:.3g} ms each, but {} servos at {} baud need "
+      "{:.3g} ms; lower rate_Hz, or set board and file to more baud (over USB the file alone)",
+      transport.rate, 1e3 / transport.rate, transport.servos.size(), transport.baud, 1e3 * time));
+}
+
 /// Not below what is wanted; 0 would be no limit.
 std::uint16_t maestro_limit(double units, std::uint16_t most) {
   return static_cast<std::uint16_t>(std::clamp(std::ceil(units), 1.0, static_cast<double>(most)));
@@ -43,6 +59,7 @@ MaestroBus::MaestroBus(const TransportSettings& transport)
                                     ? maestro_limit(servo.max_acceleration / kAccelerationUnit, 255)
                                     : std::uint16_t{0}));
   }
+  check_speed(transport);
 }
 
 std::string MaestroBus::open(const std::string& port) {

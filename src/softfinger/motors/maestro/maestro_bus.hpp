@@ -14,7 +14,8 @@ namespace softfinger {
 /// open() on, and anew where its pulses stopped: it was without power.
 class MaestroBus : public ServoBus {
  public:
-  /// Throws InputError for a servo on a channel that no Maestro has.
+  /// Throws InputError for a servo on a channel that no Maestro has, and where the line is too slow
+  /// for the rate.
   explicit MaestroBus(const TransportSettings& transport);
 
   [[nodiscard]] std::string open(const std::string& port) override;
