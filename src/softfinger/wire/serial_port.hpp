@@ -31,6 +31,8 @@ class SerialPort {
   /// Writes all of `bytes` (at most kMaxWrite) or none, so that no command is ever cut in two.
   Result write(std::span<const std::uint8_t> bytes) noexcept;
   static constexpr std::size_t kMaxWrite = 512;
+  /// What a byte takes on the line: a start bit, eight of data and a stop bit.
+  static constexpr double kBitsPerByte = 10.0;
 
   /// Takes what has arrived, without waiting; returns how many bytes. Closes a port that vanished.
   /// On a busy machine what the kernel has not looked at yet comes with a later call.

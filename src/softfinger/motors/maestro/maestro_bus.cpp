@@ -17,14 +17,12 @@ namespace {
 constexpr double kSpeedUnit = kQuarterMicrosecond / 10e-3;
 constexpr double kAccelerationUnit = kQuarterMicrosecond / (10e-3 * 80e-3);
 
-/// Start and stop bit and eight between them.
-constexpr double kBitsPerByte = 10.0;
 /// Bytes of a channel in a tick: its target, the question for its position, and the answer.
 constexpr double kBytesOfChannel = 4.0 + 2.0 + 2.0;
 
 /// A line that carries less than is sent would carry out the past.
 void check_speed(const TransportSettings& transport) {
-  const double time = kBitsPerByte * kBytesOfChannel *
+  const double time = SerialPort::kBitsPerByte * kBytesOfChannel *
                       static_cast<double>(transport.servos.size()) / transport.baud;
   if (time * transport.rate <= 1.0) return;
   throw InputError(fmt::format(

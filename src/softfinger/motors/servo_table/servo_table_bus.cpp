@@ -20,8 +20,6 @@ constexpr double kWatchdogTime = 1.0;
 constexpr double kWatchdogTicks = 5.0;
 /// So many questions in a row without all answers, and for half a second, are a lost bus.
 constexpr unsigned kMostUnanswered = 20;
-/// Start and stop bit and eight between them.
-constexpr double kBitsPerByte = 10.0;
 /// What a servo may wait before it answers (factory setting), s.
 constexpr double kReturnDelay = 500e-6;
 
@@ -61,7 +59,7 @@ void ServoTableBus::check_speed(const TransportSettings& transport) const {
       protocol_->encode(sync_read_request(*protocol_, table.present, ids_), bytes) +
       ids_.size() *
           protocol_->encode(protocol_->status_frame(0, 0, std::span(data).first(answer)), bytes);
-  const double time = kBitsPerByte * static_cast<double>(count) / transport.baud +
+  const double time = SerialPort::kBitsPerByte * static_cast<double>(count) / transport.baud +
                       kReturnDelay * static_cast<double>(ids_.size());
   if (time * transport.rate <= 1.0) return;
   throw InputError(
