@@ -56,7 +56,8 @@ Board board_at(const Device& device, const Configuration& q) {
   const auto servos = servos_of(device, q);
   Board board;
   if (kind == "maestro") {
-    auto maestro = std::make_unique<MaestroEmulator>(servos);
+    auto maestro =
+        std::make_unique<MaestroEmulator>(servos, maestro_board(*device.settings().transport));
     board.reset = [it = maestro.get()] { it->reset(); };
     board.commands = [it = maestro.get()] { return it->targets_set(); };
     board.target = [it = maestro.get(), servos](std::size_t i) -> std::int32_t {

@@ -65,7 +65,7 @@ TransportSettings maestro_with(std::vector<ServoSettings> servos) {
   return transport;
 }
 
-/// What a Maestro answers for these positions.
+/// What a Maestro answers for these positions, and for its errors.
 MaestroBytes answer_of(std::initializer_list<int> positions) {
   MaestroBytes bytes;
   for (const int position : positions) {
@@ -101,11 +101,11 @@ TEST(MaestroBusEdges, SaysEachTargetToItsChannelAndAsksEach) {
   const BareTerminal terminal;
   MaestroBus bus(maestro_with({servo_on(3), servo_on(7)}));
   ASSERT_EQ(bus.open(terminal.port()), "");
-  EXPECT_EQ(terminal.heard(0), MaestroBytes()) << "no limits, so none are sent";
+  EXPECT_EQ(terminal.heard(1), MaestroBytes{0xA1}) << "no limits, so none are sent";
   ASSERT_TRUE(bus.write(std::array<std::int32_t, 2>{6000, 5001}));
   EXPECT_EQ(terminal.heard(8), (MaestroBytes{0x84, 3, 0x70, 0x2E, 0x84, 7, 0x09, 0x27}));
   ASSERT_TRUE(bus.ask());
-  EXPECT_EQ(terminal.heard(4), (MaestroBytes{0x90, 3, 0x90, 7}));
+  EXPECT_EQ(terminal.heard(5), (MaestroBytes{0x90, 3, 0x90, 7, 0xA1}));
 }
 
 TEST(MaestroBusEdges, TheLastOfSeveralAnswersCounts) {
@@ -116,11 +116,11 @@ TEST(MaestroBusEdges, TheLastOfSeveralAnswersCounts) {
   std::array<std::int32_t, 2> positions{};
   EXPECT_FALSE(bus.take_positions(positions));
   EXPECT_FALSE(bus.answers());
-  terminal.say(answer_of({6000, 5001}));
+  terminal.say(answer_of({6000, 5001, 0}));
   ASSERT_TRUE(takes(bus, positions));
   EXPECT_TRUE(bus.answers());
   EXPECT_EQ(positions, (std::array<std::int32_t, 2>{6000, 5001}));
-  terminal.say(answer_of({4000, 4001, 7000, 7001}));
+  terminal.say(answer_of({4000, 4001, 0, 7000, 7001, 0}));
   ASSERT_TRUE(takes(bus, positions));
   EXPECT_EQ(positions, (std::array<std::int32_t, 2>{7000, 7001}));
 }
@@ -141,9 +141,9 @@ TEST(MaestroBusEdges, SendsLimitsWhenItOpensAndAgainWherePulsesHadStopped) {
   // A speed of 1 is 0.25 us in 10 ms, an acceleration of 1 that in 80 ms.
   MaestroBus bus(maestro_with({servo_on(2, 100.2 * 25e-6, 10.5 * 0.25e-6 / (10e-3 * 80e-3)),
                                servo_on(5, 1e-9), servo_on(6, 1.0, 1.0), servo_on(8)}));
-  const MaestroBytes limits{0x87, 2, 101,  0,    0x89, 2, 11,   0,  //
-                            0x87, 5, 1,    0,    0x89, 5, 0,    0,  //
-                            0x87, 6, 0x7F, 0x7F, 0x89, 6, 0x7F, 0x01};
+  const MaestroBytes limits{0xA1, 0x87, 2,    101,  0,    0x89, 2,    11,  0,  //
+                            0x87, 5,    1,    0,    0x89, 5,    0,    0,       //
+                            0x87, 6,    0x7F, 0x7F, 0x89, 6,    0x7F, 0x01};
   ASSERT_EQ(bus.open(terminal.port()), "");
   EXPECT_EQ(terminal.heard(limits.size()), limits);
 
@@ -155,18 +155,55 @@ TEST(MaestroBusEdges, SendsLimitsWhenItOpensAndAgainWherePulsesHadStopped) {
   };
   EXPECT_EQ(sent(16), 16U);
   // Without pulses from the start: they have not stopped.
-  terminal.say(answer_of({6000, 0, 6000, 6000}));
+  terminal.say(answer_of({6000, 0, 6000, 6000, 0}));
   EXPECT_FALSE(takes(bus, positions));
   EXPECT_EQ(sent(16), 16U);
-  terminal.say(answer_of({6000, 6000, 6000, 6000}));
+  terminal.say(answer_of({6000, 6000, 6000, 6000, 0}));
   EXPECT_TRUE(takes(bus, positions));
   EXPECT_EQ(sent(16), 16U);
   for (int k = 0; k < 2; ++k) {  // told twice, sent once
-    terminal.say(answer_of({6000, 6000, 6000, 0}));
+    terminal.say(answer_of({6000, 6000, 6000, 0, 0}));
     EXPECT_FALSE(takes(bus, positions));
   }
-  EXPECT_EQ(sent(16 + limits.size()), 16U + limits.size());
+  EXPECT_EQ(sent(15 + limits.size()), 15U + limits.size()) << "limits go first";
   EXPECT_EQ(sent(16), 16U) << "once";
+}
+
+// Bits of the error register: those of the line, and those of a script on the board.
+TEST(MaestroBusEdges, ComplainsOfASecondErrorAndOfSilenceAtOnce) {
+  const BareTerminal terminal;
+  MaestroBus bus(maestro_with({servo_on(3)}));
+  ASSERT_EQ(bus.open(terminal.port()), "");
+  std::array<std::int32_t, 1> positions{};
+  const auto complaint_after = [&](int errors) {
+    terminal.say(answer_of({6000, errors}));
+    EXPECT_TRUE(takes(bus, positions));
+    return static_cast<int>(bus.complaints(0));
+  };
+  const auto forget = [&] {
+    for (int k = 0; k < 8; ++k) complaint_after(0);
+  };
+  for (const int error : {kSerialSignalError, kSerialOverrunError, kSerialBufferFull,
+                          kSerialCrcError, kSerialProtocolError}) {
+    EXPECT_EQ(complaint_after(error), 0) << error;
+    for (int k = 0; k < 6; ++k) EXPECT_EQ(complaint_after(0), 0);
+    EXPECT_EQ(complaint_after(error), kBadLine) << error;
+    for (int k = 0; k < 7; ++k) EXPECT_EQ(complaint_after(0), kBadLine) << k;
+    EXPECT_EQ(complaint_after(0), 0) << error;
+    EXPECT_EQ(complaint_after(error), 0) << "that before is forgotten";
+    forget();
+  }
+  EXPECT_EQ(complaint_after(kSerialTimeout), kBadLine);
+  forget();
+  for (const int script : {1 << 6, 1 << 7, 1 << 8}) {
+    EXPECT_EQ(complaint_after(script), kDefect) << script;
+    forget();
+    EXPECT_EQ(bus.complaints(0), 0);
+  }
+  // Of several late answers each counts.
+  terminal.say(answer_of({6000, kSerialCrcError, 6000, 0}));
+  EXPECT_TRUE(takes(bus, positions));
+  EXPECT_EQ(complaint_after(kSerialCrcError), kBadLine);
 }
 
 /// How many requests are in bytes.

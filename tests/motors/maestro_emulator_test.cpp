@@ -110,6 +110,37 @@ TEST(MaestroEmulator, AccelerationLimitArrivesWithoutOvershoot) {
   EXPECT_LT(fastest, 10);
 }
 
+TEST(MaestroEmulator, SilenceIsAnErrorOnceAndAnyCommandEndsIt) {
+  for (const auto on_error : {MaestroBoard::OnError::kIgnore, MaestroBoard::OnError::kOff,
+                              MaestroBoard::OnError::kGoTo}) {
+    MaestroEmulator emulator(kServos, {.serial_timeout = 0.3, .on_error = on_error});
+    emulator.receive(encode_set_target(4, 7000));
+    emulator.advance_to(0.29);
+    send(emulator, {0xA1});
+    EXPECT_EQ(replies(emulator), (std::vector<int>{0, 0}));
+    emulator.advance_to(0.58);
+    EXPECT_EQ(emulator.target(4), 7000);
+    emulator.advance_to(0.6);
+    const int home[]{7000, 0, 4800};
+    EXPECT_EQ(emulator.target(4), home[static_cast<std::size_t>(on_error)]);
+    send(emulator, {0xA1, 0xA1});
+    EXPECT_EQ(replies(emulator), (std::vector<int>{kSerialTimeout, 0, 0, 0}));
+    emulator.advance_to(10.0);
+    send(emulator, {0xA1});
+    EXPECT_EQ(replies(emulator), (std::vector<int>{kSerialTimeout, 0}));
+  }
+}
+
+TEST(MaestroEmulator, WrongChecksumsAreErrors) {
+  MaestroEmulator emulator(kServos, {.crc = true, .on_error = MaestroBoard::OnError::kGoTo});
+  send(emulator, {0x84, 4, 0x70, 0x2E, maestro_crc(encode_set_target(4, 6000))});
+  EXPECT_EQ(emulator.target(4), 6000);
+  const int sum = maestro_crc(std::array<std::uint8_t, 1>{0xA1});
+  send(emulator, {0xA1, sum ^ 1, 0xA1, sum});
+  EXPECT_EQ(replies(emulator), (std::vector<int>{kSerialCrcError, 0}));
+  EXPECT_EQ(emulator.target(4), 4800) << "home";
+}
+
 TEST(MaestroEmulator, WithoutPulsesAServoStaysWhereItIs) {
   MaestroEmulator emulator(kServos);
   emulator.receive(encode_set_target(1, 8000));

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <random>
 #include <vector>
 
@@ -31,6 +32,58 @@ TEST(MaestroProtocol, GoldenBytes) {
   EXPECT_EQ(encode(MaestroCommand::kGetErrors), 0xA1);
   EXPECT_EQ(encode(MaestroCommand::kGoHome), 0xA2);
   EXPECT_EQ(decode_reply(0x70, 0x17), 6000);
+}
+
+// Section 5.d of the same, and a command of 5.e.
+TEST(MaestroProtocol, GoldenChecksums) {
+  EXPECT_EQ(maestro_crc(std::array<std::uint8_t, 2>{0x83, 0x01}), 0x17);
+  EXPECT_EQ(maestro_crc(std::array<std::uint8_t, 4>{0x84, 0x00, 0x70, 0x2E}), 0x2B);
+}
+
+// A CRC of seven bits leaves no burst of up to seven wrong ones unseen; where the bit that begins a
+// command is among them, another command may begin.
+TEST(MaestroProtocol, WithChecksumsNoBurstOfWrongBitsIsObeyed) {
+  const std::vector<std::vector<int>> commands{{0x84, 3, 0x70, 0x2E},
+                                               {0x90, 5},
+                                               {0xA1},
+                                               {0x9F, 2, 3, 0, 0, 0x70, 0x2E},
+                                               {0xAA, 12, 4, 1, 0x70, 0x2E}};
+  int tried = 0;
+  for (const auto& command : commands) {
+    std::vector<std::uint8_t> bytes(command.begin(), command.end());
+    bytes.push_back(maestro_crc(bytes));
+    const auto requests = [](const std::vector<std::uint8_t>& sent) {
+      MaestroDecoder decoder(true);
+      return decode(decoder, {sent.begin(), sent.end()}).size();
+    };
+    ASSERT_EQ(requests(bytes), 1U);
+    for (std::size_t first = 0; first < 8 * bytes.size(); ++first) {
+      for (unsigned burst = 1; burst < 128; burst += 2) {
+        std::vector<std::uint8_t> wrong = bytes;
+        bool begins = false;
+        for (std::size_t bit = 0; bit < 7 && first + bit < 8 * bytes.size(); ++bit) {
+          if (((burst >> bit) & 1U) == 0) continue;
+          begins = begins || (first + bit) % 8 == 7;
+          wrong[(first + bit) / 8] ^= static_cast<std::uint8_t>(1U << ((first + bit) % 8));
+        }
+        if (begins) continue;
+        ++tried;
+        EXPECT_EQ(requests(wrong), 0U) << command[0] << " bit " << first << " burst " << burst;
+      }
+    }
+  }
+  EXPECT_GT(tried, 5000);
+}
+
+TEST(MaestroProtocol, WithChecksumsItGoesOnAfterAWrongOne) {
+  MaestroDecoder decoder(true);
+  EXPECT_EQ(decode(decoder, {0x84, 0, 0x70, 0x2E, 0x2A}).size(), 0U);
+  EXPECT_EQ(decoder.crc_errors(), 1U);
+  EXPECT_EQ(decode(decoder, {0x84, 0, 0x70, 0x2E}).size(), 0U);
+  EXPECT_EQ(decode(decoder, {0x2B}).size(), 1U);
+  EXPECT_EQ(decode(decoder, {0x84, 0, 0x70, 0x84, 0, 0x70, 0x2E, 0x2B}).size(), 1U);
+  EXPECT_EQ(decoder.crc_errors(), 1U);
+  EXPECT_EQ(decoder.malformed_bytes(), 3U);
 }
 
 TEST(MaestroProtocol, DecodesWhatItEncodes) {

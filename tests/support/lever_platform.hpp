@@ -25,6 +25,8 @@ struct LeverShape {
   int max_temperature = 70;  ///< of its servos, degrees Celsius
   double press_time = 0.0;   ///< s
   bool limp_at_end = false;
+  bool crc = false;             ///< of a Maestro's commands
+  double serial_timeout = 0.0;  ///< of a Maestro, s
 };
 
 /// Kinematics simple enough to check commands by hand: three levers whose angles are linear in
@@ -158,7 +160,9 @@ inline DeviceSettings lever_settings(const LeverShape& shape) {
   transport.unit_scale = kind.unit_scale;
   transport.follows_travel = kind.follows_travel;
   if (kind.whole_set_points) transport.baud = 1000000;
-  if (kind.tells_heat) transport.max_temperature = shape.max_temperature;
+  transport.max_temperature = shape.max_temperature;
+  transport.crc = shape.crc;
+  transport.serial_timeout = shape.serial_timeout;
   for (int i = 0; i < (transport.follows_travel ? 1 : 3); ++i) {
     transport.servos.push_back(lever_servo(shape, i));
   }

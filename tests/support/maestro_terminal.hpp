@@ -10,8 +10,8 @@ namespace softfinger {
 /// An emulated Maestro on a pseudo-terminal.
 class MaestroTerminal {
  public:
-  explicit MaestroTerminal(std::span<const EmulatedServo> servos)
-      : emulator_(servos), terminal_(emulator_) {}
+  explicit MaestroTerminal(std::span<const EmulatedServo> servos, const MaestroBoard& board = {})
+      : emulator_(servos, board), terminal_(emulator_) {}
   [[nodiscard]] const std::string& port() const { return terminal_.port(); }
   [[nodiscard]] const MaestroEmulator& emulator() const { return emulator_; }
   void vanish() { terminal_.vanish(); }

@@ -211,7 +211,10 @@ void Actuator::Impl::send_to_simulated(double time) {
 }
 
 std::string_view Actuator::Impl::left_alone() const {
-  return emulated ? "" : motor_kind(device->settings().transport->kind).left_alone;
+  const TransportSettings& transport = *device->settings().transport;
+  const MotorKind& kind = motor_kind(transport.kind);
+  const bool watched = kind.is_watched != nullptr && kind.is_watched(transport);
+  return emulated || watched ? "" : kind.left_alone;
 }
 
 std::string Actuator::Impl::fault_text() const {
@@ -229,11 +232,12 @@ std::string Actuator::Impl::fault_text() const {
   tell(faults.silent, "does not answer");
   tell(faults.limp, "has no torque or protects itself");
   tell(line->channel().astray, "is not where it was sent");
-  constexpr std::array<std::pair<ServoComplaint, std::string_view>, 4> kComplaints{
+  constexpr std::array<std::pair<ServoComplaint, std::string_view>, 5> kComplaints{
       {{kBadVoltage, "says that its voltage is wrong"},
        {kTooHot, "says that it is too hot"},
        {kOverload, "says that it is overloaded"},
-       {kDefect, "says that it is defective"}}};
+       {kDefect, "says that it is defective"},
+       {kBadLine, "says that commands came spoilt, in part, or not for too long"}}};
   for (const auto& [complaint, words] : kComplaints) {
     std::uint32_t servos = 0;
     for (std::size_t i = 0; i < transport.servos.size(); ++i) {

@@ -36,11 +36,17 @@ struct MotorKind {
   bool follows_travel = false;    ///< see TransportSettings
   /// What becomes of the motors if this computer dies, in words; empty: they stop by themselves.
   std::string_view left_alone;
-  bool tells_heat = false;           ///< see TransportSettings::max_temperature
-  bool has_torque = false;           ///< that ServoBus::let_go() takes away
-  std::string_view servo_key;        ///< by what servos are told apart
-  std::span<const KeyMeaning> keys;  ///< of its `[[transport.servo]]`
+  /// Whether what the device file says takes care of that.
+  bool (*is_watched)(const TransportSettings& transport) = nullptr;
+  bool has_torque = false;                ///< that ServoBus::let_go() takes away
+  std::string_view servo_key;             ///< by what servos are told apart
+  std::span<const KeyMeaning> line_keys;  ///< that `[transport]` has for this kind alone
+  std::span<const KeyMeaning> keys;       ///< of its `[[transport.servo]]`
 
+  /// Reads those keys; null: there are none.
+  void (*read_line)(const ConfigTable& table, TransportSettings& transport) = nullptr;
+  /// The same as TOML, line by line.
+  std::string (*line_text)(const TransportSettings& transport) = nullptr;
   /// Reads one `[[transport.servo]]`; `slope`: its key of set point per joint angle or length.
   ServoSettings (*read_servo)(const ConfigTable& table, const std::string& slope,
                               const JointLimits& limits, int joint);

@@ -21,6 +21,7 @@ enum ServoComplaint : std::uint8_t {
   kTooHot = 1 << 1,
   kOverload = 1 << 2,  ///< more current or torque than it bears
   kDefect = 1 << 3,    ///< of its sensor or its electronics
+  kBadLine = 1 << 4,   ///< what it was sent came spoilt, in part, or not for too long
 };
 
 }  // namespace softfinger

@@ -37,18 +37,12 @@ constexpr std::array kTransportKeys{
     KeyMeaning{"baud", "of the serial port; servos on a bus must be set to the same"},
     KeyMeaning{"rate_Hz", "device ticks a second: one match and one command each"},
     KeyMeaning{"at_end", "\"hold\": servos keep the device retracted; \"torque_off\": they let go"},
-    KeyMeaning{
-        "max_temperature_C",
-        "dynamixel, feetech: a servo that says it is hotter has the device retract; 0: none"},
     KeyMeaning{"servo", "one a joint, in joint order; weart: the one actuation point"},
 };
 
 /// What goes to the wire keeps to the joint's limits already; the servo itself must not be held
 /// back by its own.
 constexpr double kHardwareReserve = 1.25;
-
-/// Below what servos endure (80 degrees for a Dynamixel XM430), above what they reach in good use.
-constexpr int kMaxTemperature = 70;
 
 void limit_motion(const JointLimits& limits, ServoSettings& servo) {
   const double scale = kHardwareReserve * std::abs(servo.per_radian);
@@ -84,9 +78,7 @@ TransportSettings read_transport(const ConfigTable& table, const JointLimits& li
   if (serial) transport.baud = table.integer("baud", 300, 4000000, kind.default_baud);
   transport.rate = table.number("rate_Hz", {.min = 0.0, .max = 1000.0, .open_min = true}, 30.0);
   read_at_end(table, kind, transport);
-  if (kind.tells_heat) {
-    transport.max_temperature = table.integer("max_temperature_C", 0, 100, kMaxTemperature);
-  }
+  if (kind.read_line != nullptr) kind.read_line(table, transport);
 
   const std::vector<ConfigTable> servos = table.tables("servo");
   table.needs_one("servo");
@@ -131,8 +123,10 @@ std::string_view transport_key_meaning(std::string_view kind, std::string_view k
   for (const KeyMeaning& meaning : kTransportKeys) {
     if (meaning.key == key) return meaning.text;
   }
-  for (const KeyMeaning& meaning : motor_kind(kind).keys) {
-    if (meaning.key == key) return meaning.text;
+  for (const auto& keys : {motor_kind(kind).line_keys, motor_kind(kind).keys}) {
+    for (const KeyMeaning& meaning : keys) {
+      if (meaning.key == key) return meaning.text;
+    }
   }
   return {};
 }

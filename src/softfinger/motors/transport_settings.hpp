@@ -36,8 +36,10 @@ struct TransportSettings {
   bool limp_at_end = false;
   /// No servo may be hotter, degrees Celsius, as it says itself; 0: none is asked.
   int max_temperature = 0;
-  std::string unit = "us";   ///< of set points as people read them: "us", "ticks", ""
-  double unit_scale = 1e-6;  ///< set point of one such unit
+  bool crc = false;             ///< maestro: every command ends in a checksum
+  double serial_timeout = 0.0;  ///< maestro: the board's own, s; 0: it is not relied on
+  std::string unit = "us";      ///< of set points as people read them: "us", "ticks", ""
+  double unit_scale = 1e-6;     ///< set point of one such unit
   /// The one servo follows the coordinate that leads the surface to the finger
   /// (Device::approach_axis()) and not a joint.
   bool follows_travel = false;

@@ -32,7 +32,7 @@ std::string transport_text(const TransportSettings& transport, bool linear_joint
   if (kind.wire == MotorKind::Wire::kSerial) text += fmt::format("baud = {}\n", transport.baud);
   text += fmt::format("rate_Hz = {}\n", float_text(transport.rate));
   if (transport.limp_at_end) text += "at_end = \"torque_off\"\n";
-  if (kind.tells_heat) text += fmt::format("max_temperature_C = {}\n", transport.max_temperature);
+  if (kind.line_text != nullptr) text += kind.line_text(transport);
   for (const ServoSettings& servo : transport.servos) {
     text += "\n[[transport.servo]]\n" + kind.servo_name_text(servo);
     text += fmt::format("{} = {}\n{} = {}\n", key_with_unit(kind, "zero"),

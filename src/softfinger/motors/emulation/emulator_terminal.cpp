@@ -61,10 +61,10 @@ void EmulatorTerminal::serve() {
     ::poll(&line, 1, kIdle_ms);
     emulator_.advance_to(
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    if ((line.revents & POLLIN) == 0) continue;
-    const ssize_t got = ::read(near_, buffer.data(), buffer.size());
-    if (got <= 0) continue;
-    emulator_.receive(std::span(buffer).first(static_cast<std::size_t>(got)));
+    if ((line.revents & POLLIN) != 0) {
+      const ssize_t got = ::read(near_, buffer.data(), buffer.size());
+      if (got > 0) emulator_.receive(std::span(buffer).first(static_cast<std::size_t>(got)));
+    }
     const std::size_t answer = emulator_.take_replies(buffer);
     std::size_t written = 0;
     while (written < answer) {

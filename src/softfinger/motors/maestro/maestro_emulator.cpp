@@ -5,7 +5,14 @@
 
 namespace softfinger {
 
-MaestroEmulator::MaestroEmulator(std::span<const EmulatedServo> servos) {
+MaestroBoard maestro_board(const TransportSettings& transport) {
+  MaestroBoard board{.crc = transport.crc, .serial_timeout = transport.serial_timeout};
+  if (transport.serial_timeout > 0.0) board.on_error = MaestroBoard::OnError::kGoTo;
+  return board;
+}
+
+MaestroEmulator::MaestroEmulator(std::span<const EmulatedServo> servos, const MaestroBoard& board)
+    : board_(board), decoder_(board.crc) {
   for (const EmulatedServo& servo : servos) {
     Channel& channel = channels_.at(static_cast<std::size_t>(servo.channel));
     servo_channels_.push_back(servo.channel);
@@ -24,11 +31,27 @@ void MaestroEmulator::receive(std::span<const std::uint8_t> bytes) {
   if (reset_.exchange(false)) lose_power();
   for (const std::uint8_t byte : bytes) {
     const std::uint64_t malformed = decoder_.malformed_bytes();
+    const std::uint64_t crc_errors = decoder_.crc_errors();
     if (const auto request = decoder_.push(byte)) execute(*request);
-    if (decoder_.malformed_bytes() != malformed) errors_ |= kSerialProtocolError;
+    if (decoder_.malformed_bytes() != malformed) note_error(kSerialProtocolError);
+    if (decoder_.crc_errors() != crc_errors) note_error(kSerialCrcError);
   }
   bytes_.store(decoder_.bytes(), std::memory_order_relaxed);
   malformed_.store(decoder_.malformed_bytes(), std::memory_order_relaxed);
+}
+
+void MaestroEmulator::note_error(MaestroError error) {
+  errors_ |= error;
+  if (board_.on_error == MaestroBoard::OnError::kIgnore) return;
+  const bool off = board_.on_error == MaestroBoard::OnError::kOff;
+  for (Channel& each : channels_) set_target(each, off ? std::uint16_t{0} : each.home);
+}
+
+void MaestroEmulator::note_silence() {
+  if (board_.serial_timeout <= 0.0 || timed_out_) return;
+  if (now_ - spoken_to_ < board_.serial_timeout) return;
+  timed_out_ = true;
+  note_error(kSerialTimeout);
 }
 
 void MaestroEmulator::lose_power() {
@@ -57,6 +80,8 @@ void MaestroEmulator::set_target(Channel& channel, std::uint16_t target) {
 }
 
 void MaestroEmulator::execute(const MaestroRequest& request) {
+  spoken_to_ = now_;
+  timed_out_ = false;
   Channel& channel = channels_[static_cast<std::size_t>(request.channel)];
   switch (request.command) {
     case MaestroCommand::kSetTarget:
@@ -96,7 +121,7 @@ void MaestroEmulator::reply(std::uint16_t value, int bytes) {
   const std::array<std::uint8_t, 2> answer{static_cast<std::uint8_t>(value & 0xFF),
                                            static_cast<std::uint8_t>(value >> 8)};
   if (!replies_.add(std::span(answer).first(static_cast<std::size_t>(bytes)))) {
-    errors_ |= kSerialBufferFull;
+    note_error(kSerialBufferFull);
   }
 }
 
@@ -123,6 +148,8 @@ void MaestroEmulator::ramp(Channel& channel) {
 }
 
 void MaestroEmulator::advance_to(double time) {
+  now_ = std::max(now_, time);
+  note_silence();
   for (int step = clock_.steps_to(time); step > 0; --step) {
     for (Channel& channel : channels_) {
       if (!channel.has_servo) continue;

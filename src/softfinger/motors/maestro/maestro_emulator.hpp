@@ -10,14 +10,27 @@
 #include "softfinger/motors/emulation/bus_emulator.hpp"
 #include "softfinger/motors/emulation/emulated_servo.hpp"
 #include "softfinger/motors/maestro/maestro_protocol.hpp"
+#include "softfinger/motors/transport_settings.hpp"
 
 namespace softfinger {
+
+/// What is set in the board itself (Pololu's Maestro Control Center), and not over the line.
+struct MaestroBoard {
+  enum class OnError { kIgnore, kOff, kGoTo };  ///< where all servos go: on, limp, where they began
+
+  bool crc = false;             ///< commands end in a checksum
+  double serial_timeout = 0.0;  ///< s without a command that are an error; 0: none are
+  OnError on_error = OnError::kIgnore;
+};
+
+/// As a device file says it is set; at an error it takes its servos back to where they began.
+[[nodiscard]] MaestroBoard maestro_board(const TransportSettings& transport);
 
 /// A Maestro controller with its servos. Reads the bytes of a real one, answers them, and moves
 /// simulated servos at a fixed 1 kHz.
 class MaestroEmulator : public BusEmulator {
  public:
-  explicit MaestroEmulator(std::span<const EmulatedServo> servos);
+  explicit MaestroEmulator(std::span<const EmulatedServo> servos, const MaestroBoard& board = {});
 
   void receive(std::span<const std::uint8_t> bytes) override;
   std::size_t take_replies(std::span<std::uint8_t> out) override { return replies_.take(out); }
@@ -59,14 +72,20 @@ class MaestroEmulator : public BusEmulator {
   const Channel& at(int channel) const { return channels_[static_cast<std::size_t>(channel)]; }
   void execute(const MaestroRequest& request);
   void lose_power();
+  void note_error(MaestroError error);
+  void note_silence();
   void set_target(Channel& channel, std::uint16_t target);
   void reply(std::uint16_t value, int bytes);
   static void ramp(Channel& channel);
 
+  MaestroBoard board_;
   std::array<Channel, kMaestroChannels> channels_;
   std::vector<int> servo_channels_;
   MaestroDecoder decoder_;
   std::uint16_t errors_ = 0;
+  double now_ = 0.0;        ///< s
+  double spoken_to_ = 0.0;  ///< when the last command came, s
+  bool timed_out_ = false;  ///< since then
   ServoClock clock_;
   ReplyBuffer replies_;
   std::atomic<bool> reset_{false};

@@ -7,6 +7,7 @@ namespace softfinger {
 namespace {
 
 constexpr std::uint8_t kPololuStart = 0xAA;
+constexpr std::uint8_t kCrcPolynomial = 0x91;
 
 constexpr std::uint8_t low7(std::uint16_t value) { return static_cast<std::uint8_t>(value & 0x7F); }
 constexpr std::uint8_t high7(std::uint16_t value) {
@@ -18,7 +19,23 @@ std::array<std::uint8_t, 4> encode_value(MaestroCommand command, int channel, st
   return {encode(command), static_cast<std::uint8_t>(channel), low7(value), high7(value)};
 }
 
+/// The checksum goes on over another byte.
+constexpr std::uint8_t crc_after(std::uint8_t crc, std::uint8_t byte) {
+  crc ^= byte;
+  for (int bit = 0; bit < 8; ++bit) {
+    if ((crc & 1) != 0) crc ^= kCrcPolynomial;
+    crc = static_cast<std::uint8_t>(crc >> 1);
+  }
+  return crc;
+}
+
 }  // namespace
+
+std::uint8_t maestro_crc(std::span<const std::uint8_t> command) {
+  std::uint8_t crc = 0;
+  for (const std::uint8_t byte : command) crc = crc_after(crc, byte);
+  return crc;
+}
 
 std::array<std::uint8_t, 4> encode_set_target(int channel, std::uint16_t target) {
   return encode_value(MaestroCommand::kSetTarget, channel, target);
@@ -64,6 +81,14 @@ void MaestroDecoder::forget() {
   pololu_ = 0;
   header_ = 0;
   received_ = 0;
+  sum_ = 0;
+  sum_due_ = false;
+}
+
+std::optional<MaestroRequest> MaestroDecoder::finish() {
+  if (!crc_) return complete();
+  sum_due_ = true;
+  return std::nullopt;
 }
 
 std::optional<MaestroRequest> MaestroDecoder::complete() {
@@ -88,9 +113,7 @@ std::optional<MaestroRequest> MaestroDecoder::complete() {
     discard();
     return std::nullopt;
   }
-  command_ = 0;
-  header_ = 0;
-  received_ = 0;
+  forget();
   return request;
 }
 
@@ -99,18 +122,26 @@ std::optional<MaestroRequest> MaestroDecoder::push(std::uint8_t byte) {
   if ((byte & 0x80) != 0) {
     discard();  // a command byte in the middle of a command: what came before is lost
     header_ = 1;
+    sum_ = crc_after(0, byte);
     if (byte == kPololuStart) {
       pololu_ = 1;
       return std::nullopt;
     }
     command_ = byte;
+  } else if (sum_due_) {
+    if (byte == sum_) return complete();
+    ++crc_errors_;
+    forget();
+    return std::nullopt;
   } else if (pololu_ == 1) {
+    sum_ = crc_after(sum_, byte);
     pololu_ = 2;  // device number: this controller answers to any
     header_ = 2;
     return std::nullopt;
   } else if (pololu_ == 2) {
     pololu_ = 0;
     header_ = 3;
+    sum_ = crc_after(sum_, byte);
     command_ = static_cast<std::uint8_t>(byte | 0x80);
   } else if (command_ == 0) {
     ++malformed_;
@@ -118,6 +149,7 @@ std::optional<MaestroRequest> MaestroDecoder::push(std::uint8_t byte) {
   } else {
     data_[static_cast<std::size_t>(received_)] = byte;
     ++received_;
+    sum_ = crc_after(sum_, byte);
     if (static_cast<MaestroCommand>(command_) == MaestroCommand::kSetMultipleTargets &&
         received_ == 1 && (byte == 0 || byte > kMaestroChannels)) {
       discard();
@@ -129,8 +161,7 @@ std::optional<MaestroRequest> MaestroDecoder::push(std::uint8_t byte) {
     discard();
     return std::nullopt;
   }
-  if (received_ < length) return std::nullopt;
-  return complete();
+  return received_ < length ? std::nullopt : finish();
 }
 
 }  // namespace softfinger

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace softfinger {
 
@@ -30,6 +31,8 @@ enum MaestroError : std::uint16_t {
   kSerialProtocolError = 1 << 4,
   kSerialTimeout = 1 << 5,
 };
+/// The bits that tell of the line, not of a script on the board.
+inline constexpr std::uint16_t kMaestroLineErrors = 0x3F;
 
 inline constexpr int kMaestroChannels = 24;                ///< of the largest model
 inline constexpr std::uint16_t kMaestroMaxValue = 0x3FFF;  ///< 14 bits
@@ -46,6 +49,10 @@ inline constexpr double kQuarterMicrosecond = 0.25e-6;
 [[nodiscard]] constexpr std::uint8_t encode(MaestroCommand command) {
   return static_cast<std::uint8_t>(command);
 }
+
+/// What follows a command where the board's CRC mode is on: CRC-7, polynomial 0x91, least bit
+/// first (section 5.d). Answers have none.
+[[nodiscard]] std::uint8_t maestro_crc(std::span<const std::uint8_t> command);
 
 /// An answer of two bytes, low byte first.
 [[nodiscard]] constexpr std::uint16_t decode_reply(std::uint8_t low, std::uint8_t high) {
@@ -65,19 +72,28 @@ struct MaestroRequest {
 /// compact protocol it reads the Pololu protocol: AA, device number, command without bit 7, data.
 class MaestroDecoder {
  public:
+  /// `crc`: every command ends in its checksum.
+  explicit MaestroDecoder(bool crc = false) : crc_(crc) {}
   /// The command that this byte completes, if it completes one.
   std::optional<MaestroRequest> push(std::uint8_t byte);
   /// Forgets half a command, as one that starts anew; the counts go on.
   void forget();
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   [[nodiscard]] std::uint64_t malformed_bytes() const { return malformed_; }
+  /// Whole commands that were refused since their checksum was wrong.
+  [[nodiscard]] std::uint64_t crc_errors() const { return crc_errors_; }
 
  private:
   void discard();
+  /// Its data are there: they are checked, or the checksum is still to come.
+  std::optional<MaestroRequest> finish();
   std::optional<MaestroRequest> complete();
   /// Data bytes that follow the command byte, as far as they are known; -1: no such command.
   [[nodiscard]] int data_length() const;
 
+  bool crc_;
+  std::uint8_t sum_ = 0;  ///< of the command under way, so far
+  bool sum_due_ = false;  ///< nothing but its checksum is missing
   std::array<std::uint8_t, 2 + 2 * kMaestroChannels> data_{};
   int received_ = 0;          ///< data bytes of the command under way
   int header_ = 0;            ///< bytes before them: the command byte, or AA, device and command
@@ -85,6 +101,7 @@ class MaestroDecoder {
   int pololu_ = 0;  ///< of AA device command: bytes of it seen while the command is not yet known
   std::uint64_t bytes_ = 0;
   std::uint64_t malformed_ = 0;
+  std::uint64_t crc_errors_ = 0;
 };
 
 }  // namespace softfinger

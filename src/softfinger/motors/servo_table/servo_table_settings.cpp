@@ -10,6 +10,14 @@ namespace {
 /// Turn of a servo on a bus in ticks.
 constexpr double kTurn = 4096.0;
 
+/// Below what servos endure (80 degrees for a Dynamixel XM430), above what they reach in good use.
+constexpr int kMaxTemperature = 70;
+
+constexpr std::array kLineKeys{
+    KeyMeaning{"max_temperature_C",
+               "a servo that says it is hotter has the device retract; 0: none is asked"},
+};
+
 constexpr std::array kTableKeys{
     KeyMeaning{"id", "of the servo on its bus"},
     KeyMeaning{"zero_ticks", "position in ticks, 4096 a turn, at joint angle 0"},
@@ -41,9 +49,15 @@ MotorKind servo_table_kind() {
   kind.wire = MotorKind::Wire::kSerial;
   kind.unit = "ticks";
   kind.whole_set_points = true;
-  kind.tells_heat = true;
   kind.has_torque = true;
   kind.servo_key = "id";
+  kind.line_keys = kLineKeys;
+  kind.read_line = [](const ConfigTable& table, TransportSettings& transport) {
+    transport.max_temperature = table.integer("max_temperature_C", 0, 100, kMaxTemperature);
+  };
+  kind.line_text = [](const TransportSettings& transport) {
+    return fmt::format("max_temperature_C = {}\n", transport.max_temperature);
+  };
   kind.keys = kTableKeys;
   kind.servo_example = [](const std::string& slope, int joint) {
     return fmt::format("id = {}\nzero_ticks = 2048.0\n{} = 0.1\nmin_ticks = 0\nmax_ticks = 4095\n",
