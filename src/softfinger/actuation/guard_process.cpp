@@ -32,13 +32,6 @@ constexpr milliseconds kStartTime{10'000};
 constexpr milliseconds kLookEvery{10};
 /// For one that was killed, or has said its last, to be gone; in a driver that hangs it may stay.
 constexpr milliseconds kLongestDeath{1'000};
-/// A silent guard is looked at so often, kLookEvery apart, before what it does is believed: on a
-/// machine that is busy, or whose own clock was held, time alone tells nothing.
-constexpr int kLooksAsleep = 4;
-constexpr int kLooksInDriver = 10;
-/// Of processor time without a sign of life, s.
-constexpr double kSpinning = 0.07;
-
 /// Descriptors go to the guard by low numbers; none of their sources may be one of those.
 constexpr int kAboveGuardDescriptors = 64;
 
@@ -128,7 +121,7 @@ void GuardProcess::spawn() {
   plan.hand_over(ends[1], guard_socket::kSocket);
   plan.hand_over(memory_, guard_socket::kMemory);
   plan.hand_over(wake_descriptor(), guard_socket::kWake);
-  int process = -1;
+  pid_t process{};
   const int error = plan.spawn(process, program_.string());
   ::close(ends[1]);
   if (error == 0) {
@@ -177,26 +170,14 @@ bool GuardProcess::has_ended() noexcept {
 bool GuardProcess::hangs() noexcept {
   const double beat = channel_->beat.load();
   const double silence = channel_->silence(monotonic_time());
-  if (beat != silent_.since || silence < 0.5 * kSilence) {
-    silent_ = {.since = beat, .processor_time = process_cpu_time(process_)};
+  if (!silence_.goes_on(beat, silence)) {
+    silence_.begin(beat, process_cpu_time(process_));
     return false;
   }
   wake();  // what only sleeps too long is ready to run from here on
   const ProcessState state = process_state(process_);
   if (channel_->beat.load() != beat) return false;  // that state was of a guard that had woken up
-  switch (state) {
-    case ProcessState::kRunning: {
-      // One that waits for a processor is none of its own fault, and another would wait too.
-      const double used = process_cpu_time(process_) - silent_.processor_time;
-      return silence >= kSilence && used >= kSpinning;
-    }
-    case ProcessState::kInDriver:
-      ++silent_.looks_in_driver;
-      return silence >= kInDriver && silent_.looks_in_driver >= kLooksInDriver;
-    default:
-      ++silent_.looks_asleep;
-      return silence >= kSilence && silent_.looks_asleep >= kLooksAsleep;
-  }
+  return silence_.hangs(silence, state, process_cpu_time(process_));
 }
 
 /// False: not any more.
@@ -207,7 +188,7 @@ bool GuardProcess::replace() noexcept {
   if (short_lives_ > kMostReplacements) return false;
   close_socket();
   setup_.wait_for_device = true;
-  silent_ = {};
+  silence_ = {};
   try {
     spawn();
     (void)tell_and_ask();  // where the port cannot be opened at once it goes on trying

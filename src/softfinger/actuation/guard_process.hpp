@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "softfinger/actuation/guard_setup.hpp"
+#include "softfinger/actuation/guard_silence.hpp"
 #include "softfinger/actuation/line_end.hpp"
 
 namespace softfinger {
@@ -21,11 +22,6 @@ namespace softfinger {
 /// first one sent it, and nothing starts again before somebody releases it.
 class GuardProcess final : public LineEnd {
  public:
-  /// A guard that shows no life for so long (s) hangs, though it was woken meanwhile; one that
-  /// waits for a device or for memory has kInDriver. One that is ready to run and gets no processor
-  /// does not hang, however long.
-  static constexpr double kSilence = 0.09;
-  static constexpr double kInDriver = 0.25;
   /// So many guards in a row that end within kShortLife (s) are not replaced any more.
   static constexpr int kMostReplacements = 3;
   static constexpr double kShortLife = 10.0;
@@ -62,14 +58,7 @@ class GuardProcess final : public LineEnd {
   std::atomic<std::uint32_t> replacements_{0};
   std::chrono::steady_clock::time_point began_;  ///< the one that runs
   int short_lives_ = 0;                          ///< of the last ones, in a row
-  /// What was seen of the guard since its last sign of life.
-  struct Silence {
-    double since = 0.0;           ///< LineChannel::beat
-    double processor_time = 0.0;  ///< s, that it had used by then
-    int looks_asleep = 0;
-    int looks_in_driver = 0;
-  };
-  Silence silent_;
+  GuardSilence silence_;
   std::thread watch_;
 };
 
