@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <concepts>
@@ -85,7 +86,9 @@ void refuse_existing_recording(const std::filesystem::path& file) {
 struct RecordingWriter::Database {
   explicit Database(const std::filesystem::path& file)
       : connection(file, SqliteDatabase::Mode::kCreate) {
+    // Commits do not sync; where it begins the log anew one would.
     connection.execute("pragma journal_mode = wal; pragma synchronous = normal;");
+    connection.leave_checkpoints_to_others();
     connection.execute(
         fmt::format("pragma application_id = {};", recording_layout::kApplicationId).c_str());
     connection.execute("begin");
@@ -196,16 +199,17 @@ struct RecordingWriter::Database {
     return servo_steps[static_cast<std::size_t>(finger)];
   }
 
-  void commit() {
-    if (!in_transaction) return;
-    connection.execute("commit");
-    in_transaction = false;
-  }
-  void begin() {
-    if (in_transaction) return;
+  void begin(Checkpointer::Begin how) {
+    syncs_header = how != Checkpointer::Begin::kInEmptyLog;
+    if (!syncs_header) connection.execute("pragma synchronous = off");
     connection.execute("begin");
     in_transaction = true;
     began = Clock::now();
+  }
+  void commit() {
+    connection.execute("commit");
+    in_transaction = false;
+    if (!syncs_header) connection.execute("pragma synchronous = normal");
   }
 
   SqliteDatabase connection;
@@ -214,11 +218,13 @@ struct RecordingWriter::Database {
       insert_message;
   std::int64_t messages = 0;  ///< written
   bool in_transaction = true;
+  bool syncs_header = true;  ///< of the log, where it begins anew
   Clock::time_point began = Clock::now();
 };
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingInfo& info,
-                                 WhenFull when_full, const StepRecord& step_prototype)
+                                 WhenFull when_full, const StepRecord& step_prototype,
+                                 LogLimits log)
     : file_(file),
       when_full_(when_full),
       steps_(info.with_state ? kStateStepCapacity : kStepCapacity, step_prototype) {
@@ -236,6 +242,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
                     "disk?)",
                     file.string()));
   }
+  checkpointer_ = std::make_unique<Checkpointer>(file, log);
   thread_ = std::thread([this] { write_until_closed(); });
 }
 
@@ -279,7 +286,6 @@ void RecordingWriter::write_messages() {
   }
   if (failed_ || messages.empty()) return;
   try {
-    database_->begin();
     for (const RecordedMessage& message : messages) database_->write(message);
   } catch (const SqliteFailure&) {
     failed_ = true;
@@ -296,7 +302,6 @@ bool RecordingWriter::drain() {
       if (record == nullptr) return false;
       if (!failed_) {
         try {
-          database_->begin();
           database_->write(*record);
         } catch (const SqliteFailure&) {
           failed_ = true;
@@ -312,16 +317,45 @@ bool RecordingWriter::drain() {
   return more;
 }
 
+bool RecordingWriter::rows_wait() {
+  if (steps_.front() != nullptr) return true;
+  if (std::ranges::any_of(ticks_, [](auto& ring) { return ring->front() != nullptr; })) return true;
+  const std::lock_guard lock(messages_mutex_);
+  return !messages_.empty();
+}
+
+bool RecordingWriter::may_write() {
+  if (failed_ || database_->in_transaction) return true;
+  if (!rows_wait()) return false;
+  const Checkpointer::Begin how = checkpointer_->begin();
+  if (how == Checkpointer::Begin::kLater) return false;
+  begin(how);
+  return true;
+}
+
+void RecordingWriter::begin(Checkpointer::Begin how) {
+  try {
+    database_->begin(how);
+  } catch (const SqliteFailure&) {
+    failed_ = true;
+  }
+}
+
+void RecordingWriter::commit() {
+  try {
+    database_->commit();
+    checkpointer_->committed(database_->connection.log_pages());
+  } catch (const SqliteFailure&) {
+    failed_ = true;
+  }
+}
+
 void RecordingWriter::write_until_closed() {
   while (!closing_) {
-    const bool more = drain();
-    try {
-      if (database_->in_transaction &&
-          Clock::now() - database_->began > std::chrono::duration<double>(kCommitInterval)) {
-        database_->commit();
-      }
-    } catch (const SqliteFailure&) {
-      failed_ = true;
+    const bool more = may_write() && drain();
+    if (!failed_ && database_->in_transaction &&
+        Clock::now() - database_->began > std::chrono::duration<double>(kCommitInterval)) {
+      commit();
     }
     if (!more) std::this_thread::sleep_for(kDrainInterval);
   }
@@ -331,11 +365,11 @@ void RecordingWriter::close() {
   if (!thread_.joinable()) return;
   closing_ = true;
   thread_.join();
+  if (!failed_ && !database_->in_transaction) begin(checkpointer_->begin_at_once());
   while (drain()) {
   }
   try {
     if (!failed_) {
-      database_->begin();
       database_->meta("dropped", static_cast<std::int64_t>(dropped()));
       database_->meta("complete", std::int64_t{1});
       database_->commit();
@@ -343,6 +377,7 @@ void RecordingWriter::close() {
   } catch (const SqliteFailure&) {
     failed_ = true;
   }
+  checkpointer_->stop();
   if (!failed_) database_->leave_log();
   database_.reset();
   if (failed_) {

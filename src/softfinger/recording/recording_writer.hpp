@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "softfinger/recording/checkpointer.hpp"
 #include "softfinger/recording/record.hpp"
 #include "softfinger/recording/recording_info.hpp"
 #include "softfinger/threads/ring_buffer.hpp"
@@ -22,8 +23,9 @@ namespace softfinger {
 /// Writes a recording: one SQLite file in write-ahead log mode, readable while it is written.
 ///
 /// Loops hand rows over through bounded rings, one a producing thread; a thread of the writer's own
-/// commits them at least every kCommitInterval, so that a kill loses no more than that and one
-/// round of its work. Tables (SI units; hashes are the signed reading of 64 bits):
+/// commits them at least every kCommitInterval, so that a kill loses no more than that, one
+/// round of its work and what a Checkpointer lets it rest. That thread waits for no sync. Tables
+/// (SI units; hashes are the signed reading of 64 bits):
 ///
 ///     meta(key, value)              format_version, program_version, instruction_set, scene,
 ///                                   simulation_rate_Hz, live, with_state, dropped, complete
@@ -47,7 +49,7 @@ class RecordingWriter {
   /// Creates the file. `step_prototype` has the sizes of the largest nodes_W and samples.
   /// Throws InputError where the file exists or cannot be created.
   RecordingWriter(const std::filesystem::path& file, const RecordingInfo& info, WhenFull when_full,
-                  const StepRecord& step_prototype);
+                  const StepRecord& step_prototype, LogLimits log = {});
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
@@ -70,6 +72,9 @@ class RecordingWriter {
   [[nodiscard]] std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
   /// The file can no longer be written (disk full, removed); rows are thrown away since.
   [[nodiscard]] bool failed() const { return failed_.load(std::memory_order_relaxed); }
+  /// The disk is so slow that the log is at its longest and rows have waited for it; a kill may
+  /// have lost more meanwhile.
+  [[nodiscard]] bool waited_for_disk() const { return checkpointer_->held_writer_up(); }
 
  private:
   static constexpr std::size_t kMostMessages = 1000;  ///< that wait to be written
@@ -78,6 +83,10 @@ class RecordingWriter {
   template <typename Record>
   void push_to(RingBuffer<Record>& ring, const Record& record);
   void write_until_closed();
+  [[nodiscard]] bool rows_wait();
+  [[nodiscard]] bool may_write();  ///< and a transaction has begun
+  void begin(Checkpointer::Begin how);
+  void commit();
   void write_messages();
   bool drain();  ///< says whether there may be more
 
@@ -89,6 +98,7 @@ class RecordingWriter {
   std::vector<RecordedMessage> messages_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::unique_ptr<Database> database_;
+  std::unique_ptr<Checkpointer> checkpointer_;
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> failed_{false};
   std::atomic<bool> closing_{false};

@@ -35,6 +35,7 @@ SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, Mode mode) {
   const std::string name = mode == Mode::kReadImmutable ? immutable_uri(file) : file.string();
   const int flags = mode == Mode::kCreate          ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
                     : mode == Mode::kRollBack      ? SQLITE_OPEN_READWRITE
+                    : mode == Mode::kCheckpoint    ? SQLITE_OPEN_READWRITE
                     : mode == Mode::kReadImmutable ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI
                                                    : SQLITE_OPEN_READONLY;
   const int result = sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr);
@@ -45,7 +46,7 @@ SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, Mode mode) {
   }
   if (mode != Mode::kCreate) distrust();
   // A reader may meet the writer's checkpoint; it is short.
-  sqlite3_busy_timeout(handle_, 2000);
+  sqlite3_busy_timeout(handle_, mode == Mode::kCheckpoint ? 0 : 2000);
 }
 
 /// A recording may be a stranger's (sqlite.org/security.html): no views or triggers, which could
@@ -62,6 +63,42 @@ SqliteDatabase::~SqliteDatabase() { sqlite3_close_v2(handle_); }
 
 void SqliteDatabase::execute(const char* sql) {
   check(sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr));
+}
+
+void SqliteDatabase::leave_checkpoints_to_others() {
+  const auto note_pages = [](void* pages, sqlite3*, const char*, int now) {
+    *static_cast<int*>(pages) = now;
+    return SQLITE_OK;
+  };
+  sqlite3_wal_hook(handle_, note_pages, &log_pages_);  // in the place of the one that copies
+}
+
+int SqliteDatabase::checkpoint() {
+  execute("select 1 from sqlite_master");  // one that has not read knows of no log
+  int copied = 0;
+  const int result =
+      sqlite3_wal_checkpoint_v2(handle_, "main", SQLITE_CHECKPOINT_PASSIVE, nullptr, &copied);
+  if (result != SQLITE_BUSY) check(result);
+  return copied;
+}
+
+bool SqliteDatabase::empty_log() {
+  const int result =
+      sqlite3_wal_checkpoint_v2(handle_, "main", SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+  if (result == SQLITE_BUSY) return false;
+  check(result);
+  return true;
+}
+
+void SqliteDatabase::sync_file() { sync(SQLITE_FCNTL_FILE_POINTER); }
+void SqliteDatabase::sync_log() { sync(SQLITE_FCNTL_JOURNAL_POINTER); }
+
+void SqliteDatabase::sync(int which) {
+  sqlite3_file* file = nullptr;
+  check(sqlite3_file_control(handle_, "main", which, static_cast<void*>(&file)));
+  if (file != nullptr && file->pMethods != nullptr) {
+    check(file->pMethods->xSync(file, SQLITE_SYNC_NORMAL));
+  }
 }
 
 SqliteStatement::SqliteStatement(SqliteDatabase& database, std::string_view sql) {

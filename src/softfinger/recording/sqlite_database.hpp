@@ -25,7 +25,8 @@ class SqliteDatabase {
     kReadImmutable,  ///< nothing is made beside the file, nothing beside it is read, nobody writes
                      ///< it
     kRollBack,       ///< what a journal beside it says is done first
-    kCreate
+    kCreate,
+    kCheckpoint  ///< for who copies its log, and waits for nobody who reads
   };
   SqliteDatabase(const std::filesystem::path& file, Mode mode);
   ~SqliteDatabase();
@@ -35,10 +36,26 @@ class SqliteDatabase {
   /// Runs statements that return nothing of interest.
   void execute(const char* sql);
 
+  /// Commits of this connection do not copy the write-ahead log, however long it gets.
+  void leave_checkpoints_to_others();
+  /// Pages that the log had at the last commit after that.
+  [[nodiscard]] int log_pages() const { return log_pages_; }
+
+  /// Copies what nobody reads of the write-ahead log into the file, with a sync of the log before
+  /// and, unless it grows meanwhile, one of the file after.
+  /// \returns pages of the log that are in the file.
+  [[nodiscard]] int checkpoint();
+  /// Truncates a log that is in the file as a whole. False: somebody reads in it.
+  [[nodiscard]] bool empty_log();
+  void sync_file();
+  void sync_log();
+
  private:
   friend class SqliteStatement;
   void distrust();
+  void sync(int which);
   sqlite3* handle_ = nullptr;
+  int log_pages_ = 0;
 };
 
 /// A prepared statement; parameters and columns count from 0. NaN is stored as NULL and read back

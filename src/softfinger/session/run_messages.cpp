@@ -39,6 +39,13 @@ std::optional<std::string> RunMessages::take_of(const RecordingWriter& recording
     return fmt::format("{}: the disk is too slow, rows are missing from the recording",
                        recording.file().string());
   }
+  if (!told_waited_ && recording.waited_for_disk()) {
+    told_waited_ = true;
+    return fmt::format(
+        "{0}: the disk is too slow, {1}-wal is at its longest and rows wait for the disk; a run "
+        "that is killed meanwhile loses them",
+        recording.file().string(), recording.file().filename().string());
+  }
   return std::nullopt;
 }
 

@@ -12,7 +12,7 @@
 namespace softfinger {
 
 /// What a person should know while a run goes on: of their devices, once; a tracker or a device
-/// lost or back; rows not recorded.
+/// lost or back; rows not recorded, or late.
 class RunMessages {
  public:
   /// One line, each told once; empty: nothing more now. One thread. `recording`: null for none.
@@ -28,6 +28,7 @@ class RunMessages {
     std::size_t finger = 0, notice = 0;
   } next_notice_;
   bool told_dropped_ = false;
+  bool told_waited_ = false;
   bool told_failed_ = false;
 };
 
