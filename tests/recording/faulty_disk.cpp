@@ -71,6 +71,7 @@ std::atomic<long> syncs_that_began{0};
 std::atomic<long> syncs_that_ended{0};
 std::atomic<long> file_writes{0};
 std::atomic<long> syncs_by_writers{0};
+std::atomic<long> log_truncations{0};
 
 struct File {
   sqlite3_file base;
@@ -157,6 +158,7 @@ int truncate(sqlite3_file* file, sqlite3_int64 size) {
   const Outcome outcome = next(Operation::kDelete);
   if (outcome == Outcome::kDropped) return SQLITE_OK;
   if (outcome == Outcome::kFails) return SQLITE_IOERR_TRUNCATE;
+  if (!file_of(file).is_database) ++log_truncations;
   remember(file, static_cast<std::size_t>(size), std::nullopt);
   return real_of(file)->pMethods->xTruncate(real_of(file), size);
 }
@@ -258,6 +260,7 @@ FaultyDisk::FaultyDisk(DiskFault fault, long at, DiskDelays delays) {
   sync_delay = delays.sync;
   write_delay = delays.write;
   counted = 0;
+  log_truncations = 0;
   syncs_that_began = 0;
   syncs_that_ended = 0;
   durable_files.clear();
@@ -281,6 +284,7 @@ FaultyDisk::~FaultyDisk() {
 }
 
 long FaultyDisk::operations() const { return counted; }
+long FaultyDisk::truncated_logs() const { return log_truncations; }
 
 void FaultyDisk::hold(Held held) {
   {

@@ -38,6 +38,8 @@ class FaultyDisk {
 
   /// Operations that could have failed so far.
   [[nodiscard]] long operations() const;
+  /// Logs that were truncated before it failed.
+  [[nodiscard]] long truncated_logs() const;
 
   /// What begins between these two ends after the second, or when the disk does.
   void hold(Held held);

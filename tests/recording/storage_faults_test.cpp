@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <thread>
 
 #include "../support/temporary_directory.hpp"
 #include "faulty_disk.hpp"
@@ -39,11 +41,24 @@ StepRecord plain_step(std::int64_t step) {
 
 enum class Written { kNothing, kPart, kAll };
 
+/// A run whose log is as short as it may be, and is emptied several times.
+struct ShortLog {
+  static constexpr LogLimits kLimits{.copied_each = 8, .longest = 16};
+  /// More than what is committed at once comes between these.
+  static void rest(std::int64_t step) {
+    if (step % 100 == 99) std::this_thread::sleep_for(std::chrono::milliseconds(75));
+  }
+};
+
 /// What the writer says has become of it.
-Written record(const fs::path& file) {
+Written record(const fs::path& file, bool short_log = false) {
   try {
-    RecordingWriter writer(file, plain_info(), RecordingWriter::WhenFull::kWait, plain_step(0));
-    for (std::int64_t step = 0; step < kSteps; ++step) writer.push(plain_step(step));
+    RecordingWriter writer(file, plain_info(), RecordingWriter::WhenFull::kWait, plain_step(0),
+                           short_log ? ShortLog::kLimits : LogLimits{});
+    for (std::int64_t step = 0; step < kSteps; ++step) {
+      writer.push(plain_step(step));
+      if (short_log) ShortLog::rest(step);
+    }
     try {
       writer.close();
       return Written::kAll;
@@ -73,14 +88,41 @@ std::int64_t steps_of(const fs::path& file) {
 }
 
 class StorageFaults : public testing::TestWithParam<DiskFault> {};
-constexpr std::array kFaultNames{"Full", "Torn", "NoSync", "Broken", "PowerCut"};
+constexpr std::array kFaultNames{"Full", "Torn", "NoSync", "Broken", "PowerCut", "Unsynced"};
 INSTANTIATE_TEST_SUITE_P(Disks, StorageFaults,
                          testing::Values(DiskFault::kFull, DiskFault::kTorn, DiskFault::kNoSync,
-                                         DiskFault::kBroken, DiskFault::kPowerCut),
+                                         DiskFault::kBroken, DiskFault::kPowerCut,
+                                         DiskFault::kUnsynced),
                          [](const auto& fault) {
                            return std::string(
                                kFaultNames.at(static_cast<std::size_t>(fault.param)));
                          });
+
+bool is_told(DiskFault fault) {
+  return fault != DiskFault::kPowerCut && fault != DiskFault::kUnsynced;
+}
+
+/// Records on a disk that fails at its `at`th operation.
+/// \returns how many steps are there then; -1: it says that it is none.
+std::int64_t steps_after(DiskFault fault, long at, const fs::path& file, bool short_log) {
+  Written written = Written::kNothing;
+  bool emptied = false;
+  {
+    const FaultyDisk disk(fault, at);
+    written = record(file, short_log);
+    emptied = disk.truncated_logs() > 0;
+  }
+  // What processes share of a log is gone with them.
+  if (!is_told(fault)) fs::remove(file.string() + "-shm");
+  const std::int64_t steps = steps_of(file);
+  if (written == Written::kAll && is_told(fault)) {
+    EXPECT_EQ(steps, kSteps);
+  }
+  if (emptied) {
+    EXPECT_GT(steps, 0) << "what was in the log is in the file";
+  }
+  return steps;
+}
 
 TEST_P(StorageFaults, LeaveARecordingUpToSomeStepOrNone) {
   const TemporaryDirectory directory;
@@ -98,22 +140,31 @@ TEST_P(StorageFaults, LeaveARecordingUpToSomeStepOrNone) {
   for (long at = 0; at < operations + 3; at += at < 12 || at > operations - 25 ? 1 : 5) {
     SCOPED_TRACE(at);
     const fs::path file = directory / ("run-" + std::to_string(at) + ".db").c_str();
-    Written written = Written::kNothing;
-    {
-      const FaultyDisk disk(GetParam(), at);
-      written = record(file);
-    }
-    // What processes share of a log is gone with them.
-    if (GetParam() == DiskFault::kPowerCut) fs::remove(file.string() + "-shm");
-    const std::int64_t steps = steps_of(file);
-    if (written == Written::kAll && GetParam() != DiskFault::kPowerCut) {
-      EXPECT_EQ(steps, kSteps);
-    }
+    const std::int64_t steps = steps_after(GetParam(), at, file, false);
     (steps == kSteps ? whole : cut) += 1;
     if (HasFailure()) return;
   }
   EXPECT_GT(cut, 3);
   EXPECT_GT(whole, 0);
+}
+
+// Where another thread copies and empties the log: which operation is the `at`th differs from run
+// to run.
+TEST_P(StorageFaults, LeaveTheSameOfARunWhoseLogIsEmptied) {
+  const TemporaryDirectory directory;
+  long operations = 0;
+  {
+    const FaultyDisk sound(GetParam(), 1'000'000);
+    ASSERT_EQ(record(directory / "sound.db", true), Written::kAll);
+    operations = sound.operations();
+    ASSERT_GT(sound.truncated_logs(), 0);
+  }
+  ASSERT_EQ(steps_of(directory / "sound.db"), kSteps);
+  for (long at = 30; at < operations + 3 && !HasFailure(); at += 11) {
+    SCOPED_TRACE(at);
+    const fs::path file = directory / ("run-" + std::to_string(at) + ".db").c_str();
+    (void)steps_after(GetParam(), at, file, true);
+  }
 }
 
 }  // namespace
