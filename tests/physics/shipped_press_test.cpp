@@ -126,6 +126,41 @@ TEST(ShippedPresses, AreaGrowsSlowerThanHertz) {
   }
 }
 
+// The same tissue in 350, 1,300 and 5,000 elements.
+TEST(ShippedPresses, MeshesAgreeOnTheAreaAndItGrowsSmoothly) {
+#ifndef NDEBUG
+  GTEST_SKIP() << "takes minutes without optimisation";
+#endif
+  int compared = 0;
+  for (std::size_t row = 2; row < 15; ++row) {
+    std::vector<double> areas;
+    for (const char* finger : {"index", "index-medium", "index-fine"}) {
+      areas.push_back(press_of(finger)[row].contact_area);
+    }
+    const auto [least, most] = std::minmax_element(areas.begin(), areas.end());
+    EXPECT_GT(*least, 30e-6);
+    EXPECT_LE(*most, 1.06 * *least) << press_of("index")[row].indentation / mm << " mm";
+    ++compared;
+  }
+  EXPECT_EQ(compared, 13);
+
+  const auto model =
+      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / "index.toml");
+  IndentationOptions options;
+  options.depth = 1.5e-3;
+  options.rows = 150;
+  double last = -1.0, steepest = 0.0;
+  indent(*model, Indenter::plane(), options, [&](const IndentationState& state) {
+    if (last >= 0.0) {
+      EXPECT_GT(state.row.contact_area, last) << state.row.indentation / mm << " mm";
+      steepest = std::max(steepest, state.row.contact_area - last);
+    }
+    last = state.row.contact_area;
+  });
+  EXPECT_GT(last, 100e-6);
+  EXPECT_LE(steepest, 1.2e-6);
+}
+
 /// The finger whose amplitudes tools/fit_relaxation found. 81 % was measured on tapping fingers,
 /// the same within 3 % for velocities 38 % apart: Jindrich, Zhou, Becker and Dennerlein, J.
 /// Biomech. 36:497, 2003.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "softfinger/contact/contact_area.hpp"
 #include "softfinger/contact/feature_area.hpp"
 
 namespace softfinger {
@@ -11,14 +12,34 @@ namespace {
 /// A sample or a feature is in contact only above this normal force, N.
 constexpr double kLeastNormalForce = 1e-6;
 
-void report_areas(const SkinSurface& skin, std::span<const Vector3> positions, ContactSet& set) {
-  for (ContactSample& sample : set.samples) sample.area = sample.taken = 0.0;
+/// Areas of samples, and where the skin faces: the mean over their triangles, weighted so that
+/// samples on a ball face away from its centre (Max, "Weights for computing vertex normals from
+/// facet normals", Journal of Graphics Tools 4(2), 1999).
+void report_skin(const SkinSurface& skin, std::span<const Vector3> positions, const Pose& X_FW,
+                 ContactSet& set) {
+  for (ContactSample& sample : set.samples) {
+    sample.area = sample.taken = 0.0;
+    sample.skin_normal_F.setZero();
+  }
   for (const auto& triangle : skin.triangles) {
     const auto at = [&](std::size_t k) -> const Vector3& {
       return positions[static_cast<std::size_t>(triangle[k])];
     };
-    const double third = (at(1) - at(0)).cross(at(2) - at(0)).norm() / 6.0;
-    for (int sample : triangle) set.samples[static_cast<std::size_t>(sample)].area += third;
+    const Vector3 normal = (at(1) - at(0)).cross(at(2) - at(0));
+    const double third = normal.norm() / 6.0;
+    std::array<double, 3> squares;  // of the sides opposite to the corners
+    for (std::size_t k = 0; k < 3; ++k)
+      squares[k] = (at((k + 2) % 3) - at((k + 1) % 3)).squaredNorm();
+    const double product = squares[0] * squares[1] * squares[2];
+    const double scale = product > 0.0 ? 1.0 / product : 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ContactSample& sample = set.samples[static_cast<std::size_t>(triangle[k])];
+      sample.area += third;
+      sample.skin_normal_F += squares[k] * scale * normal;
+    }
+  }
+  for (ContactSample& sample : set.samples) {
+    sample.skin_normal_F = X_FW.rotation * sample.skin_normal_F.normalized();
   }
 }
 
@@ -148,13 +169,14 @@ void find_centre(const ContactPotential& potential, ContactSet& set) {
   if (borne > 0.0) set.centroid_F /= borne;
 }
 
-/// Members of C and their areas. What features stand for counts with them, not with the corners.
+/// Members of C, and which part of them sticks. What features stand for counts with them, not with
+/// the corners.
 void count_members(const ContactPotential& potential, ContactSet& set) {
   set.contact_count = 0;
-  set.contact_area = 0.0;
+  double area = 0.0;
   double stuck_area = 0.0;
   for (const ContactSample& sample : set.samples) {
-    set.contact_area += sample.touched() * sample.area;
+    area += sample.touched() * sample.area;
     if (!sample.in_contact) continue;
     ++set.contact_count;
     if (sample.friction_limit > 0.0 && !sample.slides) {
@@ -167,7 +189,7 @@ void count_members(const ContactPotential& potential, ContactSet& set) {
         potential.friction_coefficient(static_cast<std::size_t>(feature.object)) > 0.0;
     if (rubs && !feature.slides) stuck_area += feature.area;
   }
-  set.stuck_fraction = set.contact_area > 0.0 ? std::min(1.0, stuck_area / set.contact_area) : 0.0;
+  set.stuck_fraction = area > 0.0 ? std::min(1.0, stuck_area / area) : 0.0;
 }
 
 }  // namespace
@@ -186,13 +208,14 @@ ContactSet make_contact_set(const SkinSurface& skin, double friction_coefficient
 void report_contact(const SkinSurface& skin, const SettledContact& contact, ContactSet& set) {
   const Pose X_FW = contact.X_WF.inverse();
   set.normal_force_sum = 0.0;
-  report_areas(skin, contact.positions, set);
+  report_skin(skin, contact.positions, X_FW, set);
   report_samples(contact, X_FW, set);
   report_features(skin, contact, X_FW, set);
   find_least_gap(contact, X_FW, set);
   sum_forces(set);
   find_centre(contact.potential, set);
   count_members(contact.potential, set);
+  set.contact_area = area_in_contact(skin, contact, set);
 }
 
 }  // namespace softfinger

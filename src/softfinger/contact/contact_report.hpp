@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "softfinger/contact/contact_potential.hpp"
@@ -14,7 +15,9 @@ struct SkinSurface {
   std::span<const Vector3> nodes;                 ///< of the whole mesh, F, m
   std::span<const int> sample_nodes;              ///< node of each sample
   std::span<const double> sample_areas;           ///< a third of its triangles, m^2
-  std::span<const std::array<int, 3>> triangles;  ///< of samples
+  std::span<const std::array<int, 3>> triangles;  ///< of samples, outward
+  double plane_modulus = std::numeric_limits<double>::infinity();  ///< E / (1 - nu^2) of the tissue
+                                                                   ///< under it, Pa
   [[nodiscard]] const Vector3& position(int sample) const {
     return nodes[static_cast<std::size_t>(sample_nodes[static_cast<std::size_t>(sample)])];
   }

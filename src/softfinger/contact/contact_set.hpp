@@ -16,6 +16,7 @@ namespace softfinger {
 /// Vectors are expressed in F, the simulated distal phalanx.
 struct ContactSample {
   Vector3 position_F = Vector3::Zero();                  ///< deformed position, m
+  Vector3 skin_normal_F = -Vector3::UnitZ();             ///< unit, out of the deformed skin
   Vector3 normal_F = Vector3::UnitZ();                   ///< unit, out of the object
   double gap = std::numeric_limits<double>::infinity();  ///< signed distance to the object, m
   double normal_force = 0.0;                             ///< |normal_force_F|, N

@@ -9,7 +9,8 @@ namespace softfinger {
 namespace {
 
 SkinSurface skin_of(const FingerModel& model) {
-  return {model.mesh.nodes, model.sample_nodes, model.sample_rest_areas, model.skin_triangles};
+  return {model.mesh.nodes, model.sample_nodes, model.sample_rest_areas, model.skin_triangles,
+          model.plane_modulus()};
 }
 
 }  // namespace

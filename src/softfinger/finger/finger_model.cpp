@@ -45,7 +45,38 @@ std::vector<double> sample_areas(const FingerModel& model) {
   return areas;
 }
 
+/// Tetrahedra that move with the bone as a whole are none of the tissue.
+void find_shares(FingerModel& model) {
+  double all = 0.0;
+  for (std::size_t t = 0; t < model.mesh.tetrahedra.size(); ++t) {
+    const int material = model.tetrahedron_material[t];
+    if (material < 0) continue;
+    std::array<Vector3, 4> corners;
+    bool soft = false;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto node = static_cast<std::size_t>(model.mesh.tetrahedra[t][k]);
+      corners[k] = model.mesh.nodes[node];
+      soft = soft || !model.node_is_rigid[node];
+    }
+    if (!soft) continue;
+    const double volume =
+        (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]) / 6.0;
+    model.materials[static_cast<std::size_t>(material)].share += volume;
+    all += volume;
+  }
+  for (FingerModel::Material& material : model.materials) material.share /= all;
+}
+
 }  // namespace
+
+double FingerModel::plane_modulus() const {
+  double modulus = 0.0;
+  for (const Material& material : materials) {
+    const double nu = material.poissons_ratio;
+    modulus += material.share * material.youngs_modulus / (1.0 - nu * nu);
+  }
+  return modulus;
+}
 
 std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file,
                                                      const FingerSize& person) {
@@ -66,6 +97,7 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
                   .breadth = person.breadth ? person.breadth : own.breadth,
                   .depth = person.depth ? person.depth : own.depth});
   model->sample_rest_areas = sample_areas(*model);
+  find_shares(*model);
   root.finish();
   model->as_read = config.as_read();
   return model;

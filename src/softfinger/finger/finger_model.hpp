@@ -36,8 +36,11 @@ class FingerModel {
   std::vector<int> tetrahedron_material;  ///< per tetrahedron, index into materials; -1: rigid
   struct Material : ElasticMaterial {
     std::string volume;  ///< of the mesh
+    double share = 0.0;  ///< of all soft tissue, by volume at rest
   };
   std::vector<Material> materials;
+  /// E / (1 - nu^2), the mean of all soft tissue, Pa.
+  [[nodiscard]] double plane_modulus() const;
   Dilatation dilatation = Dilatation::kElement;
   Relaxation relaxation;
   StrainLimit strain_limits;
