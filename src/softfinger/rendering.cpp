@@ -41,10 +41,23 @@ std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
   return load_setup(named);
 }
 
+PoseConditioning conditioning_of(const RenderingOptions& options) {
+  PoseConditioning conditioning;
+  if (options.filter) conditioning.filter.emplace();
+  if (options.predict &&
+      !(*options.predict >= 0.0 && *options.predict <= PoseConditioning::kMostLead)) {
+    throw InputError(fmt::format("predict {}: must be 0 to {} s", *options.predict,
+                                 PoseConditioning::kMostLead));
+  }
+  conditioning.lead = options.predict;
+  return conditioning;
+}
+
 /// Of the whole scene's files, so that a replay can load it, and of this finger.
 RecordingInfo info_of(const RunSetup& whole, std::size_t finger, const RenderingOptions& options) {
   RecordingInfo info = recording_info(whole);
   info.fingers = {info.fingers[finger]};
+  info.fingers.front().poses = conditioning_text(conditioning_of(options), false);
   info.live = options.open_device;
   info.with_state = options.record_state;
   return info;
@@ -88,18 +101,6 @@ FingerChainOptions chain_of(const RunSetup& setup, const RenderingOptions& optio
   FingerChainOptions chain = chain_options(setup, 0, actuator);
   chain.with_state = options.record_state && !options.recording.empty();
   return chain;
-}
-
-PoseConditioning conditioning_of(const RenderingOptions& options) {
-  PoseConditioning conditioning;
-  if (options.filter) conditioning.filter.emplace();
-  if (options.predict &&
-      !(*options.predict >= 0.0 && *options.predict <= PoseConditioning::kMostLead)) {
-    throw InputError(fmt::format("predict {}: must be 0 to {} s", *options.predict,
-                                 PoseConditioning::kMostLead));
-  }
-  conditioning.lead = options.predict;
-  return conditioning;
 }
 
 }  // namespace

@@ -85,6 +85,7 @@ TEST(Recording, GivesBackWhatWasRecordedToTheBit) {
   const TemporaryDirectory directory;
   RecordingInfo info = one_finger();
   info.with_state = true;
+  info.fingers[0].poses = "filtered, interpolated";
   StepRecord prototype = step_record(0);
   prototype.nodes_W.assign(7, Vector3(1.0, 2.0, 1.0 / 3.0));
   prototype.samples.assign(3, {Vector3(0.1, 0.2, 0.3), -1e-5, Vector3(0.0, 0.0, 1.0), 1.0});
@@ -104,6 +105,7 @@ TEST(Recording, GivesBackWhatWasRecordedToTheBit) {
   EXPECT_TRUE(reader.complete());
   EXPECT_EQ(reader.info().program_version, "1.2.3");
   EXPECT_EQ(reader.info().scene, info.scene);
+  EXPECT_EQ(reader.info().fingers.at(0).poses, info.fingers[0].poses);
   EXPECT_EQ(reader.info().files.at(0).content, info.files[0].content);
   EXPECT_EQ(reader.info().fingers.at(0).configuration_names, info.fingers[0].configuration_names);
   EXPECT_EQ(reader.last_step(), 1999);

@@ -12,6 +12,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/recording/recording_reader.hpp"
+#include "softfinger/recording/sqlite_database.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/session/replay.hpp"
 #include "softfinger/threads/thread_clock.hpp"
@@ -40,6 +41,7 @@ class NetworkTracker : public testing::Test {
     RunOptions options;
     options.scene = scenes_.scene("sphere");
     options.trackers = {tracker};
+    options.conditioning = conditioning_;
     options.duration = 2.5;
     options.actuator.port = "emulator";
     options.twin = false;
@@ -88,6 +90,9 @@ class NetworkTracker : public testing::Test {
     EXPECT_TRUE(rendered);
     EXPECT_TRUE(held);
     EXPECT_EQ(tick.command.state, DeviceState::kRetracting);
+    expect_replays();
+  }
+  void expect_replays() {
     ReplayOptions options;
     options.recording = directory_ / "run.db";
     const ReplayResult replayed = replay(options);
@@ -95,9 +100,17 @@ class NetworkTracker : public testing::Test {
                                 << replayed.first_difference.value_or(-1);
     EXPECT_EQ(replayed.steps, 2500);
   }
+  /// What the recording says was made of poses; from then on an earlier version could have made it.
+  std::string forget_what_was_made_of_poses() {
+    const std::string poses = RecordingReader(directory_ / "run.db").info().fingers.at(0).poses;
+    SqliteDatabase database(directory_ / "run.db", SqliteDatabase::Mode::kCreate);
+    database.execute("delete from meta where key like 'poses:%'");
+    return poses;
+  }
 
   ScenesWithoutForceLimit scenes_;
   TemporaryDirectory directory_;
+  PoseConditioning conditioning_;
 };
 
 TEST_F(NetworkTracker, UdpDrivesALiveRun) {
@@ -132,6 +145,24 @@ TEST_F(NetworkTracker, OscDrivesALiveRun) {
     sender.send({kLoopback, port}, encode_osc_pose(press_on_ball(time), false));
   });
   expect_driven();
+}
+
+// A replay takes the poses that steps took, whatever was made of them and by which version.
+TEST_F(NetworkTracker, ARecordingSaysWhatWasMadeOfPosesAndReplaysWithoutIt) {
+  for (const bool predicts : {false, true}) {
+    std::filesystem::remove(directory_ / "run.db");
+    if (predicts) conditioning_ = {.filter = OneEuroSettings{}, .lead = 20 * ms};
+    const std::uint16_t port = free_port();
+    UdpSocket sender({kLoopback, 0});
+    run("osc:" + std::to_string(port), [&](double time, std::uint32_t) {
+      sender.send({kLoopback, port}, encode_osc_pose(press_on_ball(time), true));
+    });
+    expect_replays();
+    EXPECT_EQ(forget_what_was_made_of_poses(),
+              predicts ? "filtered, carried on by 20 ms" : "interpolated");
+    EXPECT_EQ(forget_what_was_made_of_poses(), "");
+    expect_replays();
+  }
 }
 
 TEST_F(NetworkTracker, NatNetDrivesALiveRunThroughLossAndDisorder) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <fstream>
 #include <mutex>
 #include <string>
@@ -11,6 +13,9 @@
 #include "../support/temporary_directory.hpp"
 #include "loop_guard.hpp"
 #include "softfinger/session/live_session.hpp"
+#include "softfinger/threads/thread_clock.hpp"
+#include "softfinger/tracking/stream/pose_datagram.hpp"
+#include "softfinger/wire/udp_socket.hpp"
 
 namespace softfinger {
 namespace {
@@ -79,6 +84,32 @@ TEST_P(RealTimePath, LiveNeitherAllocatesNorLocks) {
   const RunSummary summary = session.run(stop_);
   EXPECT_EQ(summary.steps, 3000);
   EXPECT_EQ(guard_counts().threads, 2u) << "simulation and device";
+  EXPECT_EQ(guard_counts().allocations, 0u);
+  EXPECT_EQ(guard_counts().locks, 0u);
+}
+
+TEST_P(RealTimePath, PosesOverTheNetworkNeitherAllocateNorLock) {
+  const std::uint16_t port = UdpSocket({kLoopback, 0}).local().port;
+  options_.trackers = {"udp:" + std::to_string(port)};
+  options_.duration = 2.0;
+  options_.twin = false;
+  LiveSession session(options_, false, hooks_);
+  std::atomic<bool> ended{false};
+  std::thread sender([&] {
+    UdpSocket socket({kLoopback, 0});
+    for (std::uint32_t count = 0; !ended; ++count) {
+      const double time = monotonic_time();
+      const Pose X_WFt{Matrix3::Identity(), {0.002 * std::sin(time), 0.0, 0.0257}};
+      socket.send(
+          {kLoopback, port},
+          encode_pose_datagram({.X_WFt = X_WFt, .valid = true, .sequence = count, .time = time}));
+      std::this_thread::sleep_for(std::chrono::milliseconds(8));
+    }
+  });
+  const RunSummary summary = session.run(stop_);
+  ended = true;
+  sender.join();
+  EXPECT_GT(summary.all.pose_age.percentile(50.0), 1e-3) << "s: poses came";
   EXPECT_EQ(guard_counts().allocations, 0u);
   EXPECT_EQ(guard_counts().locks, 0u);
 }

@@ -116,6 +116,17 @@ TEST(ConditionedTracker, LeadIsTimeAhead) {
             0.5 * error_of(plain, 2.0, 5.0, 20 * ms).distance);
 }
 
+TEST(ConditionedTracker, SaysWhatIsMadeOfPoses) {
+  const OneEuroSettings filter;
+  EXPECT_EQ(conditioning_text({}, false), "");
+  EXPECT_EQ(conditioning_text({}, true), "interpolated");
+  EXPECT_EQ(conditioning_text({.filter = filter}, true), "filtered, interpolated");
+  EXPECT_EQ(conditioning_text({.filter = filter}, false), "filtered");
+  EXPECT_EQ(conditioning_text({.lead = 0.0}, true), "carried on by 0 ms");
+  EXPECT_EQ(conditioning_text({.filter = filter, .lead = 12.5 * ms}, true),
+            "filtered, carried on by 12.5 ms");
+}
+
 TEST(ConditioningEffect, IsWhatTheTrackersThemselvesShow) {
   const PoseConditioning conditioning{.filter = OneEuroSettings{}};
   const TrackingQuality quality{.noise = 0.1 * mm, .turn_noise = 0.0, .seed = 3};

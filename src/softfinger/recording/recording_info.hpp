@@ -34,9 +34,12 @@ struct RecordingInfo {
   };
   struct Finger {
     std::string name;
-    std::filesystem::path model;                   ///< absolute
-    std::filesystem::path device;                  ///< absolute; empty: none
-    std::string tracker;                           ///< as given
+    std::filesystem::path model;   ///< absolute
+    std::filesystem::path device;  ///< absolute; empty: none
+    std::string tracker;           ///< as given
+    /// What was made of its poses before steps took them, for people: a replay takes what the rows
+    /// hold. Empty: nothing, or it is not known.
+    std::string poses;
     std::vector<std::string> configuration_names;  ///< with unit: pitch_deg, ...
     std::int64_t joints = 0;
     bool linear_joints = false;     ///< joints are lengths

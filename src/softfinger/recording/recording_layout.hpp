@@ -17,6 +17,9 @@ inline const std::string kMeshKey = "mesh:";
 /// Keys of `meta` that name the number of a finger whose device's joints are lengths, in m.
 inline const std::string kLinearJointsKey = "linear_joints:";
 
+/// Keys of `meta` that name the number of a finger to whose tracked poses something was done: what.
+inline const std::string kPosesKey = "poses:";
+
 /// Keys of `meta` that name the number of a finger whose set points are not in quarters of a
 /// microsecond: their unit, and one step of the wire in it.
 inline const std::string kServoUnitKey = "servo_unit:";

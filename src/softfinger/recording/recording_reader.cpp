@@ -167,6 +167,7 @@ struct RecordingReader::Database {
     RecordingInfo info;
     SqliteStatement meta(connection, "select key, value from meta");
     std::vector<std::string> linear;  // numbers of fingers, see kLinearJointsKey
+    std::map<std::string, std::string> poses;
     std::map<std::string, std::string> servo_units;
     std::map<std::string, double> servo_steps;
     while (meta.next()) {
@@ -181,6 +182,9 @@ struct RecordingReader::Database {
       if (key == "with_state") info.with_state = meta.integer(1) != 0;
       if (key.starts_with(recording_layout::kLinearJointsKey)) {
         linear.push_back(key.substr(recording_layout::kLinearJointsKey.size()));
+      }
+      if (key.starts_with(recording_layout::kPosesKey)) {
+        poses[key.substr(recording_layout::kPosesKey.size())] = meta.text(1);
       }
       if (key.starts_with(recording_layout::kServoUnitKey)) {
         servo_units[key.substr(recording_layout::kServoUnitKey.size())] = meta.text(1);
@@ -207,6 +211,7 @@ struct RecordingReader::Database {
                                        std::to_string(info.fingers.size())) != linear.end();
       finger.device_rate = fingers.number(7);
       const std::string number = std::to_string(info.fingers.size());
+      if (const auto made = poses.find(number); made != poses.end()) finger.poses = made->second;
       if (const auto unit = servo_units.find(number); unit != servo_units.end()) {
         finger.servo_unit = unit->second;
       }

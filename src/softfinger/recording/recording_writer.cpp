@@ -166,6 +166,9 @@ struct RecordingWriter::Database {
       if (finger.linear_joints) {
         meta(recording_layout::kLinearJointsKey + std::to_string(i), "1");
       }
+      if (!finger.poses.empty()) {
+        meta(recording_layout::kPosesKey + std::to_string(i), finger.poses);
+      }
       servo_steps.push_back(finger.servo_step);
       if (finger.servo_unit != RecordingInfo::Finger{}.servo_unit) {
         meta(recording_layout::kServoUnitKey + std::to_string(i), finger.servo_unit);

@@ -35,7 +35,9 @@ RunTracker::RunTracker(const RunSetup& setup, std::size_t finger, const RunOptio
   if (const auto& X_BodyFt = setup.registrations[finger]) {
     tracker_ = std::make_unique<RegisteredTracker>(std::move(tracker_), *X_BodyFt);
   }
-  tracker_ = conditioned(std::move(tracker_), options.conditioning, at_page || network);
+  const bool sent = at_page || network;
+  tracker_ = conditioned(std::move(tracker_), options.conditioning, sent);
+  conditioning_ = conditioning_text(options.conditioning, sent);
 }
 
 RunTracker::~RunTracker() = default;

@@ -26,6 +26,8 @@ class RunTracker {
   [[nodiscard]] TrackedPose sample(double time) { return tracker_->sample(time); }
   /// When the run should end, s; empty: never.
   [[nodiscard]] std::optional<double> end_time() const { return tracker_->end_time(); }
+  /// What is made of its poses, see conditioning_text().
+  [[nodiscard]] const std::string& conditioning() const { return conditioning_; }
   /// See Tracker.
   [[nodiscard]] std::optional<std::string> take_message();
 
@@ -38,7 +40,8 @@ class RunTracker {
   void close();
 
  private:
-  std::unique_ptr<Tracker> tracker_;       ///< null: closed
+  std::unique_ptr<Tracker> tracker_;  ///< null: closed
+  std::string conditioning_;
   PageTracker* page_tracker_ = nullptr;    ///< the same, where the page moves the finger
   WebXrTracker* webxr_tracker_ = nullptr;  ///< the same, where a headset does
 };

@@ -78,6 +78,9 @@ void SceneRun::open_recording() {
     if (record.samples.size() > largest.samples.size()) largest.samples = record.samples;
   }
   RecordingInfo info = recording_info(*setup_);
+  for (std::size_t i = 0; i < fingers_.size(); ++i) {
+    info.fingers[i].poses = fingers_[i]->tracker.conditioning();
+  }
   info.live = mode_ == Mode::kLive;
   info.with_state = record_state_;
   recording_ = std::make_unique<RecordingWriter>(

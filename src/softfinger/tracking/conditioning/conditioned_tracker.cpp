@@ -1,9 +1,12 @@
 #include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "softfinger/base/units.hpp"
 #include "softfinger/tracking/conditioning/interpolated_tracker.hpp"
 
 namespace softfinger {
@@ -67,6 +70,17 @@ std::unique_ptr<Tracker> conditioned(std::unique_ptr<Tracker> source,
   }
   if (sent && !conditioning.lead) source = std::make_unique<InterpolatedTracker>(std::move(source));
   return source;
+}
+
+std::string conditioning_text(const PoseConditioning& conditioning, bool sent) {
+  std::string text = conditioning.filter ? "filtered" : "";
+  const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
+  if (conditioning.lead) {
+    add(fmt::format("carried on by {} ms", *conditioning.lead / ms));
+  } else if (sent) {
+    add("interpolated");
+  }
+  return text;
 }
 
 }  // namespace softfinger

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "softfinger/tracking/conditioning/one_euro_filter.hpp"
 #include "softfinger/tracking/tracker.hpp"
@@ -52,5 +53,9 @@ class ConditionedTracker final : public Tracker {
 /// carries them on.
 [[nodiscard]] std::unique_ptr<Tracker> conditioned(std::unique_ptr<Tracker> source,
                                                    const PoseConditioning& conditioning, bool sent);
+
+/// What that makes of poses, for who reads a recording: "interpolated", "filtered, interpolated",
+/// "carried on by 20 ms"; empty: they are as they came.
+[[nodiscard]] std::string conditioning_text(const PoseConditioning& conditioning, bool sent);
 
 }  // namespace softfinger
