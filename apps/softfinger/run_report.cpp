@@ -111,6 +111,7 @@ std::string run_report_text(const RunSummary& summary) {
   text += line("step, CPU time", all.step_cpu_time);
   text += line("step, wall time", all.step_wall_time);
   text += line("match, CPU time", all.match_cpu_time);
+  if (all.pose_age.max() > 0.0) text += line("pose, age when used", all.pose_age);
   text += line("pose to command", all.latency);
   for (std::size_t i = 0; i < kLatencyStages; ++i) {
     text += line(fmt::format("  {}", kLatencyStageNames[i].name).c_str(), all.stages.all()[i]);

@@ -29,7 +29,7 @@ std::int64_t CountHistogram::percentile(double percent) const {
 void FingerSummary::add(const StepRecord& step) {
   step_cpu_time.add(step.cpu_time);
   step_wall_time.add(step.wall_time);
-  pose_age.add(step.time - step.tracked.time);
+  if (step.tracked.valid) pose_age.add(step.time - step.tracked.time);
   iterations.add(step.iterations);
   if (!step.converged) ++unconverged_steps;
   max_contact_area = std::max(max_contact_area, step.contact_area);

@@ -40,7 +40,7 @@ struct FingerSummary {
   Histogram match_cpu_time;  ///< s, device thread
   Histogram latency;         ///< s, arrival of the pose used by the step to the formed command
   StageHistograms stages;    ///< s
-  Histogram pose_age;        ///< s, age of the pose used at the end of the step
+  Histogram pose_age;        ///< s, at the end of each tracked step, of the pose that it used
   CountHistogram iterations;
   std::uint64_t unconverged_steps = 0;
   std::uint64_t commands_sent = 0;
