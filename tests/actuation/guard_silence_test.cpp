@@ -51,6 +51,18 @@ TEST(GuardSilence, OneInADriverHangsAfterAQuarterOfASecondAndTenLooks) {
   EXPECT_EQ(look_that_tells(late, ProcessState::kInDriver, 1.0, 40), 10);
 }
 
+TEST(GuardSilence, ItsBoundsAreTooLong) {
+  GuardSilence silence;
+  silence.begin(kBeat, 0.0);
+  EXPECT_TRUE(
+      silence.hangs(GuardSilence::kLongest, ProcessState::kRunning, GuardSilence::kSpinning));
+  EXPECT_EQ(look_that_tells(silence, ProcessState::kAsleep, GuardSilence::kLongest, 4), 4);
+  for (int look = 1; look < GuardSilence::kLooksInDriver; ++look) {
+    EXPECT_FALSE(silence.hangs(GuardSilence::kInDriver, ProcessState::kInDriver, 0.0));
+  }
+  EXPECT_TRUE(silence.hangs(GuardSilence::kInDriver, ProcessState::kInDriver, 0.0));
+}
+
 TEST(GuardSilence, OneThatRunsHangsOnlyByWhatItUsesOfAProcessor) {
   GuardSilence silence;
   silence.begin(kBeat, 5.0);

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <random>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "lever_line.hpp"
 #include "softfinger/motors/maestro/maestro_emulator.hpp"
@@ -97,6 +99,53 @@ TEST_F(SilentMaestro, GoesHomeByItselfAndNothingGoesOnBeforeARelease) {
   });
   line_.run(5.0);
   EXPECT_EQ(looks_, 4);
+}
+
+// The bus is silent for a little more than the device file says.
+TEST_F(SilentMaestro, ABoardThatIsMorePatientIsNotOpened) {
+  for (const double patience : {0.21, 0.25, 0.5}) {
+    SimulatedLine line(device_);
+    std::vector<EmulatedServo> servos;
+    for (const ServoSettings& servo : device_->settings().transport->servos) {
+      servos.push_back({.channel = servo.channel, .initial_setpoint = servo.zero, .rate = 1.0});
+    }
+    auto maestro =
+        std::make_unique<MaestroEmulator>(servos, MaestroBoard{.serial_timeout = patience});
+    Board board;
+    board.commands = [&it = *maestro] { return it.targets_set(); };
+    board.target = [&](std::size_t) { return 6000; };
+    board.bus = std::move(maestro);
+    line.plug_in(board);
+    line.wanted = [this](double) { return pressing_; };
+    line.at(1.0, [&] {
+      ++looks_;
+      EXPECT_EQ(line.channel().connected.load(), patience < 0.24) << patience;
+    });
+    line.run(1.5);
+  }
+  EXPECT_EQ(looks_, 3);
+}
+
+/// Servos that say nothing any more, after the port was gone: nobody waits for their answers.
+TEST_F(SpoiltMaestro, OneThatIsMuteAtItsReturnIsLedAllTheSame) {
+  line_.wanted = [this](double) { return pressing_; };
+  line_.at(1.0, [this] { line_.unplug(); });
+  line_.at(1.2, [this] {
+    line_.from_board = [](SimulatedLine::Bytes& bytes) { bytes.clear(); };
+    line_.plug_in(board_);
+  });
+  line_.at(6.0, [this] {
+    ++looks_;
+    EXPECT_TRUE(line_.channel().connected.load());
+    EXPECT_LE(away(pressing_), 0.3 * deg);
+  });
+  line_.at(6.1, [this] { line_.wanted = [this](double) { return device_->home(); }; });
+  line_.at(9.0, [this] {
+    ++looks_;
+    EXPECT_LE(away(device_->home()), 0.3 * deg);
+  });
+  line_.run(9.5);
+  EXPECT_EQ(looks_, 2);
 }
 
 // Before there is anything to say the line speaks all the same.

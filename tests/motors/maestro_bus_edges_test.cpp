@@ -125,6 +125,15 @@ TEST(MaestroBusEdges, TheLastOfSeveralAnswersCounts) {
   EXPECT_EQ(positions, (std::array<std::int32_t, 2>{7000, 7001}));
 }
 
+TEST(MaestroBusEdges, WhatCameBeforeAQuestionIsNoAnswer) {
+  const BareTerminal terminal;
+  MaestroBus bus(maestro_with({servo_on(3), servo_on(7)}));
+  const int held = ::open(terminal.port().c_str(), O_RDWR | O_NOCTTY);
+  terminal.say({0x70, 0x17, 0x00, 0x00});
+  EXPECT_EQ(bus.open(terminal.port()), "") << "it has not answered, as a line of one direction";
+  ::close(held);
+}
+
 TEST(MaestroBusEdges, HalfAnAnswerIsNone) {
   const BareTerminal terminal;
   MaestroBus bus(maestro_with({servo_on(3), servo_on(7)}));
@@ -167,6 +176,9 @@ TEST(MaestroBusEdges, SendsLimitsWhenItOpensAndAgainWherePulsesHadStopped) {
   }
   EXPECT_EQ(sent(15 + limits.size()), 15U + limits.size()) << "limits go first";
   EXPECT_EQ(sent(16), 16U) << "once";
+  terminal.say(answer_of({6000, 6000, 6000, 0, 0}));
+  EXPECT_FALSE(takes(bus, positions));
+  EXPECT_EQ(sent(16), 16U) << "and no more for pulses that have not come back";
 }
 
 // Bits of the error register: those of the line, and those of a script on the board.

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "../support/maestro_terminal.hpp"
@@ -102,6 +103,26 @@ TEST(MaestroSettings, ATimeoutThatIsOffOrLongerIsRefused) {
     EXPECT_EQ(same.open(maestro.port()), "");
     EXPECT_TRUE(answers_in_time(same));
     EXPECT_EQ(same.complaints(0), 0) << "what was tried is of the past";
+  }
+}
+
+// In a tick each servo is sent 4 bytes, asked by 2 and answers 2; the errors take 3 more. A
+// command's checksum is one.
+TEST(MaestroSettings, ARateThatTheBaudCarriesIsTakenAndNoHigherOne) {
+  const auto is_taken = [](bool crc, double rate) {
+    TransportSettings transport = transport_with(crc, 0.0, rate);
+    transport.baud = 9600;
+    try {
+      const MaestroBus bus(transport);
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  };
+  for (const auto& [crc, bytes] : {std::pair(false, 2 * 8 + 3), std::pair(true, 2 * 10 + 4)}) {
+    const double most = 960.0 / bytes;
+    EXPECT_TRUE(is_taken(crc, 0.999 * most)) << crc;
+    EXPECT_FALSE(is_taken(crc, 1.001 * most)) << crc;
   }
 }
 

@@ -77,7 +77,7 @@ void ServoLine::wait_until(TimePoint due) {
 }
 
 std::string ServoLine::open() {
-  if (fresh_ever_ || channel_.commands_sent != 0) bus_->lead_those_left();
+  if (channel_.commands_sent != 0) bus_->lead_those_left();
   std::string reason = bus_->open(options_.port);
   if (!reason.empty()) return reason;
   ramp_.end();

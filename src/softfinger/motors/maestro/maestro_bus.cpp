@@ -163,7 +163,6 @@ std::string MaestroBus::check_pace() {
 
 std::string MaestroBus::open(const std::string& port) {
   std::string reason = port_.open(port, baud_);
-  port_.discard_input();
   answers_ = false;
   pulses_ = false;
   limits_due_ = false;
