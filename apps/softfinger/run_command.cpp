@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "commands.hpp"
 #include "port_option.hpp"
@@ -17,6 +18,7 @@
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/session/live_session.hpp"
+#include "softfinger/session/scene_load.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/viewer/server.hpp"
 #include "stop_signal.hpp"
@@ -98,8 +100,8 @@ void check(const RunFlags& flags) {
   }
 }
 
-RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
-                    const RunObserver& observer) {
+RunSummary run_live(const RunFlags& flags, std::shared_ptr<const RunSetup> setup,
+                    const std::atomic<bool>& stop, const RunObserver& observer) {
   ServerOptions server_options;
   server_options.port = flags.port;
   if (flags.listen) server_options.address = *flags.listen;
@@ -107,7 +109,7 @@ RunSummary run_live(const RunFlags& flags, const std::atomic<bool>& stop,
   if (flags.token) server_options.token = AccessToken::read(*flags.token);
   server_options.certificate = flags.certificate;
   server_options.plain_http = flags.plain_http;
-  LiveSession session(flags.options, flags.repeat);
+  LiveSession session(std::move(setup), flags.options, flags.repeat);
   const Server server(session, server_options);
   fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
   std::fflush(stdout);
@@ -141,8 +143,17 @@ void run(RunFlags flags) {
       if (end && *end > 0.0) bar.show(time / *end);
     };
   }
-  const RunSummary summary = flags.headless ? run_headless(flags.options, stop, observer)
-                                            : run_live(flags, stop, observer);
+  std::shared_ptr<const RunSetup> setup = load_unless_stopped(flags.options, stop);
+  bar.clear();
+  RunSummary summary;
+  if (!setup) {
+    observer.message("ended while the scene was loading");
+    if (!flags.json) return;
+  } else if (flags.headless) {
+    summary = run_headless(std::move(setup), flags.options, stop, observer);
+  } else {
+    summary = run_live(flags, std::move(setup), stop, observer);
+  }
   bar.clear();
   for (const std::string& remark : summary.remarks) observer.message(remark);
   if (flags.json) {

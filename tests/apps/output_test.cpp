@@ -4,11 +4,13 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "help_text.hpp"
@@ -125,10 +127,15 @@ TEST_F(Commands, OutputThatIsLostIsAFailure) {
 }
 
 TEST_F(Commands, OutputThatIsLostWhileItServes) {
+  const std::string served = place.path("served.db");
   for (const Words& words : {Words{"emulate", "natnet", place.path("poses.csv"), "--port", "0"},
-                             Words{"run", scene, "--port", "0", "--no-twin"}}) {
+                             Words{"run", scene, "--port", "0", "--no-twin", "--record", served}}) {
     RunningProgram program(words, R"(echo ready >&2; exec "$@" >/dev/full)");
     ASSERT_TRUE(program.says("ready", 10.0));
+    const bool records = words.front() == "run";
+    for (int i = 0; i < 2000 && records && !std::filesystem::exists(served); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
     EXPECT_FALSE(program.says("no such text", 1.5));
     const ProgramRun run = program.stop(SIGINT);
     EXPECT_EQ(run.status, 1) << run.errors;

@@ -37,6 +37,7 @@ class RunningProgram {
   [[nodiscard]] bool says(const std::string& text, double seconds);
   /// What it has written to stdout so far.
   [[nodiscard]] std::string output() const;
+  [[nodiscard]] int process() const { return process_; }
   /// Sends the signal (0: none) and waits for the end.
   ProgramRun stop(int signal);
 

@@ -12,8 +12,12 @@
 #include <vector>
 
 #include "generated_mesh.hpp"
+#include "softfinger/base/error.hpp"
 #include "softfinger/geometry/grid_cache.hpp"
 #include "softfinger/geometry/mesh_drawing.hpp"
+#include "softfinger/geometry/mesh_file.hpp"
+#include "softfinger/geometry/triangle_tree.hpp"
+#include "softfinger/geometry/vertex_weld.hpp"
 
 namespace softfinger {
 namespace {
@@ -67,6 +71,43 @@ class MeshShapeFile : public testing::Test {
   fs::path file_;
   MeshShape shape_;
 };
+
+// Wherever the end is asked for, the last thing before the cache is written included.
+TEST_F(MeshShapeFile, EndsWhenNobodyWantsItAndLeavesNothing) {
+  for (const double end : {0.0, 0.15, 0.5, 1.0}) {
+    std::stop_source source;
+    const LoadObserver observer{.progress =
+                                    [&](double fraction) {
+                                      if (fraction >= end) source.request_stop();
+                                    },
+                                .message = {},
+                                .stop = source.get_token()};
+    EXPECT_THROW(static_cast<void>(load_mesh_shape(file_, {.edge_rounding = kRounding}, observer)),
+                 InputError)
+        << end;
+    EXPECT_TRUE(kept().empty()) << end;
+  }
+  EXPECT_TRUE(builds());
+  ASSERT_EQ(kept().size(), 1U);
+  std::stop_source source;
+  source.request_stop();
+  const GridKey key{read_mesh_source(file_).hash, 1e-3, 0.5 * kRounding, 6e-3};
+  EXPECT_TRUE(read_grid_cache(kept()[0], key));
+  EXPECT_THROW(static_cast<void>(read_grid_cache(kept()[0], key, source.get_token())), InputError);
+}
+
+// What takes seconds for millions of triangles.
+TEST(MeshWork, EndsWhenNobodyWantsIt) {
+  const TriangleMesh mesh = torus_mesh(0.02, 0.008, 120, 60);
+  const ClosedSurface surface = closed_surface(mesh, "torus");
+  std::stop_source source;
+  source.request_stop();
+  const std::stop_token stop = source.get_token();
+  EXPECT_THROW(static_cast<void>(welded(mesh, 1e-9, stop)), InputError);
+  EXPECT_THROW(static_cast<void>(closed_surface(mesh, "torus", stop)), InputError);
+  EXPECT_THROW(TriangleTree(surface, stop), InputError);
+  EXPECT_THROW(static_cast<void>(drawing_of(mesh, 100, stop)), InputError);
+}
 
 TEST_F(MeshShapeFile, IsBuiltOnceAndKeptBitForBit) {
   EXPECT_TRUE(builds());

@@ -1,4 +1,5 @@
-// Another scene loads while a run goes on: what else is asked for does not wait for it.
+// A scene loads, the first one or another while a run goes on: what else is asked for does not wait
+// for it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +16,9 @@
 #include "../support/child_process.hpp"
 #include "../support/large_mesh.hpp"
 #include "../support/scenes_without_force_limit.hpp"
+#include "softfinger/base/error.hpp"
 #include "softfinger/session/live_session.hpp"
+#include "softfinger/session/scene_load.hpp"
 
 namespace softfinger {
 namespace {
@@ -71,6 +74,44 @@ class SceneThatLoads : public testing::Test {
   std::chrono::steady_clock::time_point stopped_;
   std::chrono::steady_clock::duration took_{};
 };
+
+TEST_F(SceneThatLoads, EndsTheFirstTimeAsSoon) {
+  options_.scene = scenes_.scene("endless");
+  std::thread person([&] {
+    const pid_t import = child_of(::getpid());
+    EXPECT_GT(import, 0);
+    EXPECT_EQ(::kill(import, SIGSTOP), 0);
+    stopped_ = std::chrono::steady_clock::now();
+    stop_ = true;
+  });
+  const RunSummary summary = run_headless(options_, stop_);
+  took_ = std::chrono::steady_clock::now() - stopped_;
+  person.join();
+  EXPECT_LT(took_, 10s);
+  EXPECT_EQ(summary.steps, 0);
+  EXPECT_TRUE(summary.fingers.empty());
+}
+
+// A finger's mesh and the table of a device's force limit take their time as well.
+TEST(FirstLoad, EndsAmongFingersAndDevices) {
+  RunOptions options;
+  options.scene = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes/hand.toml";
+  std::atomic<bool> stop{false};
+  std::chrono::steady_clock::time_point stopped;
+  std::thread person([&] {
+    std::this_thread::sleep_for(150ms);
+    stopped = std::chrono::steady_clock::now();
+    stop = true;
+  });
+  EXPECT_EQ(load_unless_stopped(options, stop), nullptr);
+  const auto took = std::chrono::steady_clock::now() - stopped;
+  person.join();
+  EXPECT_LT(took, 5s);
+  EXPECT_EQ(load_unless_stopped(options, stop), nullptr);
+  options.scene = "no such scene";
+  stop = false;
+  EXPECT_THROW(static_cast<void>(load_unless_stopped(options, stop)), InputError);
+}
 
 TEST_F(SceneThatLoads, DoesNotKeepAProgramFromEnding) {
   run(true, [](LiveSession& session) { load_endless(session); });

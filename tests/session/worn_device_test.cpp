@@ -142,5 +142,16 @@ TEST_F(WornDevice, RefusesAnAdvanceThatLeadsAway) {
   }
 }
 
+TEST_F(WornDevice, IsNoLongerLookedAtWhereNobodyWantsIt) {
+  std::stop_source source;
+  source.request_stop();
+  try {
+    static_cast<void>(worn_on(*finger("index"), device("thimble-3rrs"), source.get_token()));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("is no longer wanted"));
+  }
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/stop_check.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/rest_skin.hpp"
 #include "softfinger/threads/parallel_for.hpp"
@@ -135,7 +136,7 @@ Pressing press(Twin& twin, const Advance& advance, const Configuration& q) {
 /// it feels that nowhere. The device comes from afar, in steps that its solid cannot jump the skin
 /// by.
 double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Span& span,
-                  double max_force) {
+                  double max_force, const std::stop_token& stop) {
   twin.reset();
   const double tolerance = kAdvanceTolerance / advance.metric;
   const double longest = kMarch / advance.metric;
@@ -146,6 +147,7 @@ double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Spa
   while (true) {
     advance.set(value, q);
     const Pressing pressing = press(twin, advance, q);
+    StopCheck::now(stop);  // then it was broken off, and says nothing
     if (pressing.force > max_force) {
       high = value;
       if (value == span.min) return span.min;
@@ -244,16 +246,18 @@ class Grid {
 /// how many there are at a time.
 std::vector<double> depths(const Grid& grid, const std::shared_ptr<const FingerModel>& wearer,
                            const std::shared_ptr<const Device>& device, const Advance& advance,
-                           const TravelCeiling& skin, double max_force) {
+                           const TravelCeiling& skin, double max_force,
+                           const std::stop_token& stop) {
   std::vector<double> values(grid.size(), kMissing);
   parallel_for(grid.size() / grid.line(), [&](std::size_t line) {
     Twin twin(wearer, device);
+    twin.heed(stop);
     for (std::size_t point = line * grid.line(); point < (line + 1) * grid.line(); ++point) {
       Configuration q = device->home();
       grid.set(point, q);
       const Span span = advance_span(*device, advance, q);
       if (!(span.max > span.min)) continue;
-      const double ceiling = ceiling_at(twin, q, advance, span, max_force);
+      const double ceiling = ceiling_at(twin, q, advance, span, max_force, stop);
       if (std::isnan(ceiling)) continue;
       advance.set(ceiling, q);
       values[point] = skin.depth(q);
@@ -325,7 +329,7 @@ std::shared_ptr<const FingerModel> stiffest_wearer(const FingerModel& model) {
 }
 
 TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<const Device>& device,
-                            double max_force) {
+                            double max_force, const std::stop_token& stop) {
   if (!device->advances()) {
     throw InputError(
         "cannot be kept, no coordinate of this device is known to move its surface towards the "
@@ -341,12 +345,12 @@ TravelCeiling force_ceiling(const FingerModel& model, const std::shared_ptr<cons
   const double force = (aside ? kReserveAside : kReserve) * max_force;
   const std::vector<Vector3> rest_skin = rest_skin_points(model);
   const TravelCeiling skin(device, rest_skin, {}, {kNoLimit});
-  std::vector<double> values = depths(nodes, wearer, device, advance, skin, force);
+  std::vector<double> values = depths(nodes, wearer, device, advance, skin, force, stop);
   fill_missing(nodes, values);
   if (!axes.empty()) {
     const Grid cells(axes, true);
-    values =
-        least_around(nodes, cells, depths(cells, wearer, device, advance, skin, force), values);
+    values = least_around(nodes, cells, depths(cells, wearer, device, advance, skin, force, stop),
+                          values);
   }
   TravelCeiling ceiling(device, rest_skin, axes, values);
   for (const Configuration& q : {device->home(), device->retracted()}) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 
 #include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/finger/finger_model.hpp"
@@ -18,9 +19,9 @@ inline constexpr double kStiffestWearer = 1.5;
 /// the least of what is found there, next to them and half-way, so that interpolation errs low.
 /// Moves the device to poses that its limits exclude, where its linkage closes there. Uses all
 /// cores. Throws InputError where nothing advances the device, or where it presses harder at home
-/// or retracted.
+/// or retracted, and when `stop` asks for an end.
 [[nodiscard]] TravelCeiling force_ceiling(const FingerModel& model,
                                           const std::shared_ptr<const Device>& device,
-                                          double max_force);
+                                          double max_force, const std::stop_token& stop = {});
 
 }  // namespace softfinger

@@ -6,10 +6,12 @@
 #include <fstream>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/stop_check.hpp"
 
 namespace softfinger {
 
-std::string read_text_file(const std::filesystem::path& file, std::size_t max_size) {
+std::string read_text_file(const std::filesystem::path& file, std::size_t max_size,
+                           const std::stop_token& stop) {
   const auto fail = [&](std::string_view message) {
     throw InputError(fmt::format("{}: {}", file.string(), message));
   };
@@ -22,6 +24,7 @@ std::string read_text_file(const std::filesystem::path& file, std::size_t max_si
   std::string text;
   std::array<char, 1 << 16> buffer;
   while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0) {
+    StopCheck::now(stop);
     text.append(buffer.data(), static_cast<std::size_t>(stream.gcount()));
     if (text.size() > max_size) fail(fmt::format("is larger than {} MB", max_size >> 20));
   }

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/stop_check.hpp"
 #include "softfinger/base/units.hpp"
 
 namespace softfinger {
@@ -22,7 +23,7 @@ struct Side {
   bool forward;  ///< the triangle runs from low to high
 };
 
-std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
+std::vector<Side> sorted_sides(const TriangleMesh& mesh, StopCheck& check) {
   std::vector<Side> sides;
   sides.reserve(3 * mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -33,20 +34,22 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
                        static_cast<int>(k), from < to});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+  std::sort(sides.begin(), sides.end(), [&](const Side& a, const Side& b) {
+    check();
     return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
   });
   return sides;
 }
 
-void link_neighbours(ClosedSurface& surface, const std::string& source) {
-  const std::vector<Side> sides = sorted_sides(surface.mesh);
+void link_neighbours(ClosedSurface& surface, const std::string& source, StopCheck& check) {
+  const std::vector<Side> sides = sorted_sides(surface.mesh, check);
   std::size_t open = 0;
   std::size_t branching = 0;
   std::size_t turned = 0;
   std::array<Vector3, 3> at{Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};
   surface.neighbours.resize(surface.mesh.triangles.size());
   for (std::size_t i = 0; i < sides.size();) {
+    check();
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].low == sides[i].low &&
            sides[end].high == sides[i].high) {
@@ -90,7 +93,7 @@ void link_neighbours(ClosedSurface& surface, const std::string& source) {
   }
 }
 
-void find_parts(ClosedSurface& surface) {
+void find_parts(ClosedSurface& surface, StopCheck& check) {
   surface.part.assign(surface.mesh.triangles.size(), -1);
   std::vector<int> waiting;
   for (std::size_t seed = 0; seed < surface.part.size(); ++seed) {
@@ -102,6 +105,7 @@ void find_parts(ClosedSurface& surface) {
     surface.part[seed] = part;
     waiting.push_back(static_cast<int>(seed));
     while (!waiting.empty()) {
+      check();
       const int t = waiting.back();
       waiting.pop_back();
       volume += (surface.corner(t, 0) - origin)
@@ -124,12 +128,14 @@ std::string place_in_mm(const Vector3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) mm", p.x() / mm, p.y() / mm, p.z() / mm);
 }
 
-ClosedSurface closed_surface(TriangleMesh mesh, const std::string& source) {
+ClosedSurface closed_surface(TriangleMesh mesh, const std::string& source,
+                             const std::stop_token& stop) {
+  StopCheck check(stop);
   ClosedSurface surface;
   surface.mesh = std::move(mesh);
   if (surface.mesh.triangles.empty()) throw InputError(source + ": has no triangles");
-  link_neighbours(surface, source);
-  find_parts(surface);
+  link_neighbours(surface, source, check);
+  find_parts(surface, check);
   double volume = 0.0;
   for (const double part : surface.part_volume) volume += part;
   if (volume < 0.0) {

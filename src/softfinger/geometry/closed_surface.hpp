@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct ClosedSurface {
 
 /// Takes a welded mesh. Throws InputError, one line that begins with `source`, where the surface is
 /// open, branches, changes its orientation, encloses no volume or is inside out; places are in mm.
-[[nodiscard]] ClosedSurface closed_surface(TriangleMesh mesh, const std::string& source);
+/// And when `stop` asks for an end.
+[[nodiscard]] ClosedSurface closed_surface(TriangleMesh mesh, const std::string& source,
+                                           const std::stop_token& stop = {});
 
 }  // namespace softfinger

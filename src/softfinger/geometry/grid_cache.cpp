@@ -14,6 +14,7 @@
 #include <type_traits>
 
 #include "softfinger/base/hash.hpp"
+#include "softfinger/base/stop_check.hpp"
 #include "softfinger/files/whole_file.hpp"
 
 namespace softfinger {
@@ -25,6 +26,19 @@ using Content = SignedDistanceGrid::Content;
 /// Changes whenever the layout of the file or the way grids are made does.
 constexpr std::array<char, 8> kMagic{'s', 'f', 'g', 'r', 'i', 'd', '0', '1'};
 constexpr std::uint64_t kMostLevels = 32;
+/// Values that go in or out between two looks at whether anybody wants them.
+constexpr std::size_t kValuesALook = std::size_t{1} << 20;
+
+template <typename T, typename Take>
+bool in_pieces(std::span<T> values, const std::stop_token& stop, const Take& take) {
+  while (!values.empty()) {
+    StopCheck::now(stop);
+    const std::size_t count = std::min(values.size(), kValuesALook);
+    if (!take(values.first(count))) return false;
+    values = values.subspan(count);
+  }
+  return true;
+}
 
 std::uint64_t hash_of(const GridKey& key) {
   return Hash()
@@ -39,7 +53,7 @@ std::uint64_t hash_of(const GridKey& key) {
 /// Writes values and hashes them on the way.
 class Writer {
  public:
-  explicit Writer(std::ostream& stream) : stream_(stream) {}
+  Writer(std::ostream& stream, const std::stop_token& stop) : stream_(stream), stop_(stop) {}
 
   template <typename T>
   requires(std::is_arithmetic_v<T>) void put(const T& value) { put(std::span<const T>(&value, 1)); }
@@ -52,7 +66,10 @@ class Writer {
   template <typename T>
   void put_vector(const std::vector<T>& values) {
     put(static_cast<std::uint64_t>(values.size()));
-    put(std::span<const T>(values));
+    in_pieces(std::span<const T>(values), stop_, [&](std::span<const T> piece) {
+      put(piece);
+      return true;
+    });
   }
   void put(const Eigen::AlignedBox3d& box) {
     put(std::span<const double>(box.min().data(), 3));
@@ -65,13 +82,15 @@ class Writer {
 
  private:
   std::ostream& stream_;
+  const std::stop_token& stop_;
   Hash hash_;
 };
 
 /// Reads the same; never takes a size for granted that the rest of the file cannot have.
 class Reader {
  public:
-  explicit Reader(const fs::path& file) : stream_(file, std::ios::binary) {
+  Reader(const fs::path& file, const std::stop_token& stop)
+      : stream_(file, std::ios::binary), stop_(stop) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
     left_ = error || !stream_ ? 0 : static_cast<std::uint64_t>(size);
@@ -95,7 +114,7 @@ class Reader {
     std::uint64_t size = 0;
     if (!get(size) || size > left_ / sizeof(T)) return false;
     values.resize(size);
-    return get(std::span<T>(values));
+    return in_pieces(std::span<T>(values), stop_, [&](std::span<T> piece) { return get(piece); });
   }
   [[nodiscard]] bool get(Eigen::AlignedBox3d& box) {
     return get(std::span<double>(box.min().data(), 3)) &&
@@ -109,6 +128,7 @@ class Reader {
 
  private:
   std::ifstream stream_;
+  const std::stop_token& stop_;
   std::uint64_t left_ = 0;
   Hash hash_;
 };
@@ -241,19 +261,21 @@ fs::path grid_cache_file(const fs::path& mesh_file, const GridKey& key) {
   return folder / fmt::format("{}-{:016x}.grid", name.string(), hash_of(key));
 }
 
-std::optional<Content> read_grid_cache(const fs::path& file, const GridKey& key) {
-  Reader reader(file);
+std::optional<Content> read_grid_cache(const fs::path& file, const GridKey& key,
+                                       const std::stop_token& stop) {
+  Reader reader(file, stop);
   Content content;
   if (!read(reader, key, content)) return {};
   return content;
 }
 
-bool write_grid_cache(const fs::path& file, const GridKey& key, const Content& content) {
+bool write_grid_cache(const fs::path& file, const GridKey& key, const Content& content,
+                      const std::stop_token& stop) {
   if (file.empty()) return false;
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   return write_file_whole(file, [&](std::ostream& stream) {
-    Writer writer(stream);
+    Writer writer(stream, stop);
     write(writer, key, content);
   });
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 
 #include "softfinger/geometry/signed_distance_grid.hpp"
 
@@ -26,12 +27,14 @@ struct GridKey {
                                                     const GridKey& key);
 
 /// A grid kept for this key; empty where there is none, or what is there is damaged or another's.
+/// Throws InputError when `stop` asks for an end.
 [[nodiscard]] std::optional<SignedDistanceGrid::Content> read_grid_cache(
-    const std::filesystem::path& file, const GridKey& key);
+    const std::filesystem::path& file, const GridKey& key, const std::stop_token& stop = {});
 
 /// Writes it in one go: whoever reads at the same time sees the old file or the new one. False
-/// where it cannot be written.
+/// where it cannot be written. Throws InputError when `stop` asks for an end, and leaves nothing.
 [[nodiscard]] bool write_grid_cache(const std::filesystem::path& file, const GridKey& key,
-                                    const SignedDistanceGrid::Content& content);
+                                    const SignedDistanceGrid::Content& content,
+                                    const std::stop_token& stop = {});
 
 }  // namespace softfinger

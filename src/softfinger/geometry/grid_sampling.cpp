@@ -43,22 +43,26 @@ class LevelSampler {
       : tree_(tree), content_(content), l_(l), level_(content.levels[l]) {}
 
   /// Chooses among the candidates the places that the band about the surface reaches.
-  [[nodiscard]] std::vector<Place> in_band(const std::vector<Place>& candidates) const {
+  [[nodiscard]] std::vector<Place> in_band(const std::vector<Place>& candidates,
+                                           const Progress& progress) const {
     // A spacing more: what decides are the distances of the next level.
     const double reach =
         (SignedDistanceGrid::kBandEnd + 1.0 + 0.5 * kProbe * std::numbers::sqrt3) * level_.spacing;
     std::vector<char> chosen(candidates.size());
-    parallel_for(candidates.size(), [&](std::size_t i) {
-      constexpr int kProbes = kCells / kProbe;
-      for (int n = 0; n < kProbes * kProbes * kProbes && chosen[i] == 0; ++n) {
-        const Vector3 centre =
-            (kCells * vector(candidates[i]) +
-             kProbe * (vector({n % kProbes, n / kProbes % kProbes, n / (kProbes * kProbes)}) +
-                       Vector3::Constant(0.5))) *
-            level_.spacing;
-        if (std::abs(coarser(centre)) <= reach) chosen[i] = 1;
-      }
-    });
+    parallel_for(
+        candidates.size(),
+        [&](std::size_t i) {
+          constexpr int kProbes = kCells / kProbe;
+          for (int n = 0; n < kProbes * kProbes * kProbes && chosen[i] == 0; ++n) {
+            const Vector3 centre =
+                (kCells * vector(candidates[i]) +
+                 kProbe * (vector({n % kProbes, n / kProbes % kProbes, n / (kProbes * kProbes)}) +
+                           Vector3::Constant(0.5))) *
+                level_.spacing;
+            if (std::abs(coarser(centre)) <= reach) chosen[i] = 1;
+          }
+        },
+        progress);
     std::vector<Place> places;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (chosen[i] != 0) places.push_back(candidates[i]);
@@ -242,7 +246,13 @@ SignedDistanceGrid::Content sample_distance(const ClosedSurface& surface, const 
   for (std::size_t l = content.levels.size(); l-- > 0;) {
     GridLevel& level = content.levels[l];
     LevelSampler sampler(tree, content, l);
-    if (l + 1 < content.levels.size()) places = sampler.in_band(children(places, level.blocks));
+    // Each level has about four times the samples of the next.
+    const double end = std::pow(0.25, static_cast<double>(l));
+    const Progress begun = [&](double) { progress(0.25 * end); };
+    const Progress part = [&](double f) { progress(end * (0.25 + 0.75 * f)); };
+    if (l + 1 < content.levels.size()) {
+      places = sampler.in_band(children(places, level.blocks), progress ? begun : Progress());
+    }
     // The next level would have about four times as many.
     const double finest =
         static_cast<double>(places.size()) * std::pow(4.0, static_cast<double>(l));
@@ -253,9 +263,6 @@ SignedDistanceGrid::Content sample_distance(const ClosedSurface& surface, const 
           source, spacing / mm,
           1.2 * std::sqrt(finest / static_cast<double>(kMostBlocks)) * spacing / mm));
     }
-    // Each level has about four times the samples of the next.
-    const double end = std::pow(0.25, static_cast<double>(l));
-    const Progress part = [&](double f) { progress(end * (0.25 + 0.75 * f)); };
     sampler.sample(places, progress ? part : Progress());
   }
   return content;

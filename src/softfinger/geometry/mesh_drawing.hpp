@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stop_token>
 
 #include "softfinger/geometry/triangle_mesh.hpp"
 
@@ -8,6 +9,8 @@ namespace softfinger {
 
 /// The mesh, or where it has more than `most` triangles one with fewer for drawing: vertices in the
 /// same cell of a grid become one, their mean (Rossignac and Borrel 1993).
-[[nodiscard]] TriangleMesh drawing_of(const TriangleMesh& mesh, std::size_t most);
+/// Throws InputError when `stop` asks for an end.
+[[nodiscard]] TriangleMesh drawing_of(const TriangleMesh& mesh, std::size_t most,
+                                      const std::stop_token& stop = {});
 
 }  // namespace softfinger

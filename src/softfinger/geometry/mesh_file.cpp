@@ -66,12 +66,12 @@ void check(const TriangleMesh& mesh) {
 
 }  // namespace
 
-MeshSource read_mesh_source(const fs::path& file) {
+MeshSource read_mesh_source(const fs::path& file, const std::stop_token& stop) {
   MeshSource source;
   source.file = file;
   source.format = mesh_format(file);
   const std::string name = file.filename().string();
-  std::string content = read_text_file(file, kMostMeshBytes);
+  std::string content = read_text_file(file, kMostMeshBytes, stop);
   Hash hash;
   const auto add = [&hash](const std::string& bytes) {
     hash.add(static_cast<std::uint64_t>(bytes.size()));
@@ -88,7 +88,7 @@ MeshSource read_mesh_source(const fs::path& file) {
         const auto [entry, is_new] = source.files.try_emplace(buffer);
         if (!is_new) continue;
         entry->second =
-            read_text_file(real.parent_path() / percent_decoded(buffer), kMostMeshBytes);
+            read_text_file(real.parent_path() / percent_decoded(buffer), kMostMeshBytes, stop);
         add(entry->second);
       }
     }
@@ -110,7 +110,7 @@ TriangleMesh triangles_of(const MeshSource& source, double unit, const std::stop
       p *= unit;
       bounds.extend(p);
     }
-    return welded(mesh, kSeam * bounds.diagonal().norm());
+    return welded(mesh, kSeam * bounds.diagonal().norm(), stop);
   } catch (const MeshRefusal& refusal) {
     throw InputError(fmt::format("{}: {}", source.file.string(), refusal.message));
   }

@@ -16,8 +16,10 @@ struct MeshSource {
 };
 
 /// Reads an OBJ, STL, PLY, glTF or GLB file as it is. Throws InputError where it is missing,
-/// unreadable, empty, larger than 1 GiB, or announces more than it has.
-[[nodiscard]] MeshSource read_mesh_source(const std::filesystem::path& file);
+/// unreadable, empty, larger than 1 GiB, or announces more than it has, and when `stop` asks for an
+/// end.
+[[nodiscard]] MeshSource read_mesh_source(const std::filesystem::path& file,
+                                          const std::stop_token& stop = {});
 
 /// Its triangles, welded, in m; `unit` is the file's, in m. Throws InputError where the file is
 /// broken, has no triangles, more than 5,000,000 of them, or coordinates that are not finite, takes

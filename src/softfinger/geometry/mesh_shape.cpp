@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "softfinger/base/error.hpp"
+#include "softfinger/base/stop_check.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/grid_cache.hpp"
 #include "softfinger/geometry/grid_sampling.hpp"
@@ -34,15 +34,16 @@ SignedDistanceGrid::Content build(const MeshSource& source, const GridKey& key,
   const std::string name = source.file.string();
   // Work that tells how far it is can be ended there.
   const Progress progress = [&](double fraction) {
-    if (observer.stop.stop_requested()) throw InputError(name + ": is no longer wanted");
+    StopCheck::now(observer.stop);
     if (observer.progress) observer.progress(fraction);
   };
-  const ClosedSurface surface = closed_surface(triangles_of(source, key.unit, observer.stop), name);
-  const TriangleTree tree(surface);
+  const ClosedSurface surface =
+      closed_surface(triangles_of(source, key.unit, observer.stop), name, observer.stop);
+  const TriangleTree tree(surface, observer.stop);
   check_surface(surface, tree, name, stretch(progress, 0.1, 0.2));
   SignedDistanceGrid::Content content =
       sample_distance(surface, tree, key.spacing, key.margin, name, stretch(progress, 0.2, 1.0));
-  content.drawing = drawing_of(surface.mesh, kMostDrawn);
+  content.drawing = drawing_of(surface.mesh, kMostDrawn, observer.stop);
   return content;
 }
 
@@ -51,18 +52,19 @@ SignedDistanceGrid::Content build(const MeshSource& source, const GridKey& key,
 std::shared_ptr<const SignedDistanceGrid> load_mesh_shape(const std::filesystem::path& file,
                                                           const MeshShapeOptions& options,
                                                           const LoadObserver& observer) {
-  const MeshSource source = read_mesh_source(file);
+  const MeshSource source = read_mesh_source(file, observer.stop);
   const GridKey key{source.hash, options.unit, options.edge_rounding / kSpacingsPerRounding,
                     kMargin};
   const std::filesystem::path cache = grid_cache_file(file, key);
   if (options.use_cache) {
-    if (auto kept = read_grid_cache(cache, key)) {
+    if (auto kept = read_grid_cache(cache, key, observer.stop)) {
       return std::make_shared<SignedDistanceGrid>(std::move(*kept), file, source.hash);
     }
   }
   SignedDistanceGrid::Content content = build(source, key, observer);
   if (observer.progress) observer.progress(1.0);
-  if (options.use_cache && !write_grid_cache(cache, key, content) && observer.message) {
+  const bool kept = !options.use_cache || write_grid_cache(cache, key, content, observer.stop);
+  if (!kept && observer.message) {
     observer.message(
         cache.empty()
             ? fmt::format("there is no folder for caches (HOME, XDG_CACHE_HOME), so the distance "

@@ -92,12 +92,15 @@ void refuse_crossings(const ClosedSurface& surface, const TriangleTree& tree,
 }
 
 /// Where two neighbours lie on each other nobody can say on which side of both a point is.
-void refuse_folds(const ClosedSurface& surface, const std::string& source) {
+void refuse_folds(const ClosedSurface& surface, const std::string& source,
+                  const Progress& progress) {
+  constexpr std::size_t kToldEvery = 4096;
   const auto normal = [&](int t) {
     const Vector3 edge = surface.corner(t, 1) - surface.corner(t, 0);
     return Vector3(edge.cross(surface.corner(t, 2) - surface.corner(t, 0)).normalized());
   };
   for (std::size_t i = 0; i < surface.neighbours.size(); ++i) {
+    if (progress && i % kToldEvery == 0) progress(0.0);
     const int t = static_cast<int>(i);
     const Vector3 own = normal(t);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -141,7 +144,7 @@ void refuse_nested_parts(const ClosedSurface& surface, const TriangleTree& tree,
 
 void check_surface(const ClosedSurface& surface, const TriangleTree& tree,
                    const std::string& source, const Progress& progress) {
-  refuse_folds(surface, source);
+  refuse_folds(surface, source, progress);
   refuse_crossings(surface, tree, source, progress);
   refuse_nested_parts(surface, tree, source);
 }

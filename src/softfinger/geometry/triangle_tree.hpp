@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <limits>
+#include <stop_token>
 #include <vector>
 
+#include "softfinger/base/stop_check.hpp"
 #include "softfinger/geometry/closed_surface.hpp"
 
 namespace softfinger {
@@ -12,7 +14,8 @@ namespace softfinger {
 /// the surface, which must outlive it. Queries allocate nothing and may run at the same time.
 class TriangleTree {
  public:
-  explicit TriangleTree(const ClosedSurface& surface);
+  /// Throws InputError when `stop` asks for an end.
+  explicit TriangleTree(const ClosedSurface& surface, const std::stop_token& stop = {});
 
   struct Closest {
     Vector3 point = Vector3::Zero();  ///< of the surface, m
@@ -78,10 +81,10 @@ class TriangleTree {
 
   static Candidate closest_on(const Leaf& leaf, const Vector3& p);
   [[nodiscard]] Vector3 pseudo_normal(const Candidate& candidate) const;
-  void compute_normals();
+  void compute_normals(StopCheck& check);
   void measure_bounds(Node& node) const;
-  void split(std::size_t node, int depth);
-  [[nodiscard]] std::int32_t partition(const Node& node);
+  void split(std::size_t node, int depth, StopCheck& check);
+  [[nodiscard]] std::int32_t partition(const Node& node, StopCheck& check);
 
   const ClosedSurface* surface_;
   std::vector<Node> nodes_;

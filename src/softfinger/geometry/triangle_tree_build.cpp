@@ -35,10 +35,13 @@ double angle_at(const Vector3& a, const Vector3& b, const Vector3& c) {
 
 }  // namespace
 
-TriangleTree::TriangleTree(const ClosedSurface& surface) : surface_(&surface) {
-  compute_normals();
+TriangleTree::TriangleTree(const ClosedSurface& surface, const std::stop_token& stop)
+    : surface_(&surface) {
+  StopCheck check(stop);
+  compute_normals(check);
   leaves_.reserve(surface.mesh.triangles.size());
   for (int t = 0; t < static_cast<int>(surface.mesh.triangles.size()); ++t) {
+    check();
     // All points of a flat triangle are on its neighbours too.
     const Leaf leaf{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2), t};
     const double longest =
@@ -49,15 +52,16 @@ TriangleTree::TriangleTree(const ClosedSurface& surface) : surface_(&surface) {
   nodes_.reserve(leaves_.size());
   nodes_.push_back(
       {.low = {}, .high = {}, .first = 0, .count = static_cast<std::int32_t>(leaves_.size())});
-  split(0, 0);
+  split(0, 0, check);
 }
 
-void TriangleTree::compute_normals() {
+void TriangleTree::compute_normals(StopCheck& check) {
   const TriangleMesh& mesh = surface_->mesh;
   face_normals_.assign(mesh.triangles.size(), Vector3::Zero());
   vertex_normals_.assign(mesh.positions.size(), Vector3::Zero());
   std::vector<int> flat;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+    check();
     const Vector3 corner[3] = {surface_->corner(t, 0), surface_->corner(t, 1),
                                surface_->corner(t, 2)};
     const Vector3 sides[3] = {corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]};
@@ -99,25 +103,25 @@ void TriangleTree::measure_bounds(Node& node) const {
   }
 }
 
-void TriangleTree::split(std::size_t index, int depth) {
+void TriangleTree::split(std::size_t index, int depth, StopCheck& check) {
   measure_bounds(nodes_[index]);
   const Node node = nodes_[index];
   if (node.count <= kLeafSize) return;
   const std::int32_t middle =
-      depth < kDeepestByArea ? partition(node) : node.first + node.count / 2;
+      depth < kDeepestByArea ? partition(node, check) : node.first + node.count / 2;
   const auto child = static_cast<std::int32_t>(nodes_.size());
   nodes_.push_back({.low = {}, .high = {}, .first = node.first, .count = middle - node.first});
   nodes_.push_back(
       {.low = {}, .high = {}, .first = middle, .count = node.first + node.count - middle});
   nodes_[index].first = child;
   nodes_[index].count = 0;
-  split(static_cast<std::size_t>(child), depth + 1);
-  split(static_cast<std::size_t>(child) + 1, depth + 1);
+  split(static_cast<std::size_t>(child), depth + 1, check);
+  split(static_cast<std::size_t>(child) + 1, depth + 1, check);
 }
 
 /// Sorts the node's triangles into two groups by the surface area heuristic over bins of their
 /// centres; returns where the second begins.
-std::int32_t TriangleTree::partition(const Node& node) {
+std::int32_t TriangleTree::partition(const Node& node, StopCheck& check) {
   const auto begin = leaves_.begin() + node.first;
   const auto end = begin + node.count;
   const auto centre = [](const Leaf& leaf) -> Vector3 { return (leaf.a + leaf.b + leaf.c) / 3.0; };
@@ -134,6 +138,7 @@ std::int32_t TriangleTree::partition(const Node& node) {
   Eigen::AlignedBox3d boxes[kBins];
   int counts[kBins] = {};
   for (auto leaf = begin; leaf != end; ++leaf) {
+    check();
     const int bin = bin_of(*leaf);
     boxes[bin].extend(leaf->a).extend(leaf->b).extend(leaf->c);
     ++counts[bin];

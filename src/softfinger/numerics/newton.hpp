@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stop_token>
 
 namespace softfinger {
 
@@ -15,6 +16,7 @@ struct NewtonOptions {
   /// A factor is used again while each iteration reduces the residual by more than this (chord
   /// steps); set very large to factor in every iteration.
   double chord_reduction = 5.0;
+  std::stop_token stop = {};  ///< asks for an end at the next iteration, as at max_iterations
 };
 
 struct NewtonSummary {
@@ -54,7 +56,9 @@ NewtonSummary minimise(Problem& problem, const NewtonOptions& options) {
   while (true) {
     summary.residual = problem.residual();
     summary.converged = summary.residual <= options.tolerance;
-    if (summary.converged || summary.iterations >= options.max_iterations) return summary;
+    const bool enough =
+        summary.iterations >= options.max_iterations || options.stop.stop_requested();
+    if (summary.converged || enough) return summary;
 
     HessianKind kind = least;
     if (!reuse) {

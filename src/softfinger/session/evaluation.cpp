@@ -9,6 +9,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/finger/element_loads.hpp"
 #include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/session/scene_load.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -100,7 +101,8 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
   RunOptions run = options.run;
   run.as_fast_as_possible = true;
   run.actuator.port = "emulator";
-  const std::shared_ptr<const RunSetup> setup = load_setup(run);
+  const std::shared_ptr<const RunSetup> setup = load_unless_stopped(run, stop);
+  if (!setup) throw OperationError("evaluate: ended while the scene was loading");
   std::vector<Judge> judges;
   Evaluation answer;
   answer.has_lagged = true;

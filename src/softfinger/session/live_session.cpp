@@ -55,7 +55,9 @@ fs::path recording_of(const fs::path& file, std::uint64_t generation) {
 
 RunSummary run_headless(const RunOptions& options, const std::atomic<bool>& stop,
                         const RunObserver& observer, SceneRun::Hooks hooks) {
-  return run_headless(load_setup(options), options, stop, observer, std::move(hooks));
+  std::shared_ptr<const RunSetup> setup = load_unless_stopped(options, stop);
+  if (!setup) return {};
+  return run_headless(std::move(setup), options, stop, observer, std::move(hooks));
 }
 
 RunSummary run_headless(std::shared_ptr<const RunSetup> setup, const RunOptions& options,
@@ -75,11 +77,15 @@ RunSummary run_headless(std::shared_ptr<const RunSetup> setup, const RunOptions&
 }
 
 LiveSession::LiveSession(const RunOptions& options, bool repeat, SceneRun::Hooks hooks)
+    : LiveSession(load_setup(options), options, repeat, std::move(hooks)) {}
+
+LiveSession::LiveSession(std::shared_ptr<const RunSetup> setup, const RunOptions& options,
+                         bool repeat, SceneRun::Hooks hooks)
     : options_(options),
       repeat_(repeat),
       hooks_(std::move(hooks)),
       scene_names_(scenes_beside(options.scene)) {
-  begin(load_setup(options_));
+  begin(std::move(setup));
   viewed_ = run_;
 }
 

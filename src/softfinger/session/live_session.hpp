@@ -24,8 +24,9 @@ struct RunObserver {
   std::function<void(double, std::optional<double>)> progress;
 };
 
-/// Runs a scene without a page until it ends or `stop` becomes true. Throws InputError, and
-/// OperationError when the recording could not be written.
+/// Runs a scene without a page until it ends or `stop` becomes true; where that is while the scene
+/// loads nothing is opened, and the summary is empty. Throws InputError, and OperationError when
+/// the recording could not be written.
 RunSummary run_headless(const RunOptions& options, const std::atomic<bool>& stop,
                         const RunObserver& observer = {}, SceneRun::Hooks hooks = {});
 /// The same with a setup loaded already, by load_setup for these options.
@@ -40,6 +41,9 @@ class LiveSession final : public LiveFeed {
   /// Loads the scene and opens its devices. The page may choose from the scenes in the directory
   /// of this one. `repeat`: a script that ends starts over. Throws InputError.
   LiveSession(const RunOptions& options, bool repeat, SceneRun::Hooks hooks = {});
+  /// The same with a setup loaded already, by load_setup for these options.
+  LiveSession(std::shared_ptr<const RunSetup> setup, const RunOptions& options, bool repeat,
+              SceneRun::Hooks hooks = {});
   ~LiveSession() override;
 
   /// Runs until the script ends (unless repeated) or `stop` becomes true; then retracts the devices

@@ -8,6 +8,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
+#include "softfinger/base/stop_check.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
@@ -121,13 +122,16 @@ std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
                                               : load_person(*options.person);
     check_names(*setup->person, scene);
   }
+  const std::stop_token& stop = options.load_observer.stop;
   for (const SceneFinger& finger : scene.fingers) {
+    StopCheck::now(stop);
     const PersonFinger* known = setup->person ? setup->person->find(finger.name) : nullptr;
     setup->models.push_back(
         FingerModel::load(finger.model, known != nullptr ? known->size : FingerSize{}));
     setup->registrations.push_back(known != nullptr && follows_body(finger) ? known->X_BodyFt
                                                                             : std::nullopt);
-    WornDevice worn = finger.device ? worn_on(*setup->models.back(), *finger.device) : WornDevice{};
+    WornDevice worn =
+        finger.device ? worn_on(*setup->models.back(), *finger.device, stop) : WornDevice{};
     setup->devices.push_back(std::move(worn.device));
     setup->ceilings.push_back(std::move(worn.ceiling));
     setup->notices.push_back(std::move(worn.notices));

@@ -75,7 +75,8 @@ struct RunSetup {
   std::vector<std::filesystem::path> tracker_directories;
 };
 
-/// Reads the scene and every file it names. Throws InputError.
+/// Reads the scene and every file it names. Throws InputError, also where its
+/// observer asks for an end.
 [[nodiscard]] std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options);
 
 /// The same with this finger alone.

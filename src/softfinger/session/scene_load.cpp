@@ -1,9 +1,15 @@
 #include "softfinger/session/scene_load.hpp"
 
 #include <chrono>
+#include <thread>
 #include <utility>
 
 namespace softfinger {
+namespace {
+
+constexpr auto kLookInterval = std::chrono::milliseconds(2);
+
+}  // namespace
 
 SceneLoad::SceneLoad(const SetupOptions& options) : observer_(options.load_observer) {
   SetupOptions here = options;
@@ -40,6 +46,16 @@ void SceneLoad::tell() {
   for (const std::string& line : lines) {
     if (observer_.message) observer_.message(line);
   }
+}
+
+std::shared_ptr<const RunSetup> load_unless_stopped(const SetupOptions& options,
+                                                    const std::atomic<bool>& stop) {
+  SceneLoad load(options);
+  while (!load.done()) {
+    if (stop.load()) return nullptr;
+    std::this_thread::sleep_for(kLookInterval);
+  }
+  return stop.load() ? nullptr : load.take();
 }
 
 }  // namespace softfinger

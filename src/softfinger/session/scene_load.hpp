@@ -22,8 +22,7 @@ class SceneLoad {
   SceneLoad(const SceneLoad&) = delete;
   SceneLoad& operator=(const SceneLoad&) = delete;
 
-  /// Nobody wants it any more. Meshes, which may take minutes, end within a tenth of a second or
-  /// so; the rest, a second or two of fingers and devices, is done to its end.
+  /// Nobody wants it any more: it ends within a fraction of a second, and leaves nothing behind.
   void give_up() { stop_.request_stop(); }
   [[nodiscard]] bool given_up() const { return stop_.stop_requested(); }
   /// Tells the observer what is new. Whether take() returns at once.
@@ -42,5 +41,10 @@ class SceneLoad {
   std::deque<std::string> messages_;
   std::future<std::shared_ptr<const RunSetup>> setup_;
 };
+
+/// load_setup() that ends soon after `stop` becomes true: null then. Meanwhile the observer is told
+/// on this thread. Throws InputError.
+[[nodiscard]] std::shared_ptr<const RunSetup> load_unless_stopped(const SetupOptions& options,
+                                                                  const std::atomic<bool>& stop);
 
 }  // namespace softfinger

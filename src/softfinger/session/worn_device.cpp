@@ -210,11 +210,12 @@ void note_approach(const Device& device, RestingGap& gap, std::vector<DeviceNoti
 /// Null where the device file says nothing of force.
 std::shared_ptr<const TravelCeiling> ceiling_of(const fs::path& file,
                                                 const std::shared_ptr<const Device>& device,
-                                                const FingerModel& finger) {
+                                                const FingerModel& finger,
+                                                const std::stop_token& stop) {
   if (!(device->settings().max_force > 0.0)) return nullptr;
   try {
     return std::make_shared<TravelCeiling>(
-        force_ceiling(finger, device, device->settings().max_force));
+        force_ceiling(finger, device, device->settings().max_force, stop));
   } catch (const InputError& error) {
     ConfigFile(file).root().table("limits").fail("max_force_N", error.what());
   }
@@ -230,7 +231,7 @@ void check_force_sensor(const fs::path& file, const Device& device) {
 
 }  // namespace
 
-WornDevice worn_on(const FingerModel& finger, const fs::path& file) {
+WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::stop_token& stop) {
   const std::vector<Vector3> skin = rest_skin_points(finger);
   WornDevice worn{.device = load_device(file)};
   if (const auto clearance = worn.device->settings().clearance) {
@@ -251,7 +252,7 @@ WornDevice worn_on(const FingerModel& finger, const fs::path& file) {
   check_rest(file, device, finger, gap);
   check_reach(file, device, finger, gap);
   note_approach(device, gap, worn.notices);
-  worn.ceiling = ceiling_of(file, worn.device, finger);
+  worn.ceiling = ceiling_of(file, worn.device, finger, stop);
   return worn;
 }
 

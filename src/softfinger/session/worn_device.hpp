@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,9 @@ struct WornDevice {
 /// Throws InputError, with file, line and key, for what load_device() and force_ceiling() refuse
 /// and for a device that could not be worn or would be of no use: mounted or at home inside the
 /// bone, resting against the skin at home or retracted, too far from the skin to touch it from
-/// anywhere in its workspace, or advancing away from it.
-[[nodiscard]] WornDevice worn_on(const FingerModel& finger, const std::filesystem::path& file);
+/// anywhere in its workspace, or advancing away from it. And when `stop` asks for an
+/// end.
+[[nodiscard]] WornDevice worn_on(const FingerModel& finger, const std::filesystem::path& file,
+                                 const std::stop_token& stop = {});
 
 }  // namespace softfinger

@@ -70,6 +70,7 @@ struct Twin::Implementation {
   // Of the frame under way.
   double friction_coefficient = 0.0;
   double elapsed = 0.0;
+  std::stop_token stop;
   Configuration q;
   std::vector<Vector3> positions;
   std::vector<Vector3> foreseen;
@@ -186,6 +187,7 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
   NewtonOptions newton;
   newton.tolerance = kTolerance;
   newton.max_iterations = kIterations;
+  newton.stop = stop;
   TwinSummary summary;
   for (int pass = 0; pass < kFrictionPasses; ++pass) {
     if (pass < kLooks) begin(pass == 0 ? std::span<const Vector3>{} : positions);
@@ -347,6 +349,7 @@ Twin::~Twin() = default;
 Twin::Twin(Twin&&) noexcept = default;
 Twin& Twin::operator=(Twin&&) noexcept = default;
 
+void Twin::heed(const std::stop_token& stop) { implementation_->stop = stop; }
 void Twin::reset() { implementation_->reset(); }
 
 TwinSummary Twin::press(const Configuration& q, double friction_coefficient, double elapsed) {

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <stop_token>
 
 #include "softfinger/contact/contact_set.hpp"
 #include "softfinger/device/device.hpp"
@@ -30,6 +31,8 @@ class Twin {
   Twin(Twin&&) noexcept;
   Twin& operator=(Twin&&) noexcept;
 
+  /// From now on presses end soon, and unconverged, once `stop` asks for it.
+  void heed(const std::stop_token& stop);
   /// Rest shape, nothing touches, the device at its home.
   void reset();
   /// Moves the device to q in one frame, in as many parts as friction needs, `elapsed` s after the
