@@ -17,6 +17,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/session/scene_load.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
@@ -100,17 +101,20 @@ void check(const RunFlags& flags) {
   }
 }
 
-RunSummary run_live(const RunFlags& flags, std::shared_ptr<const RunSetup> setup,
-                    const std::atomic<bool>& stop, const RunObserver& observer) {
+PagePort page_port(const RunFlags& flags) {
   ServerOptions server_options;
   server_options.port = flags.port;
   if (flags.listen) server_options.address = *flags.listen;
-  // Before the session: it opens the devices.
   if (flags.token) server_options.token = AccessToken::read(*flags.token);
   server_options.certificate = flags.certificate;
   server_options.plain_http = flags.plain_http;
+  return PagePort(server_options);
+}
+
+RunSummary run_live(const RunFlags& flags, PagePort port, std::shared_ptr<const RunSetup> setup,
+                    const std::atomic<bool>& stop, const RunObserver& observer) {
   LiveSession session(std::move(setup), flags.options, flags.repeat);
-  const Server server(session, server_options);
+  const Server server(session, std::move(port));
   fmt::print(flags.json ? stderr : stdout, "softfinger: {} (Ctrl-C ends)\n", server.url());
   std::fflush(stdout);
   return session.run(stop, observer);
@@ -143,6 +147,10 @@ void run(RunFlags flags) {
       if (end && *end > 0.0) bar.show(time / *end);
     };
   }
+  // What can be refused is, before the scene, which may take minutes, and before any device.
+  if (flags.options.recording) refuse_unless_recordable(*flags.options.recording);
+  std::optional<PagePort> port;
+  if (!flags.headless) port.emplace(page_port(flags));
   std::shared_ptr<const RunSetup> setup = load_unless_stopped(flags.options, stop);
   bar.clear();
   RunSummary summary;
@@ -152,7 +160,7 @@ void run(RunFlags flags) {
   } else if (flags.headless) {
     summary = run_headless(std::move(setup), flags.options, stop, observer);
   } else {
-    summary = run_live(flags, std::move(setup), stop, observer);
+    summary = run_live(flags, std::move(*port), std::move(setup), stop, observer);
   }
   bar.clear();
   for (const std::string& remark : summary.remarks) observer.message(remark);

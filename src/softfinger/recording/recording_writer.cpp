@@ -27,15 +27,20 @@ constexpr std::size_t kTickCapacity = 256;
 constexpr std::size_t kStepsARound = 64;  // of a round
 constexpr auto kDrainInterval = std::chrono::milliseconds(5);
 
+[[noreturn]] void refuse_to_create(const std::filesystem::path& file, int error) {
+  if (error == EEXIST) {
+    throw InputError(fmt::format(
+        "{}: exists already; a recording never overwrites a file, name a new one", file.string()));
+  }
+  throw InputError(fmt::format("{}: cannot be created: {}", file.string(),
+                               std::system_category().message(error)));
+}
+
 /// It has how a person moved, and where there is one their file: nobody else's to read. The log
 /// that SQLite puts beside it gets the same permissions.
 void create_empty(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
-  if (descriptor < 0) {
-    if (errno == EEXIST) refuse_existing_recording(file);
-    throw InputError(fmt::format("{}: cannot be created: {}", file.string(),
-                                 std::system_category().message(errno)));
-  }
+  if (descriptor < 0) refuse_to_create(file, errno);
   ::close(descriptor);
 }
 
@@ -78,9 +83,14 @@ void insert(SqliteStatement& statement, Fields fields, const Record& record, dou
 
 }  // namespace
 
-void refuse_existing_recording(const std::filesystem::path& file) {
-  throw InputError(fmt::format(
-      "{}: exists already; a recording never overwrites a file, name a new one", file.string()));
+void refuse_unless_recordable(const std::filesystem::path& file) {
+  std::error_code error;
+  // A link to nowhere is there, too.
+  if (std::filesystem::exists(std::filesystem::symlink_status(file, error))) {
+    refuse_to_create(file, EEXIST);
+  }
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (::access((folder / "").c_str(), W_OK | X_OK) != 0) refuse_to_create(file, errno);
 }
 
 struct RecordingWriter::Database {

@@ -17,8 +17,9 @@
 
 namespace softfinger {
 
-/// Throws the InputError of a recording that would overwrite `file`.
-[[noreturn]] void refuse_existing_recording(const std::filesystem::path& file);
+/// Throws InputError where a recording could not begin in `file`: it exists, or its folder takes
+/// no file. Creates nothing.
+void refuse_unless_recordable(const std::filesystem::path& file);
 
 /// Writes a recording: one SQLite file in write-ahead log mode, readable while it is written.
 ///

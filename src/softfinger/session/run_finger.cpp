@@ -3,22 +3,25 @@
 namespace softfinger {
 
 RunFinger::RunFinger(const RunSetup& setup, std::size_t finger, const RunOptions& options,
-                     bool is_live, ThreadTeam* team)
-    : tracker(setup, finger, options, is_live) {
+                     bool is_live)
+    : number(finger), tracker(setup, finger, options, is_live) {}
+
+void RunFinger::open(const RunSetup& setup, const RunOptions& options, bool is_live,
+                     ThreadTeam* team) {
   ActuatorOptions actuator = options.actuator;
   actuator.simulated_time = !is_live && options.as_fast_as_possible;
-  FingerChainOptions chain_of = chain_options(setup, finger, actuator);
+  FingerChainOptions chain_of = chain_options(setup, number, actuator);
   chain_of.with_state = options.record_state && options.recording;
   chain_of.team = team;
   chain_of.device_loop.objective = options.objective;
   chain = std::make_unique<FingerChain>(chain_of);
   if (!is_live || !chain->has_device()) return;
   std::unique_ptr<LiveTwin> twin;
-  if (options.twin && finger == 0) {
-    twin = std::make_unique<LiveTwin>(setup.wearer ? setup.wearer : setup.models[finger],
-                                      setup.devices[finger]);
+  if (options.twin && number == 0) {
+    twin = std::make_unique<LiveTwin>(setup.wearer ? setup.wearer : setup.models[number],
+                                      setup.devices[number]);
   }
-  live = std::make_unique<LiveDevice>(*chain, *setup.models[finger], std::move(twin));
+  live = std::make_unique<LiveDevice>(*chain, *setup.models[number], std::move(twin));
 }
 
 Actuator* RunFinger::actuator() const {

@@ -14,9 +14,10 @@ namespace softfinger {
 
 /// One finger of a run: where it is, its chain, and in a live run the thread of its device.
 struct RunFinger {
-  /// Opens tracker and device. Throws InputError.
-  RunFinger(const RunSetup& setup, std::size_t finger, const RunOptions& options, bool live,
-            ThreadTeam* team);
+  /// Opens the tracker. Throws InputError.
+  RunFinger(const RunSetup& setup, std::size_t finger, const RunOptions& options, bool live);
+  /// Opens the device, once every finger has its tracker. Throws InputError.
+  void open(const RunSetup& setup, const RunOptions& options, bool is_live, ThreadTeam* team);
 
   /// After the last step, with the device's port closed: frees other ports for the next run, where
   /// a viewer keeps this one a little longer.
@@ -24,8 +25,9 @@ struct RunFinger {
   /// Null: no device.
   [[nodiscard]] Actuator* actuator() const;
 
+  std::size_t number;  ///< of the scene's fingers
   RunTracker tracker;
-  std::unique_ptr<FingerChain> chain;
+  std::unique_ptr<FingerChain> chain;           ///< null until open()
   std::unique_ptr<LiveDevice> live;             ///< null: headless, or no device
   std::chrono::steady_clock::time_point taken;  ///< when the last step took its pose
   TrackedPose tracked;                          ///< that pose

@@ -29,6 +29,9 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       snapshot_interval_(
           std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))),
       signals_(options.stop_signals) {
+  // Before any device opens; created by start(), so that nothing is left behind where another part
+  // of the program refuses.
+  if (options.recording) refuse_unless_recordable(*options.recording);
   if (options.threads > 1) {
     team_ = std::make_unique<ThreadTeam>(options.threads, [this] {
       std::optional<AwakeProcessors> awake;
@@ -41,8 +44,10 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
   }
   const std::size_t count = setup_->scene.fingers.size();
   for (std::size_t i = 0; i < count; ++i) {
-    fingers_.push_back(std::make_unique<RunFinger>(*setup_, i, options, mode == Mode::kLive,
-                                                   count == 1 ? team_.get() : nullptr));
+    fingers_.push_back(std::make_unique<RunFinger>(*setup_, i, options, mode == Mode::kLive));
+  }
+  for (const auto& finger : fingers_) {
+    finger->open(*setup_, options, mode == Mode::kLive, count == 1 ? team_.get() : nullptr);
   }
   std::optional<double> end = options.duration;
   if (!end) {
@@ -57,9 +62,7 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
 
   snapshots_ = std::make_unique<SnapshotPublisher>(setup_, generation, fingers_);
 
-  // Created by start(), so that nothing is left behind where another part of the program refuses.
   if (options.recording) {
-    if (std::filesystem::exists(*options.recording)) refuse_existing_recording(*options.recording);
     recording_file_ = *options.recording;
     record_state_ = options.record_state;
   }

@@ -1,6 +1,5 @@
 #include "softfinger/viewer/server.hpp"
 
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
 #include <fmt/format.h>
@@ -10,11 +9,11 @@
 #include <thread>
 #include <vector>
 
-#include "softfinger/base/error.hpp"
 #include "softfinger/viewer/notification_message.hpp"
 #include "softfinger/viewer/own_address.hpp"
 #include "softfinger/viewer/registration_message.hpp"
 #include "softfinger/viewer/scene_message.hpp"
+#include "softfinger/viewer/server/bound_port.hpp"
 #include "softfinger/viewer/server/http_session.hpp"
 #include "softfinger/viewer/snapshot_message.hpp"
 
@@ -31,20 +30,17 @@ constexpr int kSendBufferBytes = 64 * 1024;  // small: what waits in it is no lo
 }  // namespace
 
 struct Server::Implementation {
-  Implementation(LiveFeed& feed, const ServerOptions& options, std::span<const PageFile> page)
+  Implementation(LiveFeed& feed, std::unique_ptr<PagePort::Implementation> bound,
+                 std::span<const PageFile> page)
       : hub{feed,
             page,
-            options.token,
-            options.address,
-            options.certificate.is_given() ? "https" : "http",
-            options.port},
-        plain_http(options.plain_http),
-        tls(options.certificate.is_given()
-                ? std::make_unique<asio::ssl::context>(tls_context(options.certificate).release())
-                : nullptr),
+            bound->options.token,
+            bound->options.address,
+            bound->tls ? "https" : "http",
+            bound->options.port},
+        port(std::move(bound)),
         period(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-            std::chrono::duration<double>(1.0 / options.update_rate))) {
-    bind();
+            std::chrono::duration<double>(1.0 / port->options.update_rate))) {
     thread = std::thread([this] { serve(); });
   }
   ~Implementation() {
@@ -52,44 +48,6 @@ struct Server::Implementation {
     thread.join();
   }
 
-  void bind() {
-    error_code error;
-    const auto address = asio::ip::make_address_v4(hub.address, error);
-    if (error) {
-      throw InputError(
-          fmt::format("--listen {}: not an IPv4 address; e.g. 127.0.0.1", hub.address));
-    }
-    if (!address.is_loopback() && !hub.token.is_needed()) {
-      throw InputError(fmt::format(
-          "--listen {}: other machines could move a device on a finger; give --token FILE, a file "
-          "with a secret that visitors must know",
-          hub.address));
-    }
-    if (!address.is_loopback() && !tls && !plain_http) {
-      throw InputError(fmt::format(
-          "--listen {}: others on the network could read the token and move the device; give "
-          "--certificate FILE and --key FILE, or --plain-http where the network is trusted",
-          hub.address));
-    }
-    const tcp::endpoint endpoint(address, hub.port);
-    acceptor.open(endpoint.protocol());
-    acceptor.set_option(asio::socket_base::reuse_address(true));
-    acceptor.bind(endpoint, error);
-    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-    if (error == asio::error::address_in_use) {
-      throw InputError(fmt::format(
-          "--port {0}: already in use; take another, or --port 0 for any free one", hub.port));
-    }
-    if (error == asio::error::access_denied) {
-      throw InputError(fmt::format(
-          "--port {}: not permitted; take one above 1023, or --port 0 for any free one", hub.port));
-    }
-    if (error) {
-      throw InputError(
-          fmt::format("--listen {}: no such address here; e.g. 127.0.0.1", hub.address));
-    }
-    hub.port = acceptor.local_endpoint().port();
-  }
   void serve() {
     asio::post(context, [this] {
       accept();
@@ -119,7 +77,7 @@ struct Server::Implementation {
       if (hub.has_room_for(visitor)) {
         socket.set_option(tcp::no_delay(true), ignored);
         socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
-        PageStream stream(std::move(socket), tls.get());
+        PageStream stream(std::move(socket), port->tls.get());
         std::make_shared<HttpSession>(std::move(stream), hub, watchers, visitor)->open();
       }
     });
@@ -192,11 +150,10 @@ struct Server::Implementation {
 
   // Connections point at the hub and are destroyed with the context: it comes after them.
   PageHub hub;
-  bool plain_http;                          ///< see ServerOptions
-  std::unique_ptr<asio::ssl::context> tls;  ///< null: plain
   Watchers watchers;
-  asio::io_context context{1};
-  tcp::acceptor acceptor{context};
+  std::unique_ptr<PagePort::Implementation> port;
+  asio::io_context& context = port->context;
+  tcp::acceptor& acceptor = port->acceptor;
   asio::steady_timer retry{context};
   asio::steady_timer update_timer{context};
   std::chrono::steady_clock::duration period;
@@ -207,7 +164,10 @@ struct Server::Implementation {
 };
 
 Server::Server(LiveFeed& feed, const ServerOptions& options, std::span<const PageFile> page)
-    : implementation_(std::make_unique<Implementation>(feed, options, page)) {}
+    : Server(feed, PagePort(options), page) {}
+Server::Server(LiveFeed& feed, PagePort port, std::span<const PageFile> page)
+    : implementation_(
+          std::make_unique<Implementation>(feed, std::move(port.implementation_), page)) {}
 Server::~Server() = default;
 
 std::uint16_t Server::port() const { return implementation_->hub.port; }
