@@ -71,6 +71,22 @@ class KilledProgram : public ::testing::Test {
     }
     return std::nullopt;
   }
+  /// The program, ended by this signal in the middle of a touch.
+  void expect_retracted_after(int signal) {
+    RunningProgram program({"run", place.path("scenes/sphere.toml"), "--headless"});
+    ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.05; }));
+    const std::optional<fs::path> guard = owner_of_port();
+    ASSERT_TRUE(guard);
+    for (const char* stream : {"0", "1", "2"}) {
+      EXPECT_EQ(fs::read_symlink(*guard / "fd" / stream), "/dev/null");
+    }
+    EXPECT_GT(away_from(device->retracted()), 0.05);
+    EXPECT_EQ(program.stop(signal).status, 128 + signal);
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    EXPECT_LT(away_from(device->retracted()), 0.01);
+    // And then nothing is left that could move it.
+    EXPECT_TRUE(soon([&] { return !owner_of_port(); }));
+  }
   static bool soon(const std::function<bool()>& done) {
     for (int i = 0; i < 4000; ++i) {
       if (done()) return true;
@@ -85,20 +101,11 @@ class KilledProgram : public ::testing::Test {
   EmulatorTerminal terminal{emulator};
 };
 
-TEST_F(KilledProgram, LeavesTheDeviceRetracted) {
-  RunningProgram program({"run", place.path("scenes/sphere.toml"), "--headless"});
-  ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.05; }));
-  const std::optional<fs::path> guard = owner_of_port();
-  ASSERT_TRUE(guard);
-  for (const char* stream : {"0", "1", "2"}) {
-    EXPECT_EQ(fs::read_symlink(*guard / "fd" / stream), "/dev/null");
-  }
-  EXPECT_GT(away_from(device->retracted()), 0.05);
-  (void)program.stop(SIGKILL);
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  EXPECT_LT(away_from(device->retracted()), 0.01);
-  // And then nothing is left that could move it.
-  EXPECT_TRUE(soon([&] { return !owner_of_port(); }));
+TEST_F(KilledProgram, LeavesTheDeviceRetracted) { expect_retracted_after(SIGKILL); }
+
+// As the system ends one whose real-time thread never sleeps.
+TEST_F(KilledProgram, LeavesTheDeviceRetractedWhereAThreadRanAway) {
+  expect_retracted_after(SIGXCPU);
 }
 
 // What calibrates has no guard process; it retracts however it ends, but by kill -9.

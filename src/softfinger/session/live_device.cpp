@@ -51,8 +51,10 @@ void LiveDevice::take_feedback() {
 
 void LiveDevice::serve(RecordingWriter* recording, const std::function<void()>& on_loop_thread) {
   prefer_this_thread(LoopThread::kDevice);
+  const auto period = std::chrono::duration<double>(1.0 / device_rate(chain_.device().device()));
   bool first = true;
   while (const HandedTick* handed = handover_.take()) {
+    const auto taken = std::chrono::steady_clock::now();
     const TickRecord& tick = chain_.tick(handed->input, handed->finger());
     // Recorded before it is told: a recorded step never names a tick that is not recorded.
     if (recording != nullptr) recording->push(tick);
@@ -62,6 +64,8 @@ void LiveDevice::serve(RecordingWriter* recording, const std::function<void()>& 
     if (twin_) twin_->offer(tick, handed->contact);
     if (first && on_loop_thread) on_loop_thread();
     first = false;
+    // The next one is there already.
+    if (std::chrono::steady_clock::now() - taken > period) rest_a_moment();
   }
 }
 
