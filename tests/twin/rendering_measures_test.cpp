@@ -63,6 +63,44 @@ TEST(RenderingMeasures, AreThoseOfAWorkedExample) {
   EXPECT_NEAR(m.stress_error, std::sqrt(10.0 / 36.0), 1e-12);
 }
 
+TEST(RenderingMeasures, TangentialForcesAreComparedAsVectors) {
+  ContactSet v = contact_of({1, 2}, {0.2, 0.4});
+  ContactSet t = v;
+  v.tangential_force_F = Vector3(0.3, 0.0, 0.0);
+  t.tangential_force_F = Vector3(0.0, 0.4, 0.0);
+  v.slip_ratio = 1.0;
+  t.slip_ratio = 0.25;
+  const RenderingMeasures m = compare_contacts(v, t);
+  EXPECT_NEAR(m.tangential_force_error, 0.5 / 0.6, 1e-12);
+  EXPECT_NEAR(m.slip_ratio_error, 0.75, 1e-12);
+  // The other way round they are the same, as long as the normal forces are.
+  EXPECT_EQ(compare_contacts(t, v).tangential_force_error, m.tangential_force_error);
+  // Against a least force, as the normal one.
+  v.normal_force = 0.01;
+  EXPECT_NEAR(compare_contacts(v, t).tangential_force_error, 0.5 / 0.05, 1e-12);
+}
+
+TEST(RenderingMeasures, NoFrameIsFreeInWhichASideBearsForce) {
+  const ContactSet free = contact_of({1, 2}, {0.0, 0.0});
+  for (double ContactSums::*force : {&ContactSums::normal_force, &ContactSums::normal_force_sum,
+                                     &ContactSums::tangential_force}) {
+    ContactSet bearing = free;  // but its contact set is empty
+    bearing.*force = 0.009;
+    EXPECT_EQ(compare_contacts(bearing, free).kind, FrameKind::kFree);
+    bearing.*force = 0.011;
+    const RenderingMeasures missed = compare_contacts(bearing, free);
+    EXPECT_EQ(missed.kind, FrameKind::kMissed);
+    EXPECT_EQ(missed.iou, 0.0);
+    EXPECT_EQ(compare_contacts(free, bearing).kind, FrameKind::kFalse);
+    const RenderingMeasures both = compare_contacts(bearing, bearing);
+    EXPECT_EQ(both.kind, FrameKind::kBoth);
+    EXPECT_TRUE(std::isnan(both.iou)) << "no area to have in common";
+    EXPECT_TRUE(std::isnan(both.contact_area_error));
+    EXPECT_TRUE(std::isnan(both.centroid_shift));
+    EXPECT_EQ(both.normal_force_error, 0.0);
+  }
+}
+
 TEST(RenderingMeasures, OfASideWithItselfAreZero) {
   const ContactSet v = contact_of({1, 2, 3}, {0.2, 0.4, 0.0});
   const std::vector<double> energy{1.0, 2.0};

@@ -265,6 +265,9 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.twin.normal_force = 0.625;
   finger.twin.normal_force_sum = 0.6875;
   finger.twin.cpu_time = 2 * ms;
+  finger.twin.tangential_force = 0.375;
+  finger.twin.measures.tangential_force_error = 0.5;
+  finger.twin.measures.slip_ratio_error = 0.125;
   finger.slip_ratio = 0.25;
   finger.stuck_fraction = 0.875;
   finger.tick = 17;
@@ -278,9 +281,9 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   const std::size_t samples = 52 + pose + 3 * pose + 28 + 32 + 32 + 16;
   const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 2 + 3 + 27);
   const std::size_t twin = pieces + 2 * 32;
-  ASSERT_EQ(message.size(), twin + 36 + 5 * 16 + 8);
+  ASSERT_EQ(message.size(), twin + 48 + 5 * 16 + 8);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS8", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFS9", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U + 4U);
@@ -331,8 +334,11 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 20), 0.625F);
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 28), 2.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 32), 0.6875F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 36 + 8), 3.0F);
-  EXPECT_EQ(read_at<std::uint8_t>(message, twin + 36 + 80), 1U);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 36), 0.375F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 40), 0.5F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 44), 0.125F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, twin + 48 + 8), 3.0F);
+  EXPECT_EQ(read_at<std::uint8_t>(message, twin + 48 + 80), 1U);
 }
 
 TEST(SnapshotMessage, PageKnowsTheSumsByTheirNamesInOrder) {

@@ -140,6 +140,7 @@ void sum_forces(ContactSet& set) {
     tangential_sum += sample.tangential_force_F;
     friction_limit += sample.friction_limit;
   }
+  set.tangential_force_F = tangential_sum;
   set.tangential_force = tangential_sum.norm();
   set.slip_ratio = friction_limit > 0.0 ? set.tangential_force / friction_limit : 0.0;
   set.normal_force = normal_sum.norm();

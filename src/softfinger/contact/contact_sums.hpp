@@ -22,6 +22,7 @@ struct ContactSums {
   Vector3 centroid_F = Vector3::Zero();     ///< weighted by normal force, m; zero where C is empty
   Vector3 mean_normal_F = Vector3::Zero();  ///< direction of the summed normal forces, out of the
                                             ///< object; zero where C is empty
+  Vector3 tangential_force_F = Vector3::Zero();  ///< sum of tangential forces, object on skin, N
   double least_gap = std::numeric_limits<double>::infinity();  ///< m; infinite without objects
 
   [[nodiscard]] ContactSums& sums() { return *this; }

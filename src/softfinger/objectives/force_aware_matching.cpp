@@ -9,6 +9,7 @@
 #include "softfinger/matching/packed_samples.hpp"
 #include "softfinger/matching/skin_points.hpp"
 #include "softfinger/numerics/quadratic_program.hpp"
+#include "softfinger/objectives/shear_directions.hpp"
 #include "softfinger/objectives/stress_match.hpp"
 
 namespace softfinger {
@@ -41,6 +42,8 @@ struct ForceAwareMatching::Implementation {
         values(device->constraint_count()),
         jacobian(device->constraint_count(), dof),
         points(capacity),
+        shear(options.tangential_weight > 0.0 ? shear_projection(*model, *device)
+                                              : Matrix3(Matrix3::Zero())),
         packed(capacity + static_cast<int>(ContactSet::kMostFeatures)) {
     if (options.stress_weight > 0.0) stress.emplace(model, options.stress_weight, dof);
     result.configuration = device->home();
@@ -59,9 +62,11 @@ struct ForceAwareMatching::Implementation {
   Eigen::VectorXd values;
   Eigen::MatrixXd jacobian;
   SkinPoints points;
+  Matrix3 shear;  ///< onto the directions in which the tangential force counts
   PackedSamples packed;
   SurfaceSamples samples;
-  Vector3 target = Vector3::Zero();
+  Vector3 target = Vector3::Zero();             ///< normal force
+  Vector3 tangential_target = Vector3::Zero();  ///< what of the tangential force counts
   Configuration before;    ///< the last match
   Configuration anchor;    ///< the surface's match
   bool under_way = false;  ///< the last frame has not ended
@@ -77,22 +82,49 @@ struct ForceAwareMatching::Implementation {
            options.anchor_weight * options.anchor_weight * device->squared_distance(q, anchor);
   }
   [[nodiscard]] Vector3 force_error() const { return normal_force_vector(twin.contact()) - target; }
+  [[nodiscard]] Vector3 tangential_error() const {
+    return shear * twin.contact().tangential_force_F - tangential_target;
+  }
   /// The rest of it, at the twin's last attempt, m^2.
   [[nodiscard]] double felt_cost() {
-    const double force = options.force_weight * options.force_weight * force_error().squaredNorm();
+    const double force =
+        options.force_weight * options.force_weight * force_error().squaredNorm() +
+        options.tangential_weight * options.tangential_weight * tangential_error().squaredNorm();
     return stress ? force + stress->cost(twin) : force;
   }
+  /// Nobody feels what is still amiss.
+  [[nodiscard]] bool is_met() const {
+    const double amiss = force_error().squaredNorm() + tangential_error().squaredNorm();
+    return std::sqrt(amiss) < kForceTolerance * target.norm();
+  }
   void choose_start(const Configuration& surface);
-  [[nodiscard]] bool form_step(const Configuration& q, const Vector3& force,
-                               const SurfaceJacobian& force_by_q, double damping);
+  [[nodiscard]] bool form_step(const Configuration& q, const TwinForces& forces, double damping);
+  void add_forces(const TwinForces& forces);
   void cut_step();
   void search();
 };
 
+/// Adds the forces' part to gradient and Gauss-Newton matrix of the cost.
+void ForceAwareMatching::Implementation::add_forces(const TwinForces& forces) {
+  const auto add = [&](double weight, const Vector3& error, const SurfaceJacobian& by_q) {
+    if (!(weight > 0.0)) return;
+    const double per_newton = 2.0 * weight * weight;
+    for (int j = 0; j < dof; ++j) {
+      gradient[j] += per_newton * by_q.col(j).dot(error);
+      for (int i = 0; i < dof; ++i) {
+        gauss_newton(i, j) += per_newton * by_q.col(i).dot(by_q.col(j));
+      }
+    }
+  };
+  add(options.force_weight, forces.normal - target, forces.normal_by_q);
+  if (shear.isZero(0.0)) return;
+  add(options.tangential_weight, shear * forces.tangential - tangential_target,
+      shear * forces.tangential_by_q);
+}
+
 /// Damped Gauss-Newton step at q within the device's constraints, in `step` (by q).
-bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const Vector3& force,
-                                                   const SurfaceJacobian& force_by_q,
-                                                   double damping) {
+bool ForceAwareMatching::Implementation::form_step(const Configuration& q,
+                                                   const TwinForces& forces, double damping) {
   device->deviation_derivatives(q, samples, gradient, gauss_newton, hessian);
   const double per_deviation = options.surface_weight * options.surface_weight;
   gradient *= per_deviation;
@@ -101,20 +133,16 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
     stress->linearise(twin);
     stress->add_to(gradient, gauss_newton);
   }
-  const double per_newton = 2.0 * options.force_weight * options.force_weight;
+  add_forces(forces);
   const double inertia = 2.0 * options.inertia_weight * options.inertia_weight;
   const double held = 2.0 * options.anchor_weight * options.anchor_weight;
   for (int k = 0; k < dof; ++k) {
     gradient[k] +=
-        per_newton * force_by_q.col(k).dot(force - target) +
         metric(k) * metric(k) * (inertia * (q[k] - before[k]) + held * (q[k] - anchor[k]));
   }
   double largest = 0.0;
   for (int j = 0; j < dof; ++j) {
-    for (int i = 0; i < dof; ++i) {
-      matrix(i, j) = (gauss_newton(i, j) + per_newton * force_by_q.col(i).dot(force_by_q.col(j))) /
-                     (metric(i) * metric(j));
-    }
+    for (int i = 0; i < dof; ++i) matrix(i, j) = gauss_newton(i, j) / (metric(i) * metric(j));
     matrix(j, j) += inertia + held;
     largest = std::max(largest, matrix(j, j));
     gradient[j] /= metric(j);
@@ -161,14 +189,13 @@ void ForceAwareMatching::Implementation::choose_start(const Configuration& surfa
 
 /// From the twin's present attempt at result.configuration.
 void ForceAwareMatching::Implementation::search() {
-  Vector3 force;
-  SurfaceJacobian force_by_q;
-  if (!twin.force_and_derivative(force, force_by_q)) return;
+  TwinForces forces;
+  if (!twin.forces_and_derivatives(forces)) return;
   double cost = surface_cost(result.configuration) + felt_cost();
   double damping = 0.0;
   int rejections = 0;
   while (result.iterations < options.iterations && rejections < kRejections) {
-    if (!form_step(result.configuration, force, force_by_q, damping)) return;
+    if (!form_step(result.configuration, forces, damping)) return;
     cut_step();
     Configuration trial = result.configuration + step;
     if (!device->reachable(trial)) {
@@ -189,9 +216,9 @@ void ForceAwareMatching::Implementation::search() {
     cost = trial_cost;
     damping *= 0.1;
     rejections = 0;
-    if (stress ? !gained : force_error().norm() < kForceTolerance * target.norm()) return;
+    if (stress ? !gained : is_met()) return;
     if (result.iterations == options.iterations) return;
-    if (!twin.force_and_derivative(force, force_by_q)) return;
+    if (!twin.forces_and_derivatives(forces)) return;
   }
 }
 
@@ -222,6 +249,7 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   self.samples = self.packed.pack(self.points.take(virtual_side), matching,
                                   self.device->settings().matching.separation_tolerance);
   self.target = normal_force_vector(virtual_side);
+  self.tangential_target = self.shear * virtual_side.tangential_force_F;
   self.anchor = surface;
   self.twin.begin_frame(friction_coefficient, elapsed);
   self.under_way = true;
@@ -235,6 +263,7 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   // A step that was refused is not where the frame ends.
   if (self.twin.configuration() != result.configuration) self.twin.attempt(result.configuration);
   result.force = normal_force_vector(self.twin.contact());
+  result.tangential_force = self.twin.contact().tangential_force_F;
   result.deviation = self.device->deviation(result.configuration, self.samples);
   self.before = result.configuration;
   return result;

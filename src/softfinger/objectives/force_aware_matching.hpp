@@ -10,13 +10,17 @@
 namespace softfinger {
 
 /// What weighs how much in
-///   w_e^2 E(q) + w_f^2 |f_twin(q) - f_virtual|^2 + w_s^2 sum V |s_twin(q) - s_virtual|^2 / sum V
+///   w_e^2 E(q) + w_f^2 |f_twin(q) - f_virtual|^2 + w_t^2 |P (t_twin(q) - t_virtual)|^2
+///     + w_s^2 sum V |s_twin(q) - s_virtual|^2 / sum V
 ///     + w_r^2 |q - q_before|^2 + w_a^2 |q - q_surface|^2 ,
-/// f normal force, s Cauchy stress of the soft elements, V their rest volumes, all in F.
+/// f normal and t tangential force, P shear_projection() of the device, s Cauchy stress of the soft
+/// elements, V their rest volumes, all in F.
 struct ForceAwareOptions {
   double surface_weight = 1.0;  ///< w_e, dimensionless
   /// w_f, m/N. 0.05: a hundredth of a newton weighs like half a millimetre of one sample.
   double force_weight = 0.05;
+  /// w_t, m/N. Half as much: where both cannot be had, the normal force is.
+  double tangential_weight = 0.025;
   /// w_s, m/Pa; 0: stresses are not looked at.
   double stress_weight = 0.0;
   /// w_r, dimensionless, in the metric of the device's axes: decides where nothing else does.
@@ -31,19 +35,24 @@ struct ForceAwareOptions {
   /// Of objective "stress": the stress alone, but for what it says nothing of. A kilopascal (root
   /// of the mean square) weighs like a millimetre of one sample.
   [[nodiscard]] static ForceAwareOptions stress() {
-    return {.surface_weight = 0.05, .force_weight = 0.0, .stress_weight = 1e-6};
+    return {.surface_weight = 0.05,
+            .force_weight = 0.0,
+            .tangential_weight = 0.0,
+            .stress_weight = 1e-6};
   }
 };
 
 struct ForceAwareResult {
   Configuration configuration;
   Vector3 force = Vector3::Zero();  ///< of the twin there, see normal_force_vector(); F, N
+  Vector3 tangential_force = Vector3::Zero();  ///< of the twin there; F, N
   double deviation = 0.0;           ///< E there, m^2
   int iterations = 0;
 };
 
 /// Objectives "surface_and_force" and "stress": the configuration whose twin feels the virtual
-/// contact's normal force, as far as the contact surface allows, or bears the virtual finger's
+/// contact's normal force, as far as the contact surface allows, and its tangential force along the
+/// directions in which the device can shear; or bears the virtual finger's
 /// stress below the skin (Verschoor et al., "Tactile rendering based on skin stress optimization",
 /// ACM Trans. Graphics 2020, match skin stress; the measure is ours). Gauss-Newton on the cost
 /// above with the derivative of the twin's equilibrium by the implicit function theorem (see Twin),

@@ -70,7 +70,8 @@ struct FieldUse {
   std::string_view live = {};
   /// A better name for its one SQL column, which keeps the old one too.
   std::string_view alias = {};
-  /// There are recordings that lack it: a number, read from them as NaN, which compares as equal.
+  /// There are recordings that lack it: a number or vector, read from them as NaN, which compares
+  /// as equal.
   bool newer = false;
 };
 

@@ -47,6 +47,7 @@ bool same(Targets<const FormedCommand> a, Targets<const FormedCommand> b) {
 
 // A field that one of the two does not say.
 bool unsaid(double a, double b) { return std::isnan(a) || std::isnan(b); }
+bool unsaid(const Vector3& a, const Vector3& b) { return a.hasNaN() || b.hasNaN(); }
 template <typename Value>
 bool unsaid(const Value&, const Value&) {
   return false;

@@ -49,8 +49,9 @@ struct SampleRecord {
   double in_contact = 0.0;               ///< 1 for members of C, else 0
 };
 
-/// One finger in one step, with the sums of its contact, in which normal_force_sum is NaN where a
-/// recording does not say it. Step 0 is the pose the run starts from.
+/// One finger in one step, with the sums of its contact, in which normal_force_sum and
+/// tangential_force_F are NaN where a recording does not say them. Step 0 is the pose the run starts
+/// from.
 struct StepRecord : ContactSums {
   std::int64_t finger = 0;
   std::int64_t step = 0;

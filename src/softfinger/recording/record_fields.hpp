@@ -93,6 +93,11 @@ struct StepFields {
                                                  .csv = {CsvFile::kContact, "normal_force_sum_N"},
                                                  .live = "normal_force_sum_N",
                                                  .newer = true}),
+      step_field<&StepRecord::tangential_force_F>(
+          {.columns = "tangential_x_N,tangential_y_N,tangential_z_N",
+           .part = RecordPart::kContact,
+           .csv = {CsvFile::kContact, "tangential_x_N,tangential_y_N,tangential_z_N"},
+           .newer = true}),
   };
 };
 inline constexpr StepFields kStepFields;

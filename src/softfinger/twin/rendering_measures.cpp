@@ -9,6 +9,7 @@ namespace softfinger {
 namespace {
 
 constexpr double kLeastForce = 0.05;  // N; errors of smaller forces are measured against it
+constexpr double kBorne = 0.01;       // N; skin that bears more is touched, whatever its contact set
 
 double pressure(const ContactSample& sample) {
   return sample.area > 0.0 ? sample.normal_force / sample.area : 0.0;
@@ -29,6 +30,17 @@ class RelativeError {
   double difference_ = 0.0, reference_ = 0.0;
 };
 
+/// Whether a side touches. Friction alone may bear: skin that is drawn off still holds on.
+bool touches(const ContactSet& side) {
+  return side.contact_count > 0 || side.normal_force > kBorne || side.normal_force_sum > kBorne ||
+         side.tangential_force > kBorne;
+}
+
+/// value / of; undefined where `of` is zero.
+double ratio(double value, double of) {
+  return of > 0.0 ? value / of : RenderingMeasures::kUndefined;
+}
+
 double angle_between(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
@@ -39,7 +51,9 @@ RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& tw
   const ContactSet& v = virtual_side.contact;
   const ContactSet& t = twin.contact;
   RenderingMeasures result;
-  if (v.contact_count == 0 && t.contact_count == 0) return result;
+  const bool v_touches = touches(v);
+  const bool t_touches = touches(t);
+  if (!v_touches && !t_touches) return result;
   double common = 0.0;
   double either = 0.0;
   RelativeError pressures;
@@ -50,18 +64,24 @@ RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& tw
     either += std::max(a.touched(), b.touched()) * a.rest_area;
     pressures.add(a.rest_area, pressure(a), pressure(b));
   }
-  result.iou = common / either;
-  if (v.contact_count == 0 || t.contact_count == 0) {
-    result.kind = v.contact_count > 0 ? FrameKind::kMissed : FrameKind::kFalse;
+  if (!v_touches || !t_touches) {
+    result.kind = v_touches ? FrameKind::kMissed : FrameKind::kFalse;
+    result.iou = 0.0;
     return result;
   }
+  result.iou = ratio(common, either);
   result.kind = FrameKind::kBoth;
-  result.centroid_shift = (t.centroid_F - v.centroid_F).norm();
-  result.normal_angle = angle_between(v.mean_normal_F, t.mean_normal_F);
+  if (v.contact_count > 0 && t.contact_count > 0) {
+    result.centroid_shift = (t.centroid_F - v.centroid_F).norm();
+    result.normal_angle = angle_between(v.mean_normal_F, t.mean_normal_F);
+  }
   result.normal_force_bias =
       (t.normal_force - v.normal_force) / std::max(v.normal_force, kLeastForce);
   result.normal_force_error = std::abs(result.normal_force_bias);
-  result.contact_area_error = std::abs(t.contact_area - v.contact_area) / v.contact_area;
+  result.tangential_force_error =
+      (t.tangential_force_F - v.tangential_force_F).norm() / std::max(v.normal_force, kLeastForce);
+  result.slip_ratio_error = std::abs(t.slip_ratio - v.slip_ratio);
+  result.contact_area_error = ratio(std::abs(t.contact_area - v.contact_area), v.contact_area);
   result.pressure_error = pressures.value();
   RelativeError energies;
   RelativeError stresses;
@@ -87,6 +107,8 @@ const std::array<MeasureName, kMeasures>& measure_names() {
       {"normal_angle_deg", deg, &M::normal_angle},
       {"normal_force_error", 1.0, &M::normal_force_error},
       {"normal_force_bias", 1.0, &M::normal_force_bias},
+      {"tangential_force_error", 1.0, &M::tangential_force_error},
+      {"slip_ratio_error", 1.0, &M::slip_ratio_error},
       {"contact_area_error", 1.0, &M::contact_area_error},
       {"pressure_error", 1.0, &M::pressure_error},
       {"strain_energy_density_error", 1.0, &M::strain_energy_density_error},

@@ -10,7 +10,7 @@
 
 namespace softfinger {
 
-/// Which of the two sides touches in a frame.
+/// Which of the two sides touches in a frame: has a contact set, or bears more than 0.01 N.
 enum class FrameKind {
   kBoth,
   kFree,    ///< neither
@@ -19,7 +19,8 @@ enum class FrameKind {
 };
 
 /// How far what the device renders is from the virtual contact, in one frame. NaN where undefined:
-/// all but the IoU where one side touches nothing, which is then 0, and all where neither does.
+/// all but the IoU where one side touches nothing, which is then 0, and all where neither does; what
+/// needs areas where none is in contact.
 struct RenderingMeasures {
   static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
   FrameKind kind = FrameKind::kFree;
@@ -28,6 +29,9 @@ struct RenderingMeasures {
   double normal_angle = kUndefined;        ///< between mean normals, rad
   double normal_force_error = kUndefined;  ///< |f_twin - f_virtual| / max(f_virtual, 0.05 N)
   double normal_force_bias = kUndefined;   ///< the same with its sign
+  /// |t_twin - t_virtual| / max(f_virtual, 0.05 N), t the tangential forces summed as vectors in F.
+  double tangential_force_error = kUndefined;
+  double slip_ratio_error = kUndefined;    ///< |s_twin - s_virtual|, see ContactSums::slip_ratio
   double contact_area_error = kUndefined;  ///< |a_twin - a_virtual| / a_virtual, deformed areas
   double pressure_error = kUndefined;      ///< sqrt(sum a (p_t - p_v)^2 / sum a p_v^2)
   double strain_energy_density_error = kUndefined;  ///< likewise over elements by rest volume
@@ -52,7 +56,7 @@ struct MeasureName {
   double unit;
   double RenderingMeasures::*member;
 };
-inline constexpr std::size_t kMeasures = 9;
+inline constexpr std::size_t kMeasures = 11;
 [[nodiscard]] const std::array<MeasureName, kMeasures>& measure_names();
 
 /// Means over frames, each over the frames in which it is defined.

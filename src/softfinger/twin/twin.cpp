@@ -93,12 +93,16 @@ struct Twin::Implementation {
   void foresee(const Configuration& at);
   void start(bool was_foreseen);
   void keep();
-  [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
+  [[nodiscard]] bool forces_and_derivatives(TwinForces& forces);
   void find_touching(bool with_curvature);
   void drag_by(int k);
   void add_push(int k, bool rubbing, std::span<const double> shift, std::span<double> push) const;
-  [[nodiscard]] Vector3 force_rate(const TouchingPair& touched, int k,
-                                   std::span<const double> shift) const;
+  /// How the forces of a touching pair grow with a component of q.
+  struct ForceRates {
+    Vector3 normal, tangential;
+  };
+  [[nodiscard]] ForceRates force_rates(const TouchingPair& touched, int k,
+                                       std::span<const double> shift) const;
   [[nodiscard]] Vector3 node_motion(std::size_t node, int k) const;
   [[nodiscard]] Vector3 node_motion(std::size_t node, std::span<const double> shift) const;
   [[nodiscard]] Vector3 motion_of_point(std::size_t i, std::span<const double> shift) const;
@@ -228,15 +232,21 @@ void Twin::Implementation::find_touching(bool with_curvature) {
   }
 }
 
-/// How the force of a touching pair grows with component k while the skin moves by `shift`.
-Vector3 Twin::Implementation::force_rate(const TouchingPair& touched, int k,
-                                         std::span<const double> shift) const {
+/// By component k while the skin moves by `shift`.
+Twin::Implementation::ForceRates Twin::Implementation::force_rates(
+    const TouchingPair& touched, int k, std::span<const double> shift) const {
   const PieceMotion& motion = motions(touched.piece, k);
-  const Vector3 approach =
-      motion_of_point(touched.point, shift) -
-      motion.at(potential.contact_positions()[touched.point], touched.response.outward);
-  return motion.spin.cross(touched.response.normal_force) -
-         touched.response.normal_stiffness * approach;
+  const ContactPotential::PairResponse& pair = touched.response;
+  const Vector3 relative = motion_of_point(touched.point, shift) -
+                           motion.at(potential.contact_positions()[touched.point], pair.outward);
+  ForceRates rates;
+  rates.normal = motion.spin.cross(pair.normal_force) - pair.normal_stiffness * relative;
+  // Both forces together are minus the gradient of the pair's energy.
+  Vector3 gradient = pair.hessian * relative + motion.spin.cross(pair.gradient);
+  const double magnitude = pair.normal_force.norm();
+  if (magnitude > 0.0) gradient += pair.drag * (rates.normal.dot(pair.normal_force) / magnitude);
+  rates.tangential = -gradient - rates.normal;
+  return rates;
 }
 
 /// Adds what pushes the skin as component k grows: the device's motion itself, or `rubbing`, the
@@ -256,7 +266,8 @@ void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double>
     if (rubbing) {
       const double magnitude = pair.normal_force.norm();
       if (!(magnitude > 0.0) || pair.drag.isZero(0.0)) continue;
-      force = -pair.drag * force_rate(touched, k, shift).dot(pair.normal_force) / magnitude;
+      force =
+          -pair.drag * force_rates(touched, k, shift).normal.dot(pair.normal_force) / magnitude;
     } else if (motion.moves()) {
       force = pair.hessian * motion.at(points[touched.point], pair.outward) -
               motion.spin.cross(pair.gradient);
@@ -319,14 +330,19 @@ Vector3 Twin::Implementation::motion_of_point(std::size_t i, std::span<const dou
   return motion;
 }
 
-bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
+bool Twin::Implementation::forces_and_derivatives(TwinForces& forces) {
   const int dof = device->degrees_of_freedom();
-  by_q.setZero(3, dof);
+  forces.normal_by_q.setZero(3, dof);
+  forces.tangential_by_q.setZero(3, dof);
   for (std::vector<double>& shift : shifts) std::fill(shift.begin(), shift.end(), 0.0);
   find_touching(true);
-  force.setZero();
-  for (const TouchingPair& pair : touching) force += pair.response.normal_force;
-  if (!(force.norm() > 0.0)) return true;
+  forces.normal.setZero();
+  forces.tangential.setZero();
+  for (const TouchingPair& pair : touching) {
+    forces.normal += pair.response.normal_force;
+    forces.tangential -= pair.response.gradient + pair.response.normal_force;
+  }
+  if (!(forces.normal.norm() > 0.0)) return true;
   if (!potential.factorise(HessianKind::kFull)) {
     if (!potential.factorise(HessianKind::kNoContactCurvature)) return false;
     find_touching(false);
@@ -335,8 +351,9 @@ bool Twin::Implementation::force_and_derivative(Vector3& force, SurfaceJacobian&
   for (int k = 0; k < dof; ++k) {
     drag_by(k);
     for (const TouchingPair& pair : touching) {
-      if (pair.response.normal_force.isZero(0.0)) continue;
-      by_q.col(k) += force_rate(pair, k, shifts[static_cast<std::size_t>(k)]);
+      const ForceRates rates = force_rates(pair, k, shifts[static_cast<std::size_t>(k)]);
+      forces.normal_by_q.col(k) += rates.normal;
+      forces.tangential_by_q.col(k) += rates.tangential;
     }
   }
   shifts_known = true;
@@ -386,8 +403,15 @@ void Twin::end_frame(const Configuration& q) {
 }
 
 const Configuration& Twin::configuration() const { return implementation_->q; }
+bool Twin::forces_and_derivatives(TwinForces& forces) {
+  return implementation_->forces_and_derivatives(forces);
+}
 bool Twin::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
-  return implementation_->force_and_derivative(force, by_q);
+  TwinForces forces;
+  const bool stable = implementation_->forces_and_derivatives(forces);
+  force = forces.normal;
+  by_q = forces.normal_by_q;
+  return stable;
 }
 
 Vector3 Twin::node_motion(std::size_t node, int k) const {

@@ -19,6 +19,14 @@ struct TwinSummary {
 /// Normal contact force of device on skin, as one vector: the sum of the normal forces; in F, N.
 [[nodiscard]] Vector3 normal_force_vector(const ContactSet& contact);
 
+/// Contact forces of device on skin, summed as vectors in F, N, and their derivatives by q
+/// (3 x dof, N by rad or m).
+struct TwinForces {
+  Vector3 normal = Vector3::Zero();
+  Vector3 tangential = Vector3::Zero();
+  SurfaceJacobian normal_by_q, tangential_by_q;
+};
+
 /// A second finger in F: bone held at F's origin, skin at quasi-static equilibrium against the
 /// device's solid, so that its contact is what the device makes the wearer feel. The way there
 /// counts where there is friction or relaxation: each frame starts from the last one kept.
@@ -48,13 +56,17 @@ class Twin {
 
   /// Of the last attempt.
   [[nodiscard]] const Configuration& configuration() const;
-  /// normal_force_vector() at the last attempt and its derivative by q (3 x dof, N by rad or m), by
-  /// the implicit function theorem: the skin's equilibrium moves with q. The device's own motion is
-  /// by differences of its pieces' poses, all else exact, friction limits that follow the normal
-  /// forces included. False where the equilibrium is not stable enough to be solved for.
+  /// Forces at the last attempt and their derivatives, by the implicit function theorem: the skin's
+  /// equilibrium moves with q. The device's own motion is by differences of its pieces' poses, all
+  /// else exact, friction limits that follow the normal forces included; but for friction's plane,
+  /// which is taken not to turn as skin slides around a curved surface. What sticks goes on
+  /// sticking, what slides sliding. False where the equilibrium is not stable enough to be solved
+  /// for.
+  [[nodiscard]] bool forces_and_derivatives(TwinForces& forces);
+  /// The normal force of it alone.
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
 
-  /// How node `node` moves by component k of q, m by rad or m: after force_and_derivative(), zero
+  /// How node `node` moves by component k of q, m by rad or m: after forces_and_derivatives(), zero
   /// where that found no contact.
   [[nodiscard]] Vector3 node_motion(std::size_t node, int k) const;
 

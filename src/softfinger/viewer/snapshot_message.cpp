@@ -65,6 +65,9 @@ void write_twin(const Snapshot::Twin& twin, std::size_t samples, Writer& out) {
   out.real(twin.contact_area / mm2);
   out.real(twin.cpu_time / ms);
   out.real(twin.normal_force_sum);
+  out.real(twin.tangential_force);
+  out.real(twin.measures.tangential_force_error);
+  out.real(twin.measures.slip_ratio_error);
   write_skin(twin.skin, samples, out);
 }
 

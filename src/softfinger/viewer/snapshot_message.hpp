@@ -8,14 +8,14 @@
 
 namespace softfinger {
 
-inline constexpr std::uint32_t kSnapshotMagic = 0x38534653;  ///< "SFS8"
+inline constexpr std::uint32_t kSnapshotMagic = 0x39534653;  ///< "SFS9"
 
 /// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
 /// configuration; it must be the one of the snapshot's generation.
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
-///     u32 magic "SFS8"        u32 generation (low bits)
+///     u32 magic "SFS9"        u32 generation (low bits)
 ///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 to be stopped, 8 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
@@ -43,7 +43,8 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x38534653;  ///< "SFS8"
 ///         f32 iou             f32 centroid_shift_mm     f32 normal_angle_deg
 ///         f32 normal_force_error                        f32 normal_force_bias
 ///         f32 normal_force_N  f32 contact_area_mm2      f32 press_ms
-///         f32 normal_force_sum_N
+///         f32 normal_force_sum_N                        f32 tangential_force_N
+///         f32 tangential_force_error                    f32 slip_ratio_error
 ///         f32 positions_mm[3 t] in F  f32 pressures_kPa[t]  u8 in_contact[t], zero-padded to 4
 ///     pose: f32 x_mm, y_mm, z_mm, quaternion x, y, z, w
 void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& scene,

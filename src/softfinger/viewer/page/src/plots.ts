@@ -125,6 +125,8 @@ const kMeanings: Record<string, string> = {
   centroid: "Shift between the centroids of the normal force",
   angle: "Angle between the mean normals",
   "force-error": "Difference of the normal forces over the virtual one",
+  "tangential-error": "Difference of the tangential forces, as vectors, over the virtual normal force",
+  "slip-error": "Difference of the slip ratios: tangential force over what friction bears",
 };
 
 /** How far what the device renders is from the virtual contact. */
@@ -138,6 +140,8 @@ function measurePlots(): PlotDescription[] {
     small("centroid", "Centroid", "mm", palette.travel, 2, [0, 1], (t) => t.centroid_shift_mm),
     small("angle", "Normal", "°", palette.roll, 1, [0, 5], (t) => t.normal_angle_deg),
     small("force-error", "Force error", "%", palette.force, 0, [0, 20], (t) => 100 * t.normal_force_error),
+    small("tangential-error", "Shear error", "%", palette.force, 0, [0, 50], (t) => 100 * t.tangential_force_error),
+    small("slip-error", "Slip error", "", palette.roll, 2, [0, 1], (t) => t.slip_ratio_error),
   ];
 }
 

@@ -125,6 +125,9 @@ export interface Twin extends Skin {
   contact_area_mm2: number;
   press_ms: number;
   normal_force_sum_N: number;
+  tangential_force_N: number;
+  tangential_force_error: number;
+  slip_ratio_error: number;
 }
 
 /** What the contact of a finger comes to: what softfinger's recording/record_fields.hpp has as live, in its order. */
@@ -175,7 +178,7 @@ export interface Snapshot {
   fingers: FingerSnapshot[];
 }
 
-const kMagic = 0x38534653;
+const kMagic = 0x39534653;
 
 /** Reads a binary frame of a scene; null where it is none. The arrays are views into it. */
 export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null {
@@ -217,6 +220,9 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
     contact_area_mm2: f32(),
     press_ms: f32(),
     normal_force_sum_N: f32(),
+    tangential_force_N: f32(),
+    tangential_force_error: f32(),
+    slip_ratio_error: f32(),
     ...skin(samples),
   });
   const readFinger = (): FingerSnapshot => {
