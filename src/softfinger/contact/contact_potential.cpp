@@ -286,6 +286,28 @@ ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector
   return response;
 }
 
+Matrix3 ContactPotential::following(std::size_t i, std::size_t o, const Pair& pair,
+                                    bool with_curvature) const {
+  Matrix3 gradient_by_position = Matrix3::Zero();
+  if (pair.slides) {
+    // The limit: mu times the normal force, which the gap takes away from.
+    gradient_by_position = -obstacles_[o].friction_coefficient * normal_stiffness(i) *
+                           pair.gradient.norm() * pair.slip_direction *
+                           pair.gradient.transpose();
+  }
+  if (!with_curvature) return gradient_by_position;
+  // The plane that u lies in, u = a - n n.a with a the way from the anchor.
+  const Vector3& n = pair.friction_normal;
+  const Vector3 a =
+      positions_[i] - obstacles_[o].X_WO * anchors_[i * obstacle_count_ + o].anchor_O;
+  const Matrix3 u_by_normal = -n.dot(a) * Matrix3::Identity() - n * a.transpose();
+  const Matrix3 u_by_position = u_by_normal * pair.curvature;
+  if (!pair.slides) return gradient_by_position + tangential_stiffness(i) * u_by_position;
+  const Matrix3 across =
+      Matrix3::Identity() - pair.slip_direction * pair.slip_direction.transpose();
+  return gradient_by_position + pair.friction_limit / pair.slip * across * u_by_position;
+}
+
 bool ContactPotential::pair_response(std::size_t i, std::size_t o, bool with_curvature,
                                      PairResponse& response) const {
   response = {};
@@ -298,8 +320,8 @@ bool ContactPotential::pair_response(std::size_t i, std::size_t o, bool with_cur
   if (pair.gap < 0.0) {
     response.normal_stiffness = normal_stiffness(i) * pair.gradient * pair.gradient.transpose();
     if (with_curvature) response.normal_stiffness -= pair.pressing * pair.curvature;
-    if (pair.friction_limit > 0.0 && pair.slides) {
-      response.drag = obstacles_[o].friction_coefficient * pair.slip_direction;
+    if (pair.friction_limit > 0.0) {
+      response.following = following(i, o, pair, with_curvature);
     }
   }
   return true;

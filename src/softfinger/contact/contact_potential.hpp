@@ -92,8 +92,10 @@ class ContactPotential {
     Matrix3 normal_stiffness = Matrix3::Zero();
     Vector3 gradient = Vector3::Zero();
     Matrix3 hessian = Matrix3::Zero();
-    /// How the gradient grows with the magnitude of the normal force where the pair slides.
-    Vector3 drag = Vector3::Zero();
+    /// What grows besides, as the point moves against the obstacle, where friction's limit and plane
+    /// follow the normal force: part of the gradient's derivative that the energy does not know, and
+    /// so not symmetric.
+    Matrix3 following = Matrix3::Zero();
   };
   /// False where the pair does nothing. `with_curvature`: of the obstacle, in both derivatives.
   bool pair_response(std::size_t i, std::size_t o, bool with_curvature,
@@ -200,6 +202,9 @@ class ContactPotential {
   [[nodiscard]] ContactSide side_after(std::size_t i, std::size_t o, const Pair& pair) const;
   double friction(std::size_t i, const Obstacle& obstacle, const FrictionAnchor& anchor,
                   const Vector3& position, Pair& pair) const;
+  /// PairResponse::following.
+  [[nodiscard]] Matrix3 following(std::size_t i, std::size_t o, const Pair& pair,
+                                  bool with_curvature) const;
   /// Adds the second derivative of one pair; returns false if zero.
   bool add_hessian(std::size_t i, std::size_t o, const Pair& pair, bool with_curvature,
                    Matrix3& block) const;

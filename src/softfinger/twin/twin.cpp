@@ -22,7 +22,7 @@ constexpr double kFrictionTolerance = 1e-5;
 constexpr int kFrictionPasses = 20;
 /// Features are met as planes, where they were seen before the skin moved: it looks again.
 constexpr int kLooks = 2;
-/// The friction limits' part in a derivative is iterated for, to this part of it.
+/// What of a derivative goes through friction's limits and planes is iterated for, to this part.
 constexpr double kDragTolerance = 1e-4;
 constexpr int kDragRounds = 12;
 
@@ -101,6 +101,8 @@ struct Twin::Implementation {
   struct ForceRates {
     Vector3 normal, tangential;
   };
+  [[nodiscard]] Vector3 relative_motion(const TouchingPair& touched, int k,
+                                        std::span<const double> shift) const;
   [[nodiscard]] ForceRates force_rates(const TouchingPair& touched, int k,
                                        std::span<const double> shift) const;
   [[nodiscard]] Vector3 node_motion(std::size_t node, int k) const;
@@ -232,25 +234,28 @@ void Twin::Implementation::find_touching(bool with_curvature) {
   }
 }
 
+/// How a touching pair moves against each other with component k while the skin moves by `shift`.
+Vector3 Twin::Implementation::relative_motion(const TouchingPair& touched, int k,
+                                              std::span<const double> shift) const {
+  return motion_of_point(touched.point, shift) -
+         motions(touched.piece, k)
+             .at(potential.contact_positions()[touched.point], touched.response.outward);
+}
+
 /// By component k while the skin moves by `shift`.
 Twin::Implementation::ForceRates Twin::Implementation::force_rates(
     const TouchingPair& touched, int k, std::span<const double> shift) const {
-  const PieceMotion& motion = motions(touched.piece, k);
+  const Vector3& spin = motions(touched.piece, k).spin;
   const ContactPotential::PairResponse& pair = touched.response;
-  const Vector3 relative = motion_of_point(touched.point, shift) -
-                           motion.at(potential.contact_positions()[touched.point], pair.outward);
-  ForceRates rates;
-  rates.normal = motion.spin.cross(pair.normal_force) - pair.normal_stiffness * relative;
+  const Vector3 relative = relative_motion(touched, k, shift);
   // Both forces together are minus the gradient of the pair's energy.
-  Vector3 gradient = pair.hessian * relative + motion.spin.cross(pair.gradient);
-  const double magnitude = pair.normal_force.norm();
-  if (magnitude > 0.0) gradient += pair.drag * (rates.normal.dot(pair.normal_force) / magnitude);
-  rates.tangential = -gradient - rates.normal;
-  return rates;
+  const Vector3 both = -spin.cross(pair.gradient) - (pair.hessian + pair.following) * relative;
+  const Vector3 normal = spin.cross(pair.normal_force) - pair.normal_stiffness * relative;
+  return {normal, both - normal};
 }
 
 /// Adds what pushes the skin as component k grows: the device's motion itself, or `rubbing`, the
-/// friction limits that grow with the normal forces while the skin moves by `shift`.
+/// friction limits and planes that follow the normal forces while the skin moves by `shift`.
 void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double> shift,
                                     std::span<double> push) const {
   const std::size_t samples = wearer->sample_nodes.size();
@@ -264,10 +269,8 @@ void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double>
     const PieceMotion& motion = motions(touched.piece, k);
     Vector3 force = Vector3::Zero();
     if (rubbing) {
-      const double magnitude = pair.normal_force.norm();
-      if (!(magnitude > 0.0) || pair.drag.isZero(0.0)) continue;
-      force =
-          -pair.drag * force_rates(touched, k, shift).normal.dot(pair.normal_force) / magnitude;
+      if (pair.following.isZero(0.0)) continue;
+      force = -pair.following * relative_motion(touched, k, shift);
     } else if (motion.moves()) {
       force = pair.hessian * motion.at(points[touched.point], pair.outward) -
               motion.spin.cross(pair.gradient);
@@ -284,7 +287,7 @@ void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double>
 }
 
 /// How the skin's equilibrium moves by component k: -A^-1 dG/dq. The part of dG/dx by which
-/// friction limits follow the normal forces is not symmetric and not in A: it is iterated for.
+/// friction follows the normal forces is not symmetric and not in A: it is iterated for.
 void Twin::Implementation::drag_by(int k) {
   std::vector<double>& shift = shifts[static_cast<std::size_t>(k)];
   std::fill(shift.begin(), shift.end(), 0.0);
@@ -292,7 +295,7 @@ void Twin::Implementation::drag_by(int k) {
   pushed = shift;
   potential.solve(shift);
   const bool rubs = std::ranges::any_of(
-      touching, [](const TouchingPair& t) { return !t.response.drag.isZero(0.0); });
+      touching, [](const TouchingPair& t) { return !t.response.following.isZero(0.0); });
   for (int round = 0; rubs && round < kDragRounds; ++round) {
     rubbed = pushed;
     add_push(k, true, shift, rubbed);

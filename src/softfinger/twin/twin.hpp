@@ -58,10 +58,9 @@ class Twin {
   [[nodiscard]] const Configuration& configuration() const;
   /// Forces at the last attempt and their derivatives, by the implicit function theorem: the skin's
   /// equilibrium moves with q. The device's own motion is by differences of its pieces' poses, all
-  /// else exact, friction limits that follow the normal forces included; but for friction's plane,
-  /// which is taken not to turn as skin slides around a curved surface. What sticks goes on
-  /// sticking, what slides sliding. False where the equilibrium is not stable enough to be solved
-  /// for.
+  /// else exact, friction limits and planes that follow the normal forces included. What sticks
+  /// goes on sticking, what slides sliding. False where the equilibrium is not stable enough to be
+  /// solved for.
   [[nodiscard]] bool forces_and_derivatives(TwinForces& forces);
   /// The normal force of it alone.
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
