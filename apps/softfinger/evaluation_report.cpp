@@ -24,6 +24,8 @@ Json measures_json(const RenderingMeasures& measures) {
   return result;
 }
 
+Json vector_json(const Vector3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
 Json frame_json(const EvaluatedFrame& frame, const Evaluation& evaluation) {
   Json result{{"time_s", frame.time}, {"finger", evaluation.fingers[frame.finger]}};
   result.update(measures_json(frame.commanded));
@@ -31,6 +33,8 @@ Json frame_json(const EvaluatedFrame& frame, const Evaluation& evaluation) {
   result["virtual_force_sum_N"] = frame.virtual_force_sum;
   result["twin_force_N"] = frame.twin_force;
   result["twin_force_sum_N"] = frame.twin_force_sum;
+  result["virtual_tangential_N"] = vector_json(frame.virtual_tangential_F);
+  result["twin_tangential_N"] = vector_json(frame.twin_tangential_F);
   result["lagged"] = frame.lagged ? measures_json(*frame.lagged) : Json(nullptr);
   return result;
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -53,6 +55,47 @@ TEST(Evaluate, APlaneIsRenderedFaithfully) {
     EXPECT_EQ(verdict.at("noticeable"), verdict.at("mean") >= verdict.at("threshold"));
     EXPECT_FALSE(verdict.at("source").get<std::string>().empty());
   }
+}
+
+double length(double x, double y, double z) { return std::hypot(x, y, z); }
+
+// What the measures say of each frame is what anyone makes of its forces.
+TEST(Evaluate, ADeviceThatShearsIsNearerToTheTangentialForce) {
+  const Workplace place;
+  const auto on_slide = [&](const std::string& device) {
+    return evaluated({place.path("scenes/slide.toml"), "--device",
+                      place.path("devices/" + device + ".toml"), "--objective", "surface_and_force",
+                      "--duration-s", "3.2"});
+  };
+  const Answer thimble = on_slide("thimble-3rrs");
+  const Answer tactor = on_slide("shear-tactor-gleeson");
+  for (const Answer& answer : {thimble, tactor}) {
+    int compared = 0;
+    for (const Answer& frame : answer.at("frames")) {
+      const Answer& error = frame.at("tangential_force_error");
+      const Answer &v = frame.at("virtual_tangential_N"), &t = frame.at("twin_tangential_N");
+      const double force = frame.at("virtual_force_N");
+      if (error.is_null()) continue;
+      ++compared;
+      const double amiss =
+          length(t[0].get<double>() - v[0].get<double>(), t[1].get<double>() - v[1].get<double>(),
+                 t[2].get<double>() - v[2].get<double>());
+      EXPECT_NEAR(error.get<double>(), amiss / std::max(force, 0.05), 1e-9);
+      EXPECT_GE(frame.at("slip_ratio_error").get<double>(), 0.0);
+      EXPECT_LE(frame.at("slip_ratio_error").get<double>(), 1.02);
+    }
+    EXPECT_GT(compared, 40);
+  }
+  const auto mean = [](const Answer& answer) {
+    return answer.at("mean").at("tangential_force_error").get<double>();
+  };
+  EXPECT_LT(mean(tactor), 0.5 * mean(thimble));
+  EXPECT_TRUE(thimble.at("lagged_mean").at("tangential_force_error").is_number());
+  EXPECT_TRUE(thimble.at("frames").at(60).at("lagged").contains("slip_ratio_error"));
+  const ProgramRun text =
+      run_program({"evaluate", place.path("scenes/slide.toml"), "--duration-s", "1.2"});
+  EXPECT_THAT(text.output, HasSubstr("tangential_force_error"));
+  EXPECT_THAT(text.output, HasSubstr("slip_ratio_error"));
 }
 
 /// A finger file 5 % larger than the shipped one.

@@ -47,7 +47,9 @@ TEST_P(Clearance, IsKeptFromOutside) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, Clearance,
                          testing::Values("delta-schorr", "roller-provancher", "thimble-3rrs",
-                                         "plate-2dof", "plate-6dof", "five-bar"),
+                                         "plate-2dof", "plate-6dof", "five-bar",
+                                         "shear-tactor-gleeson", "strap-minamizawa",
+                                         "slip-ball-webster"),
                          [](const auto& device) {
                            std::string name = device.param;
                            for (char& c : name) c = c == '-' ? '_' : c;

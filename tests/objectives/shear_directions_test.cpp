@@ -11,8 +11,8 @@ namespace softfinger {
 namespace {
 
 std::shared_ptr<const FingerModel> index_finger() {
-  static const auto model = FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) /
-                                              "fingers" / "index.toml");
+  static const auto model =
+      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / "index.toml");
   return model;
 }
 

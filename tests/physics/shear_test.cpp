@@ -95,19 +95,17 @@ Configuration with_the_plane(const FingerSimulation& simulation, double part) {
   return q;
 }
 
-const std::vector<Vector3> kWays{Vector3::UnitX(), -Vector3::UnitY(),
-                                 Vector3(0.6, 0.8, 0.0)};
+const std::vector<Vector3> kWays{Vector3::UnitX(), -Vector3::UnitY(), Vector3(0.6, 0.8, 0.0)};
 
 // What the comparison must say of the best device there can be: nothing is amiss, while it sticks,
 // slides and turns back, although the twin knows nothing but the device's own way.
 TEST(Shear, ADeviceThatGoesWithTheObjectFeelsAsItDoes) {
   for (const double aside : {0.5, 4.0}) {
     for (const Vector3& way : kWays) {
-      const RenderingMeasures mean =
-          drawn_over_plane(plane_on_drives(), aside, way,
-                           [](const FingerSimulation& simulation, double) {
-                             return with_the_plane(simulation, 1.0);
-                           });
+      const RenderingMeasures mean = drawn_over_plane(
+          plane_on_drives(), aside, way, [](const FingerSimulation& simulation, double) {
+            return with_the_plane(simulation, 1.0);
+          });
       EXPECT_LT(mean.normal_force_error, 0.01);
       EXPECT_LT(mean.tangential_force_error, 0.02) << aside << " mm along " << way.transpose();
       EXPECT_LT(mean.slip_ratio_error, 0.04);
@@ -147,14 +145,15 @@ RenderingMeasures led_over_plane(const std::string& name, const char* objective_
   static const auto model = index_held_tightly();
   const auto objective = objective_kind(objective_name)->make(model, device);
   std::vector<Vector3> nodes;
-  return drawn_over_plane(device, 2.0, way, [&](const FingerSimulation& simulation, double elapsed) {
-    nodes.assign(simulation.positions().begin(), simulation.positions().end());
-    const Configuration q =
-        objective->tick({simulation.contact(), nodes, simulation.bone_pose()}, elapsed)
-            .configuration;
-    objective->follow(q);
-    return q;
-  });
+  return drawn_over_plane(
+      device, 2.0, way, [&](const FingerSimulation& simulation, double elapsed) {
+        nodes.assign(simulation.positions().begin(), simulation.positions().end());
+        const Configuration q =
+            objective->tick({simulation.contact(), nodes, simulation.bone_pose()}, elapsed)
+                .configuration;
+        objective->follow(q);
+        return q;
+      });
 }
 
 struct ShearDevice {

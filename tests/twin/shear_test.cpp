@@ -34,8 +34,8 @@ std::shared_ptr<const Device> disk_under_block() {
 }
 
 std::shared_ptr<const Device> ball_under_block() {
-  static const auto device = tactor_under_block(
-      "type = \"sphere\"\nradius_mm = 6.0\norigin_mm = [0.0, 0.0, -6.0]\n");
+  static const auto device =
+      tactor_under_block("type = \"sphere\"\nradius_mm = 6.0\norigin_mm = [0.0, 0.0, -6.0]\n");
   return device;
 }
 
@@ -120,8 +120,8 @@ TEST(TwinShear, WhatSlidesGrowsWithTheNormalForceByTheCoefficient) {
 TEST(TwinShear, IsNoneWithoutFrictionAndWithinTheConeWithIt) {
   for (const double friction : {0.0, 0.2, 0.9}) {
     Twin twin(plain_block(), disk_under_block());
-    for (const auto& [x, y, depth] : {std::array{0.0, 0.0, 0.8}, {0.5, -0.2, 1.0}, {3.0, 1.0, 1.2},
-                                      {-1.0, 2.0, 0.4}}) {
+    for (const auto& [x, y, depth] :
+         {std::array{0.0, 0.0, 0.8}, {0.5, -0.2, 1.0}, {3.0, 1.0, 1.2}, {-1.0, 2.0, 0.4}}) {
       twin.press(sheared(x, y, depth), friction, 0.0);
       const ContactSet& contact = twin.contact();
       ASSERT_GT(contact.normal_force, 0.1);
@@ -158,8 +158,8 @@ TEST(TwinShear, AMirroredMotionHasTheMirroredForce) {
   for (auto& triangle : mirrored->skin_triangles) std::swap(triangle[1], triangle[2]);
   Twin left(plain_block(), ball_under_block());
   Twin right(mirrored, ball_under_block());
-  for (const auto& [x, y, depth] : {std::array{0.0, 0.0, 0.9}, {0.2, 0.3, 1.1}, {1.0, -1.5, 1.0},
-                                    {-1.0, 0.5, 0.7}}) {
+  for (const auto& [x, y, depth] :
+       {std::array{0.0, 0.0, 0.9}, {0.2, 0.3, 1.1}, {1.0, -1.5, 1.0}, {-1.0, 0.5, 0.7}}) {
     left.press(sheared(x, y, depth), 0.5, 0.0);
     right.press(sheared(x, -y, depth), 0.5, 0.0);
     Vector3 expected = left.contact().tangential_force_F;

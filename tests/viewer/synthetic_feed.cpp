@@ -314,6 +314,8 @@ void SyntheticFeed::fill_finger(std::size_t index) {
     finger.twin.measures.normal_angle = 2 * deg;
     finger.twin.measures.normal_force_error = 0.1;
     finger.twin.measures.normal_force_bias = -0.1;
+    finger.twin.measures.tangential_force_error = 0.3;
+    finger.twin.measures.slip_ratio_error = 0.25;
   }
   finger.deviation = 0.4 * mm2;
   finger.device_state = snapshot_.stopped.asked   ? "retracting"

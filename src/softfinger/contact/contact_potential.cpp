@@ -292,14 +292,12 @@ Matrix3 ContactPotential::following(std::size_t i, std::size_t o, const Pair& pa
   if (pair.slides) {
     // The limit: mu times the normal force, which the gap takes away from.
     gradient_by_position = -obstacles_[o].friction_coefficient * normal_stiffness(i) *
-                           pair.gradient.norm() * pair.slip_direction *
-                           pair.gradient.transpose();
+                           pair.gradient.norm() * pair.slip_direction * pair.gradient.transpose();
   }
   if (!with_curvature) return gradient_by_position;
   // The plane that u lies in, u = a - n n.a with a the way from the anchor.
   const Vector3& n = pair.friction_normal;
-  const Vector3 a =
-      positions_[i] - obstacles_[o].X_WO * anchors_[i * obstacle_count_ + o].anchor_O;
+  const Vector3 a = positions_[i] - obstacles_[o].X_WO * anchors_[i * obstacle_count_ + o].anchor_O;
   const Matrix3 u_by_normal = -n.dot(a) * Matrix3::Identity() - n * a.transpose();
   const Matrix3 u_by_position = u_by_normal * pair.curvature;
   if (!pair.slides) return gradient_by_position + tangential_stiffness(i) * u_by_position;

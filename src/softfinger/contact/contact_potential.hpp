@@ -92,9 +92,9 @@ class ContactPotential {
     Matrix3 normal_stiffness = Matrix3::Zero();
     Vector3 gradient = Vector3::Zero();
     Matrix3 hessian = Matrix3::Zero();
-    /// What grows besides, as the point moves against the obstacle, where friction's limit and plane
-    /// follow the normal force: part of the gradient's derivative that the energy does not know, and
-    /// so not symmetric.
+    /// What grows besides, as the point moves against the obstacle, where friction's limit and
+    /// plane follow the normal force: part of the gradient's derivative that the energy does not
+    /// know, and so not symmetric.
     Matrix3 following = Matrix3::Zero();
   };
   /// False where the pair does nothing. `with_curvature`: of the obstacle, in both derivatives.

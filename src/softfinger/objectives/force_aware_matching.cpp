@@ -67,9 +67,9 @@ struct ForceAwareMatching::Implementation {
   SurfaceSamples samples;
   Vector3 target = Vector3::Zero();             ///< normal force
   Vector3 tangential_target = Vector3::Zero();  ///< what of the tangential force counts
-  Configuration before;    ///< the last match
-  Configuration anchor;    ///< the surface's match
-  bool under_way = false;  ///< the last frame has not ended
+  Configuration before;                         ///< the last match
+  Configuration anchor;                         ///< the surface's match
+  bool under_way = false;                       ///< the last frame has not ended
   ForceAwareResult result;
 
   [[nodiscard]] double metric(int k) const {
@@ -123,8 +123,8 @@ void ForceAwareMatching::Implementation::add_forces(const TwinForces& forces) {
 }
 
 /// Damped Gauss-Newton step at q within the device's constraints, in `step` (by q).
-bool ForceAwareMatching::Implementation::form_step(const Configuration& q,
-                                                   const TwinForces& forces, double damping) {
+bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const TwinForces& forces,
+                                                   double damping) {
   device->deviation_derivatives(q, samples, gradient, gauss_newton, hessian);
   const double per_deviation = options.surface_weight * options.surface_weight;
   gradient *= per_deviation;

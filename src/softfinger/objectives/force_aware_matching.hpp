@@ -46,7 +46,7 @@ struct ForceAwareResult {
   Configuration configuration;
   Vector3 force = Vector3::Zero();  ///< of the twin there, see normal_force_vector(); F, N
   Vector3 tangential_force = Vector3::Zero();  ///< of the twin there; F, N
-  double deviation = 0.0;           ///< E there, m^2
+  double deviation = 0.0;                      ///< E there, m^2
   int iterations = 0;
 };
 

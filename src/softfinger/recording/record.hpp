@@ -50,8 +50,8 @@ struct SampleRecord {
 };
 
 /// One finger in one step, with the sums of its contact, in which normal_force_sum and
-/// tangential_force_F are NaN where a recording does not say them. Step 0 is the pose the run starts
-/// from.
+/// tangential_force_F are NaN where a recording does not say them. Step 0 is the pose the run
+/// starts from.
 struct StepRecord : ContactSums {
   std::int64_t finger = 0;
   std::int64_t step = 0;

@@ -56,6 +56,7 @@ class Judge {
     frame.time = tick.time;
     frame.virtual_force = loop.contact().normal_force;
     frame.virtual_force_sum = loop.contact().normal_force_sum;
+    frame.virtual_tangential_F = loop.contact().tangential_force_F;
     if (loop.contact().contact_count > 0) {
       transform(loop.simulation().bone_pose().inverse(), loop.simulation().positions(), nodes_F_);
       model_.take(nodes_F_);
@@ -63,6 +64,7 @@ class Judge {
     frame.commanded = press(twin_, tick.command.configuration, friction, elapsed, loop, answer);
     frame.twin_force = twin_.contact().normal_force;
     frame.twin_force_sum = twin_.contact().normal_force_sum;
+    frame.twin_tangential_F = twin_.contact().tangential_force_F;
     answer.commanded.add(frame.commanded);
     JointAngles joints;
     if (device.actuator().read_servo_joints(joints)) {

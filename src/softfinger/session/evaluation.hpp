@@ -23,7 +23,9 @@ struct EvaluatedFrame {
   double virtual_force_sum = 0.0;  ///< sum of the magnitudes of its normal forces, N
   double twin_force = 0.0;         ///< of the twin, N
   double twin_force_sum = 0.0;     ///< N
-  RenderingMeasures commanded;     ///< twin pressed by the commanded configuration
+  Vector3 virtual_tangential_F = Vector3::Zero();  ///< sum of the virtual tangential forces, N
+  Vector3 twin_tangential_F = Vector3::Zero();     ///< of the twin's, N
+  RenderingMeasures commanded;                     ///< twin pressed by the commanded configuration
   /// Twin pressed where the servos are at this time; empty for a device without servos.
   std::optional<RenderingMeasures> lagged;
 };

@@ -9,7 +9,7 @@ namespace softfinger {
 namespace {
 
 constexpr double kLeastForce = 0.05;  // N; errors of smaller forces are measured against it
-constexpr double kBorne = 0.01;       // N; skin that bears more is touched, whatever its contact set
+constexpr double kBorne = 0.01;  // N; skin that bears more is touched, whatever its contact set
 
 double pressure(const ContactSample& sample) {
   return sample.area > 0.0 ? sample.normal_force / sample.area : 0.0;

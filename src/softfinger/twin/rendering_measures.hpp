@@ -19,8 +19,8 @@ enum class FrameKind {
 };
 
 /// How far what the device renders is from the virtual contact, in one frame. NaN where undefined:
-/// all but the IoU where one side touches nothing, which is then 0, and all where neither does; what
-/// needs areas where none is in contact.
+/// all but the IoU where one side touches nothing, which is then 0, and all where neither does;
+/// what needs areas where none is in contact.
 struct RenderingMeasures {
   static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
   FrameKind kind = FrameKind::kFree;

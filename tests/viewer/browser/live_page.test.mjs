@@ -90,7 +90,7 @@ test("the twin touches as well, and is judged", async () => {
   await page.waitForFunction(() => Number(document.body.dataset.twinContacts) > 3 &&
     Number(document.body.dataset.iou) > 0.2);
   assert.equal(await data("twin"), "on");
-  for (const id of ["iou", "centroid", "angle", "force-error"]) {
+  for (const id of ["iou", "centroid", "angle", "force-error", "tangential-error", "slip-error"]) {
     await page.waitForFunction((name) =>
       /^\d+(\.\d+)?$/.test(document.querySelector(`#plot-${name} b`)?.textContent ?? ""), id);
   }
