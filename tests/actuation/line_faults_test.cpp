@@ -362,6 +362,14 @@ TEST_P(LineFaults, ALoopThatHangs) {
   expect_within_limits();
   expect_gentle(0.0, 10.0);
   expect_retracted();
+  int retracting = 0;
+  for (std::size_t k = 1; k < line_.sent().size(); ++k) {
+    const auto &before = line_.sent()[k - 1], &sent = line_.sent()[k];
+    if (before.time < 1.12 || sent.time > 1.25) continue;
+    ++retracting;
+    EXPECT_LE(sent.time - before.time, 1.1 * line_.period()) << "nobody has to be waited for";
+  }
+  EXPECT_GT(retracting, 3);
 }
 
 }  // namespace

@@ -154,6 +154,10 @@ TEST_F(SilentMaestro, IsKeptAwakeWhileNothingIsWanted) {
     if (time < 2.0) return std::nullopt;
     return pressing_;
   };
+  line_.at(1.0, [this] {
+    ++looks_;
+    EXPECT_EQ(line_.channel().state, DeviceState::kHoming) << "open, and nothing is wanted yet";
+  });
   line_.at(4.0, [this] {
     ++looks_;
     EXPECT_FALSE(line_.channel().stop.is_stopped());
@@ -161,7 +165,7 @@ TEST_F(SilentMaestro, IsKeptAwakeWhileNothingIsWanted) {
     EXPECT_LE(away(pressing_), 0.3 * deg);
   });
   line_.run(5.0);
-  EXPECT_EQ(looks_, 1);
+  EXPECT_EQ(looks_, 2);
 }
 
 }  // namespace

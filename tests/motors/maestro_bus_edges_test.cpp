@@ -106,6 +106,9 @@ TEST(MaestroBusEdges, SaysEachTargetToItsChannelAndAsksEach) {
   EXPECT_EQ(terminal.heard(8), (MaestroBytes{0x84, 3, 0x70, 0x2E, 0x84, 7, 0x09, 0x27}));
   ASSERT_TRUE(bus.ask());
   EXPECT_EQ(terminal.heard(5), (MaestroBytes{0x90, 3, 0x90, 7, 0xA1}));
+  bus.drain();
+  EXPECT_EQ(terminal.heard(0), MaestroBytes())
+      << "a board without a timeout need not be kept awake";
 }
 
 TEST(MaestroBusEdges, TheLastOfSeveralAnswersCounts) {
