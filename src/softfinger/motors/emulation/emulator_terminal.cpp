@@ -43,14 +43,18 @@ EmulatorTerminal::EmulatorTerminal(BusEmulator& emulator) : emulator_(emulator) 
   thread_ = std::thread([this] { serve(); });
 }
 
-EmulatorTerminal::~EmulatorTerminal() { vanish(); }
+EmulatorTerminal::~EmulatorTerminal() {
+  vanish();
+  ::close(far_);
+}
 
 void EmulatorTerminal::vanish() {
   if (!thread_.joinable()) return;
   stop_ = true;
   thread_.join();
+  // Its number stays taken as long as the far end is open: who goes on trying to open the port must
+  // not find another program's there.
   ::close(near_);
-  ::close(far_);
 }
 
 void EmulatorTerminal::serve() {
