@@ -48,10 +48,19 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments,
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 1, output_file_.c_str(), kNew, 0600);
   posix_spawn_file_actions_addopen(&actions, 2, errors_file_.c_str(), kNew, 0600);
-  if (posix_spawn(&process_, argv.front(), &actions, nullptr, argv.data(), environ) != 0) {
+  // Under nohup too the program is to notice a terminal that hangs up.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t noticed;
+  sigemptyset(&noticed);
+  sigaddset(&noticed, SIGHUP);
+  posix_spawnattr_setsigdefault(&attributes, &noticed);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  if (posix_spawn(&process_, argv.front(), &actions, &attributes, argv.data(), environ) != 0) {
     ADD_FAILURE() << "cannot start " << argv.front();
     reaped_ = true;
   }
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
 }
 
