@@ -106,6 +106,32 @@ TEST(MaestroSettings, ATimeoutThatIsOffOrLongerIsRefused) {
   }
 }
 
+// To try it is to let it happen: the board takes its servos home, from wherever they were.
+TEST(MaestroSettings, WhereATimeoutIsTriedServosGoHomeNoFasterThanTheyMay) {
+  constexpr double kRate = 200 * us;  // of the pulse, in a second
+  MaestroEmulator board(kTwoServos,
+                        {.serial_timeout = 0.1, .on_error = MaestroBoard::OnError::kGoTo});
+  board.receive(encode_set_target(1, 8000));  // 2000 us, and home is 1500
+  board.advance_to(0.002);
+  const EmulatorTerminal terminal(board);
+  TransportSettings transport = transport_with(false, 0.1);
+  for (ServoSettings& servo : transport.servos) servo.max_rate = kRate;
+  MaestroBus bus(transport);
+  const auto began = std::chrono::steady_clock::now();
+  ASSERT_EQ(bus.open(terminal.port()), "");
+  std::array<std::int32_t, 2> positions{};
+  bool known = false;
+  for (int i = 0; i < 100 && !known; ++i) {
+    if (i % 20 == 0) bus.ask();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    known = bus.take_positions(positions);
+  }
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - began;
+  ASSERT_TRUE(known);
+  EXPECT_EQ(board.target(1), 6000) << "on its way home";
+  EXPECT_GE(positions[0] * kQuarterMicrosecond, 2000 * us - 1.05 * kRate * passed.count());
+}
+
 // In a tick each servo is sent 4 bytes, asked by 2 and answers 2; the errors take 3 more. A
 // command's checksum is one.
 TEST(MaestroSettings, ARateThatTheBaudCarriesIsTakenAndNoHigherOne) {

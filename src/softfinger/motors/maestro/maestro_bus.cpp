@@ -170,13 +170,14 @@ std::string MaestroBus::open(const std::string& port) {
   suspicion_ = 0;
   if (!reason.empty()) return reason;
   const bool heard = errors().has_value();  // and so forgotten: they are of the past
-  if (!under_way_) {
-    if (crc_) reason = check_crc();
-    if (reason.empty() && serial_timeout_ > 0.0) reason = check_timeout();
-    if (reason.empty() && heard) reason = check_pace();
-  }
+  if (!under_way_ && crc_) reason = check_crc();
   if (reason.empty() && !limits_.empty() && port_.write(limits_) != SerialPort::Result::kSent) {
     reason = "it does not take what limits the servos' speed";
+  }
+  if (!under_way_) {
+    // A board whose timeout is on takes its servos home now, and no faster than that.
+    if (reason.empty() && serial_timeout_ > 0.0) reason = check_timeout();
+    if (reason.empty() && heard) reason = check_pace();
   }
   if (!reason.empty()) port_.close();
   return reason;
