@@ -238,7 +238,8 @@ TEST_P(ShippedMechanism, ConstraintsAndTheirCurvatureAreDerivatives) {
       return Eigen::VectorXd(j.transpose() * multipliers);
     };
     // Of a long arm's little curvature differences know less.
-    EXPECT_LT(derivative_error(gradient_at, q, curvature, steps_of(*device_)), 1e-5);
+    const double most = GetParam() == std::string("slip-ball-webster") ? 1e-5 : 1e-6;
+    EXPECT_LT(derivative_error(gradient_at, q, curvature, steps_of(*device_)), most);
   }
   EXPECT_GT(compared, 10);
 }
