@@ -6,7 +6,7 @@
 namespace softfinger {
 
 ServoLag::ServoLag(Eigen::Index joints, double least_motion)
-    : least_motion_(least_motion), told_(kKept, Told{0.0, JointAngles::Zero(joints)}) {}
+    : least_motion_(least_motion), told_(kKept, Told{.joints = JointAngles::Zero(joints)}) {}
 
 void ServoLag::sent(double time, const JointAngles& joints) {
   told_[next_] = {time, joints};
@@ -15,33 +15,30 @@ void ServoLag::sent(double time, const JointAngles& joints) {
 }
 
 std::size_t ServoLag::one_way(Eigen::Index joint) const {
-  if (count_ < 2) return 0;
-  const double last = told(0).joints[joint] - told(1).joints[joint];
+  const auto motion = [&](std::size_t age) {
+    return told(age).joints[joint] - told(age + 1).joints[joint];
+  };
   std::size_t age = 0;
-  while (age + 1 < count_ && last * (told(age).joints[joint] - told(age + 1).joints[joint]) > 0.0) {
-    ++age;
-  }
+  while (age + 1 < count_ && motion(0) * motion(age) > 0.0) ++age;
   return age;
 }
 
 std::optional<double> ServoLag::seen(double time, const JointAngles& joints) const {
-  Eigen::Index furthest = -1;
-  std::size_t oldest = 0;
+  std::optional<Eigen::Index> furthest;
   double motion = least_motion_;
   for (Eigen::Index joint = 0; joint < joints.size(); ++joint) {
-    const std::size_t age = one_way(joint);
-    const double moved = std::abs(told(0).joints[joint] - told(age).joints[joint]);
-    if (age == 0 || moved < motion) continue;
+    const double moved = std::abs(told(0).joints[joint] - told(one_way(joint)).joints[joint]);
+    if (moved < motion) continue;
     furthest = joint;
-    oldest = age;
     motion = moved;
   }
-  if (furthest < 0) return std::nullopt;
+  if (!furthest) return std::nullopt;
+  const std::size_t oldest = one_way(*furthest);
   for (std::size_t age = 0; age < oldest; ++age) {
     const Told& later = told(age);
     const Told& earlier = told(age + 1);
-    const double way = later.joints[furthest] - earlier.joints[furthest];
-    const double fraction = (joints[furthest] - earlier.joints[furthest]) / way;
+    const double way = later.joints[*furthest] - earlier.joints[*furthest];
+    const double fraction = (joints[*furthest] - earlier.joints[*furthest]) / way;
     if (fraction < 0.0) continue;
     if (fraction > 1.0) return std::nullopt;  // past the newest
     const double lag = time - (earlier.time + fraction * (later.time - earlier.time));
