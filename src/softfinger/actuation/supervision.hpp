@@ -33,7 +33,7 @@ class Supervision {
   [[nodiscard]] bool pressed_too_long(double time, bool pressing);
 
  private:
-  /// Least and largest commands of one stretch of time.
+  /// Least and largest commands of one stretch of time; of no joints: there were none.
   struct Stretch {
     double begin = 0.0;  ///< s
     JointAngles least, largest;
@@ -43,8 +43,7 @@ class Supervision {
   double most_error_;
   double most_pressing_;
   std::array<Stretch, kStretches> stretches_;
-  std::size_t count_ = 0;   ///< stretches in use
-  std::size_t newest_ = 0;  ///< of them
+  std::size_t newest_ = 0;
   std::array<int, kMostServos> astray_reports_{};
   std::optional<double> pressed_since_;
   double last_pressed_ = 0.0;
