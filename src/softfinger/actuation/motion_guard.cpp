@@ -1,9 +1,10 @@
 #include "softfinger/actuation/motion_guard.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "softfinger/actuation/nearby_pose.hpp"
 
 namespace softfinger {
 namespace {
@@ -16,49 +17,30 @@ constexpr int kHalvings = 20;
 constexpr int kWayPoints = 16;
 /// Less of the allowed joint travel than this counts as being blocked.
 constexpr double kBlocked = 1e-2;
-/// Towards home by this much a try, where rounding to the wire would break a limit.
+/// Towards home by this much a try, where rounding to the wire would break a limit, or a pose is
+/// exactly on one.
 constexpr double kPullBack = 2e-3;
 constexpr int kPullBacks = 4;
 /// Wanted poses stay this much (m) below the ceiling, so that rounding does not lead over it.
 constexpr double kBelowCeiling = 2e-5;
 /// What excess over the ceiling (m) is none.
 constexpr double kOnCeiling = 1e-9;
-/// Step (m of surface motion) of differences of inverse kinematics.
-constexpr double kDifference = 1e-6;
 
 Configuration between(const Configuration& from, const Configuration& to, double fraction) {
+  if (fraction == 1.0) return to;  // to the last bit
   return from + fraction * (to - from);
 }
 
-/// q of joint angles that are a rounding error away from those of `near`: two chord steps on
-/// inverse kinematics. Forward kinematics proper searches the workspace, which takes long where it
-/// fails.
-bool pose_of_joints(const Device& device, const JointAngles& joints, const Configuration& near,
-                    Configuration& q) {
-  using Derivative =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostServos, kMostServos>;
-  const Eigen::Index n = near.size();
-  if (joints.size() != n) return device.forward_kinematics(joints, q);
-  Derivative derivative(n, n);
-  JointAngles above;
-  JointAngles below;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double step = kDifference / device.axes()[static_cast<std::size_t>(i)].metric;
-    q = near;
-    q[i] = near[i] + step;
-    if (!device.inverse_kinematics(q, above)) return false;
-    q[i] = near[i] - step;
-    if (!device.inverse_kinematics(q, below)) return false;
-    derivative.col(i) = (above - below) / (2.0 * step);
+/// Part of the straight way before the first of some points on it that is not allowed; 1: all of
+/// it.
+template <typename Allowed>
+double open_part(const Configuration& from, const Configuration& to, const Allowed& allowed) {
+  for (int i = 1; i <= kWayPoints; ++i) {
+    if (!allowed(between(from, to, static_cast<double>(i) / kWayPoints))) {
+      return static_cast<double>(i - 1) / kWayPoints;
+    }
   }
-  const Eigen::PartialPivLU<Derivative> inverse(derivative);
-  q = near;
-  for (int iteration = 0; iteration < 2; ++iteration) {
-    JointAngles now;
-    if (!device.inverse_kinematics(q, now)) return false;
-    q += inverse.solve(joints - now);
-  }
-  return q.allFinite();
+  return 1.0;
 }
 
 /// Largest fraction in [0, 1] that is allowed, by halving; 0 is taken as allowed.
@@ -107,12 +89,7 @@ void MotionGuard::reset(const Configuration& q) {
   arrived_ = true;
   most_excess_ = std::numeric_limits<double>::infinity();
   Command command;
-  if (!form(q, command)) {
-    // Exactly on a limit: the next inside.
-    for (int i = 1; i <= kPullBacks; ++i) {
-      if (form(between(q, device_->home(), kPullBack * i), command)) break;
-    }
-  }
+  form_near(q, command, [](const Command&) { return true; });
   take(command, 0.0);
 }
 
@@ -126,14 +103,14 @@ Configuration MotionGuard::allowed_goal(const Configuration& wanted) const {
   const Configuration& home = device_->home();
   const double fraction =
       largest_fraction([&](double t) { return allowed(between(home, goal, t)); });
-  if (fraction < 1.0) goal = between(home, goal, fraction);
-  const double seen = way_from_home(goal);
-  return seen == 1.0 ? goal : between(home, goal, seen);
+  goal = between(home, goal, fraction);
+  return between(home, goal, way_from_home(goal));
 }
 
-double MotionGuard::allowed_travel(Eigen::Index joint, double sign, double dt) const {
+double MotionGuard::allowed_travel(Eigen::Index joint, bool up, double dt) const {
   const JointLimits& limits = device_->joint_limits();
-  const double faster = std::max(0.0, sign * rates_[joint]) + limits.max_acceleration * dt;
+  const double rate = up ? rates_[joint] : -rates_[joint];
+  const double faster = std::max(0.0, rate) + limits.max_acceleration * dt;
   const double travel = std::min(limits.max_rate, faster) * dt;
   if (servos_.empty() || travel_axis_ >= 0) return travel;
   // Each rounding moves a joint by at most one step of the wire.
@@ -144,7 +121,7 @@ double MotionGuard::allowed_travel(Eigen::Index joint, double sign, double dt) c
 bool MotionGuard::within_travel(const JointAngles& joints, double dt) const {
   for (Eigen::Index i = 0; i < joints.size(); ++i) {
     const double travel = joints[i] - now_.joints[i];
-    if (!(std::abs(travel) <= allowed_travel(i, travel < 0.0 ? -1.0 : 1.0, dt))) return false;
+    if (!(std::abs(travel) <= allowed_travel(i, travel > 0.0, dt))) return false;
   }
   return true;
 }
@@ -158,21 +135,22 @@ double MotionGuard::allowed_fraction(const Configuration& goal, double dt) const
 }
 
 bool MotionGuard::way_is_clear(const Configuration& goal) const {
-  for (int i = 1; i <= kWayPoints; ++i) {
-    if (!allowed(between(now_.q, goal, static_cast<double>(i) / kWayPoints))) {
-      return false;
-    }
-  }
-  return true;
+  return open_part(now_.q, goal, [&](const Configuration& q) { return allowed(q); }) == 1.0;
 }
 
 double MotionGuard::way_from_home(const Configuration& q) const {
-  for (int i = 1; i <= kWayPoints; ++i) {
-    if (!device_->reachable(between(device_->home(), q, static_cast<double>(i) / kWayPoints))) {
-      return static_cast<double>(i - 1) / kWayPoints;
-    }
-  }
-  return 1.0;
+  return open_part(device_->home(), q,
+                   [&](const Configuration& at) { return device_->reachable(at); });
+}
+
+bool MotionGuard::is_blocked(const Configuration& next, const Configuration& goal,
+                             double dt) const {
+  JointAngles reached;
+  if (!device_->inverse_kinematics(next, reached)) return true;
+  const JointLimits& limits = device_->joint_limits();
+  const double travel = (reached - now_.joints).cwiseAbs().maxCoeff();
+  return travel < kBlocked * std::min(limits.max_rate, limits.max_acceleration * dt) * dt &&
+         !way_is_clear(goal);
 }
 
 bool MotionGuard::form(const Configuration& q, Command& command) const {
@@ -193,7 +171,15 @@ bool MotionGuard::form(const Configuration& q, Command& command) const {
   }
   // Rounding moves the platform too: what counts is the pose of the targets that go out.
   Configuration rounded;
-  return pose_of_joints(*device_, sent, q, rounded) && allowed(rounded);
+  return nearby_pose(*device_, sent, q, rounded) && allowed(rounded);
+}
+
+template <typename Fits>
+bool MotionGuard::form_near(const Configuration& q, Command& command, const Fits& fits) const {
+  for (int i = 0; i <= kPullBacks; ++i) {
+    if (form(between(q, device_->home(), kPullBack * i), command) && fits(command)) return true;
+  }
+  return false;
 }
 
 void MotionGuard::step(const Configuration& wanted, double dt) {
@@ -204,40 +190,30 @@ void MotionGuard::step(const Configuration& wanted, double dt) {
     return;
   }
   const Configuration goal = allowed_goal(wanted);
-  if (by_home_ && way_is_clear(goal)) by_home_ = false;
+  by_home_ = by_home_ && !way_is_clear(goal);
 
-  Configuration stage = by_home_ ? device_->home() : goal;
-  double fraction = allowed_fraction(stage, dt);
-  if (fraction < 1.0 && !by_home_ && !way_is_clear(goal)) {
-    JointAngles reached;
-    const bool closes = device_->inverse_kinematics(between(now_.q, stage, fraction), reached);
-    const JointLimits& limits = device_->joint_limits();
-    const double travel = closes ? (reached - now_.joints).cwiseAbs().maxCoeff() : 0.0;
-    if (travel < kBlocked * std::min(limits.max_rate, limits.max_acceleration * dt) * dt) {
-      by_home_ = true;
-      stage = device_->home();
-      fraction = allowed_fraction(stage, dt);
-    }
-  }
-
-  Configuration next = fraction == 1.0 ? stage : between(now_.q, stage, fraction);
+  Configuration next;
+  const auto head_for = [&](const Configuration& stage) {
+    const double fraction = allowed_fraction(stage, dt);
+    next = between(now_.q, stage, fraction);
+    return fraction;
+  };
+  double fraction = head_for(by_home_ ? device_->home() : goal);
   // Never to where the way home is blocked: a device must always get away from the finger.
-  if (!by_home_ && !sees_home(next) && sees_home(now_.q)) {
+  const auto loses_home = [&] { return !sees_home(next) && sees_home(now_.q); };
+  if (!by_home_ && (is_blocked(next, goal, dt) || loses_home())) {
     by_home_ = true;
-    stage = device_->home();
-    fraction = allowed_fraction(stage, dt);
-    next = fraction == 1.0 ? stage : between(now_.q, stage, fraction);
+    fraction = head_for(device_->home());
   }
+
   Command command;
-  for (int i = 0; i <= kPullBacks; ++i) {
-    const Configuration q = i == 0 ? next : between(next, device_->home(), kPullBack * i);
-    if (form(q, command) && within_travel(command.joints, dt)) {
-      take(command, dt);
-      arrived_ = fraction == 1.0 && !by_home_;
-      return;
-    }
+  const auto fits = [&](const Command& one) { return within_travel(one.joints, dt); };
+  if (form_near(next, command, fits)) {
+    take(command, dt);
+    arrived_ = fraction == 1.0 && !by_home_;
+  } else {
+    rates_.setZero();
   }
-  rates_.setZero();
 }
 
 }  // namespace softfinger

@@ -72,11 +72,17 @@ class MotionGuard {
   /// cannot reach; 1: all of it.
   [[nodiscard]] double way_from_home(const Configuration& q) const;
   [[nodiscard]] bool sees_home(const Configuration& q) const { return way_from_home(q) == 1.0; }
+  /// Whether the next q is hardly away from the present one, since something is in the way.
+  [[nodiscard]] bool is_blocked(const Configuration& next, const Configuration& goal,
+                                double dt) const;
   /// Forms the command for q; false where it would break a limit once rounded.
   bool form(const Configuration& q, Command& command) const;
-  /// Joint travel allowed in dt towards larger (sign 1) or smaller (-1) values, less what rounding
-  /// of two commands may add.
-  [[nodiscard]] double allowed_travel(Eigen::Index joint, double sign, double dt) const;
+  /// The same for the first q that fits, going a little towards home; false: none does.
+  template <typename Fits>
+  bool form_near(const Configuration& q, Command& command, const Fits& fits) const;
+  /// Joint travel allowed in dt towards larger (up) or smaller values, less what rounding of two
+  /// commands may add.
+  [[nodiscard]] double allowed_travel(Eigen::Index joint, bool up, double dt) const;
   [[nodiscard]] bool within_travel(const JointAngles& joints, double dt) const;
 
   std::shared_ptr<const Device> device_;
