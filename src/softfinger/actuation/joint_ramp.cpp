@@ -1,16 +1,13 @@
 #include "softfinger/actuation/joint_ramp.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace softfinger {
 
 JointRamp::JointRamp(std::shared_ptr<const Device> device, std::span<const ServoMap> servos)
     : device_(std::move(device)), servos_(servos) {
-  if (!device_->inverse_kinematics(device_->retracted(), goal_)) {
-    device_->clamped_joints(device_->retracted(), goal_);
-  }
+  device_->clamped_joints(device_->retracted(), goal_);
   joints_ = goal_;
 }
 
@@ -29,8 +26,7 @@ void JointRamp::step(double dt) {
   rate_ = std::min(limits.max_rate, rate_ + limits.max_acceleration * dt);
   const double travel = rate_ * dt;
   for (Eigen::Index i = 0; i < joints_.size(); ++i) {
-    const double left = goal_[i] - joints_[i];
-    joints_[i] = std::abs(left) <= travel ? goal_[i] : joints_[i] + std::copysign(travel, left);
+    joints_[i] = std::clamp(goal_[i], joints_[i] - travel, joints_[i] + travel);
   }
   form();
 }
