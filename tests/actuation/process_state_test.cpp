@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <ctime>
 #include <thread>
 
 namespace softfinger {
@@ -84,6 +85,21 @@ TEST(ProcessCpuTime, GrowsWhileAProcessWorks) {
   EXPECT_LT(process_cpu_time(sleeping.process()), used);
   working.end();
   EXPECT_EQ(process_cpu_time(working.process()), 0.0) << "it is gone";
+}
+
+TEST(ProcessCpuTime, IsThatOfTheProcessorsClock) {
+  const auto own = [] {
+    timespec used{};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+  };
+  while (own() < 0.01) continue;
+  for (int i = 0; i < 100; ++i) {
+    const double before = own();
+    const double used = process_cpu_time(::getpid());
+    EXPECT_GE(used, before);
+    EXPECT_LE(used, own());
+  }
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class Seal {
   void add(const Configuration& q) {
     add(static_cast<std::uint64_t>(q.size()));
     // A size that was spoilt leads nowhere.
-    if (q.size() < 0 || q.size() > kMaxDegreesOfFreedom) return;
+    if (q.size() > kMaxDegreesOfFreedom) return;
     for (Eigen::Index i = 0; i < q.size(); ++i) add(std::bit_cast<std::uint64_t>(q[i]));
   }
   [[nodiscard]] std::uint64_t value() const { return hash_; }

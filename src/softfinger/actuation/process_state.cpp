@@ -14,15 +14,13 @@ ProcessState process_state(int process) noexcept {
   std::array<char, 64> name{};
   std::snprintf(name.data(), name.size(), "/proc/%d/stat", process);
   const int file = ::open(name.data(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return ProcessState::kGone;
   std::array<char, 256> text{};
-  const ssize_t got = ::read(file, text.data(), text.size());
+  // Of a process that is gone there is no file, nothing is read, and no letter is found.
+  [[maybe_unused]] const ssize_t got = ::read(file, text.data(), text.size());
   ::close(file);
-  if (got <= 0) return ProcessState::kGone;
   // "PID (NAME) S ...", where the name may have anything in it.
-  const std::string_view line(text.data(), static_cast<std::size_t>(got));
-  const std::size_t end = line.rfind(") ");
-  switch (end + 2 < line.size() ? line[end + 2] : 'X') {
+  const std::string_view line(text.data(), text.size());
+  switch (line[line.rfind(") ") + 2]) {
     case 'R':
       return ProcessState::kRunning;
     case 'S':

@@ -66,13 +66,12 @@ ServoLine::ServoLine(std::shared_ptr<const Device> device, Options options, Line
 bool ServoLine::ending() const { return loop_gone_ || channel_.ending.load(); }
 
 void ServoLine::wait_until(TimePoint due) {
-  std::array<pollfd, 2> events = {
-      pollfd{.fd = wake_, .events = POLLIN, .revents = 0},
-      pollfd{.fd = loop_gone_ ? -1 : loop_, .events = POLLIN, .revents = 0}};
+  std::array events{pollfd{.fd = wake_, .events = POLLIN, .revents = {}},
+                    pollfd{.fd = loop_gone_ ? -1 : loop_, .events = POLLIN, .revents = {}}};
   if (!clock_.wait(events, due)) return;
   loop_gone_ = loop_gone_ || events[1].revents != 0;  // it says nothing, so this is its end
   if (events[0].revents == 0) return;
-  std::uint64_t count = 0;
+  std::uint64_t count{};
   [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
 }
 
