@@ -1,6 +1,7 @@
 #include "softfinger/motors/feetech/feetech_protocol.hpp"
 
 #include <cassert>
+#include <cstdlib>
 
 #include "softfinger/motors/servo_faults.hpp"
 
@@ -94,7 +95,7 @@ ServoFrame FeetechProtocol::status_frame(std::uint8_t id, std::uint8_t error,
 }
 
 std::uint32_t FeetechProtocol::to_register(std::int32_t position) const {
-  const auto size = static_cast<std::uint32_t>(position < 0 ? -position : position);
+  const auto size = static_cast<std::uint32_t>(std::abs(position));
   return (size & (kSign - 1)) | (position < 0 ? kSign : 0U);
 }
 
