@@ -2,6 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 get_property(softfinger_targets GLOBAL PROPERTY SOFTFINGER_TARGETS)
+list(APPEND softfinger_targets softfinger_c)
 install(TARGETS ${softfinger_targets} EXPORT softfingerTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -13,7 +14,13 @@ foreach(program softfinger softfinger-guard)
   endif()
 endforeach()
 install(DIRECTORY src/softfinger DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE PATTERN "config" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE PATTERN "config" EXCLUDE PATTERN "report" EXCLUDE)
+
+install(FILES src/softfinger/softfinger.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/softfinger)
+file(RELATIVE_PATH softfinger_prefix_from_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" softfinger_prefix_from_pc "${softfinger_prefix_from_pc}")
+configure_file(${CMAKE_CURRENT_LIST_DIR}/softfinger.pc.in ${PROJECT_BINARY_DIR}/softfinger.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/softfinger.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 set(softfinger_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/softfinger)
 install(EXPORT softfingerTargets NAMESPACE softfinger:: DESTINATION ${softfinger_cmake_dir})

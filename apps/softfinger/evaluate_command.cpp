@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "evaluation_report.hpp"
 #include "progress_bar.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/evaluation.hpp"
+#include "softfinger/session/report/evaluation_report.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 #include "stop_signal.hpp"
 

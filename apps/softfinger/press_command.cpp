@@ -15,6 +15,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/indentation.hpp"
+#include "softfinger/identification/indentation_columns.hpp"
 
 namespace {
 
@@ -88,21 +89,12 @@ softfinger::Indenter indenter(const PressFlags& flags) {
 }
 
 nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
-  using namespace softfinger;
-  return {{"indentation_mm", row.indentation / mm},
-          {"normal_force_N", row.normal_force},
-          {"tangential_force_N", row.tangential_force},
-          {"contact_area_mm2", row.contact_area / mm2},
-          {"contact_samples", row.contact_samples},
-          {"max_stretch", row.max_stretch},
-          {"min_stretch", row.min_stretch},
-          {"volume_ratio", row.volume_ratio},
-          {"iterations", row.iterations},
-          {"residual_N", row.residual},
-          {"slip_ratio", row.slip_ratio},
-          {"stuck_fraction", row.stuck_fraction},
-          {"time_s", row.time},
-          {"normal_force_sum_N", row.normal_force_sum}};
+  nlohmann::ordered_json result;
+  for (const softfinger::IndentationColumn& column : softfinger::indentation_columns()) {
+    nlohmann::ordered_json& value = result[std::string(column.name)] = column.value(row);
+    if (column.whole) value = static_cast<int>(column.value(row));
+  }
+  return result;
 }
 
 /// A file that is written anew; whatever does not fit on the disk is an error by the end of

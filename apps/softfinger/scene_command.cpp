@@ -11,12 +11,12 @@
 
 #include "commands.hpp"
 #include "progress_bar.hpp"
-#include "run_report.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/shape_names.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/scene/scene_schema.hpp"
+#include "softfinger/session/report/run_report.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/tracking/make_tracker.hpp"
 

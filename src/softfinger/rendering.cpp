@@ -253,12 +253,21 @@ bool Rendering::release() noexcept {
 }
 
 RenderingSnapshot Rendering::snapshot() const {
+  RenderingSnapshot taken;
+  snapshot(taken);
+  return taken;
+}
+
+void Rendering::snapshot(RenderingSnapshot& snapshot) const {
   const FingerLoop& loop = implementation_->chain.loop();
   const ContactSet& contact = loop.contact();
-  RenderingSnapshot snapshot;
   snapshot.time = implementation_->origin + loop.record().time;
   snapshot.X_WFt = loop.record().tracked.X_WFt.pose();
   snapshot.X_WF = loop.simulation().bone_pose();
+  snapshot.sample_positions_F.clear();
+  snapshot.sample_pressures.clear();
+  snapshot.in_contact.clear();
+  snapshot.X_WO.clear();
   for (const ContactSample& sample : contact.samples) {
     snapshot.sample_positions_F.push_back(sample.position_F);
     snapshot.sample_pressures.push_back(sample.pressure());
@@ -268,7 +277,6 @@ RenderingSnapshot Rendering::snapshot() const {
   for (const VirtualObject& object : implementation_->setup->scene.objects) {
     snapshot.X_WO.push_back(object.motion.sample(loop.record().time));
   }
-  return snapshot;
 }
 
 double Rendering::simulation_rate() const { return implementation_->rate; }
@@ -276,6 +284,11 @@ double Rendering::simulation_rate() const { return implementation_->rate; }
 double Rendering::device_rate() const {
   const FingerChain& chain = implementation_->chain;
   return chain.has_device() ? softfinger::device_rate(chain.device().device()) : 0.0;
+}
+
+int Rendering::joint_count() const {
+  const FingerChain& chain = implementation_->chain;
+  return chain.has_device() ? chain.device().device().joint_count() : 0;
 }
 
 std::vector<std::string> Rendering::configuration_names() const {

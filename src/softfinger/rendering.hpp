@@ -111,9 +111,12 @@ class Rendering {
 
   /// The finger after the last step.
   [[nodiscard]] RenderingSnapshot snapshot() const;
+  /// The same into one that is kept: from the second time on nothing is allocated.
+  void snapshot(RenderingSnapshot& snapshot) const;
 
   [[nodiscard]] double simulation_rate() const;  ///< Hz
   [[nodiscard]] double device_rate() const;      ///< Hz; 0 without a device
+  [[nodiscard]] int joint_count() const;         ///< 0 without a device
   /// Names of the components of q with the unit people read: pitch_deg, ...
   [[nodiscard]] std::vector<std::string> configuration_names() const;
   /// Corners of the skin's triangles, counter-clockwise from outside, as indices into

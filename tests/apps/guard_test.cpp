@@ -74,6 +74,9 @@ class KilledProgram : public ::testing::Test {
   /// The program, ended by this signal in the middle of a touch.
   void expect_retracted_after(int signal) {
     RunningProgram program({"run", place.path("scenes/sphere.toml"), "--headless"});
+    expect_retracted_after(signal, program);
+  }
+  void expect_retracted_after(int signal, RunningProgram& program) {
     ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.05; }));
     const std::optional<fs::path> guard = owner_of_port();
     ASSERT_TRUE(guard);
@@ -102,6 +105,13 @@ class KilledProgram : public ::testing::Test {
 };
 
 TEST_F(KilledProgram, LeavesTheDeviceRetracted) { expect_retracted_after(SIGKILL); }
+
+// Whoever calls the library has the guard that comes with it.
+TEST_F(KilledProgram, OfSomebodyElsesLeavesTheDeviceRetracted) {
+  RunningProgram program({place.path("scenes/sphere.toml"), "26.5"},
+                         "shift; exec " SOFTFINGER_C_PROGRAM " \"$@\"");
+  expect_retracted_after(SIGKILL, program);
+}
 
 // As the system ends one whose real-time thread never sleeps.
 TEST_F(KilledProgram, LeavesTheDeviceRetractedWhereAThreadRanAway) {

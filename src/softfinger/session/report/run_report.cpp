@@ -1,4 +1,4 @@
-#include "run_report.hpp"
+#include "softfinger/session/report/run_report.hpp"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,10 @@
 
 #include "softfinger/base/units.hpp"
 
+namespace softfinger {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using namespace softfinger;
 
 Json in_ms(const Histogram& times) {
   if (times.count() == 0) return nullptr;
@@ -138,3 +138,5 @@ std::string run_report_text(const RunSummary& summary) {
   }
   return text;
 }
+
+}  // namespace softfinger

@@ -1,16 +1,16 @@
-#include "evaluation_report.hpp"
+#include "softfinger/session/report/evaluation_report.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "run_report.hpp"
+#include "softfinger/session/report/run_report.hpp"
 #include "softfinger/twin/perception.hpp"
 
+namespace softfinger {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using namespace softfinger;
 
 Json number(double value, double unit) {
   return std::isnan(value) ? Json(nullptr) : Json(value / unit);
@@ -129,3 +129,5 @@ std::string evaluation_report_text(const Evaluation& evaluation) {
   }
   return text + "thresholds:\n" + sources;
 }
+
+}  // namespace softfinger

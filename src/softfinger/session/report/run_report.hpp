@@ -6,9 +6,13 @@
 
 #include "softfinger/session/run_summary.hpp"
 
+namespace softfinger {
+
 /// The fields of `run --json`.
-nlohmann::ordered_json run_report(const softfinger::RunSummary& summary);
+nlohmann::ordered_json run_report(const RunSummary& summary);
 /// The same for people, several lines.
-std::string run_report_text(const softfinger::RunSummary& summary);
+std::string run_report_text(const RunSummary& summary);
 /// What people must know of a device: [{key, text}].
-nlohmann::ordered_json notices_json(const std::vector<softfinger::DeviceNotice>& notices);
+nlohmann::ordered_json notices_json(const std::vector<DeviceNotice>& notices);
+
+}  // namespace softfinger

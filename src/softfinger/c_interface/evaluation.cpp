@@ -1,0 +1,104 @@
+#include "softfinger/session/evaluation.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "softfinger/base/name_table.hpp"
+#include "softfinger/c_interface/answers.hpp"
+#include "softfinger/c_interface/table.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
+#include "softfinger/session/report/evaluation_report.hpp"
+
+namespace softfinger {
+namespace {
+
+struct FrameColumn {
+  std::string_view name;
+  double (*value)(const EvaluatedFrame& frame);
+};
+constexpr FrameColumn kFrameColumns[] = {
+    {"time_s", [](const EvaluatedFrame& frame) { return frame.time; }},
+    {"finger", [](const EvaluatedFrame& frame) { return double(frame.finger); }},
+    {"virtual_force_N", [](const EvaluatedFrame& frame) { return frame.virtual_force; }},
+    {"virtual_force_sum_N", [](const EvaluatedFrame& frame) { return frame.virtual_force_sum; }},
+    {"twin_force_N", [](const EvaluatedFrame& frame) { return frame.twin_force; }},
+    {"twin_force_sum_N", [](const EvaluatedFrame& frame) { return frame.twin_force_sum; }},
+};
+
+std::vector<std::string> objectives() {
+  std::vector<std::string> names;
+  for (const ObjectiveKind& kind : objective_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+const ObjectiveKind& named_objective(std::string_view name) {
+  if (const ObjectiveKind* kind = objective_kind(name)) return *kind;
+  throw InputError("objective: unknown name '" + std::string(name) + "'; there is " +
+                   listed(objectives(), "or"));
+}
+
+EvaluationOptions evaluation_options(const char* scene, const sf_evaluate_options& given) {
+  EvaluationOptions options;
+  RunOptions& run = options.run;
+  run.scene = scene;
+  if (given.device != nullptr) run.devices.emplace_back(given.device);
+  if (given.wearer != nullptr) run.wearer = given.wearer;
+  if (given.person != nullptr) run.person = given.person;
+  if (given.objective != nullptr) run.objective = &named_objective(given.objective);
+  if (given.duration_s != 0.0) {
+    if (!(std::isfinite(given.duration_s) && given.duration_s > 0.0)) {
+      throw InputError("duration_s: must be a time above 0 in seconds");
+    }
+    run.duration = given.duration_s;
+  }
+  return options;
+}
+
+std::unique_ptr<Table> table_of(const Evaluation& evaluation) {
+  auto table = std::make_unique<Table>();
+  for (const FrameColumn& column : kFrameColumns) {
+    table->add_column(column.name);
+    for (const EvaluatedFrame& frame : evaluation.frames) {
+      table->columns.back().values.push_back(column.value(frame));
+    }
+  }
+  for (const bool lagged : {false, true}) {
+    for (const MeasureName& measure : measure_names()) {
+      table->add_column((lagged ? "lagged_" : "") + std::string(measure.name));
+      for (const EvaluatedFrame& frame : evaluation.frames) {
+        const RenderingMeasures measures =
+            lagged ? frame.lagged.value_or(RenderingMeasures{}) : frame.commanded;
+        table->columns.back().values.push_back(measures.*measure.member / measure.unit);
+      }
+    }
+  }
+  table->text = evaluation_report(evaluation).dump(2);
+  return table;
+}
+
+}  // namespace
+}  // namespace softfinger
+
+sf_status sf_evaluate(const char* scene, const sf_evaluate_options* options, sf_table** out,
+                      char* error, size_t error_size) {
+  const softfinger::ErrorText text{error, error_size};
+  if (scene == nullptr || out == nullptr) {
+    return text.tell(SF_BAD_INPUT, "scene and out must not be NULL");
+  }
+  if (options != nullptr && options->size != sizeof(sf_evaluate_options)) {
+    return text.tell(SF_BAD_INPUT, "sf_evaluate_options.size must be sizeof(sf_evaluate_options)");
+  }
+  *out = nullptr;
+  return softfinger::guarded(text, [&] {
+    const sf_evaluate_options given = options == nullptr ? sf_evaluate_options{} : *options;
+    std::atomic<bool> stop{false};
+    const auto look = [&] { stop = stop || (given.stop != nullptr && *given.stop != 0); };
+    softfinger::RunObserver observer;
+    observer.progress = [&](double, std::optional<double>) { look(); };
+    look();
+    const softfinger::EvaluationOptions how = softfinger::evaluation_options(scene, given);
+    *out = new sf_table(softfinger::table_of(softfinger::evaluate(how, stop, observer)));
+    return SF_DONE;
+  });
+}

@@ -1,0 +1,32 @@
+#include <string>
+
+#include "softfinger/c_interface/answers.hpp"
+#include "softfinger/recording/csv_export.hpp"
+#include "softfinger/session/replay.hpp"
+
+sf_status sf_recording_export(const char* recording, const char* folder, char* note,
+                              size_t capacity, char* error, size_t error_size) {
+  const softfinger::ErrorText text{error, error_size};
+  if (recording == nullptr || folder == nullptr) {
+    return text.tell(SF_BAD_INPUT, "recording and folder must not be NULL");
+  }
+  return softfinger::guarded(text, [&] {
+    softfinger::copy_text(softfinger::export_csv(recording, folder), note, capacity, nullptr);
+    return SF_DONE;
+  });
+}
+
+sf_status sf_recording_replay(const char* recording, int32_t* agree, char* difference,
+                              size_t capacity, char* error, size_t error_size) {
+  const softfinger::ErrorText text{error, error_size};
+  if (recording == nullptr || agree == nullptr) {
+    return text.tell(SF_BAD_INPUT, "recording and agree must not be NULL");
+  }
+  return softfinger::guarded(text, [&] {
+    const softfinger::ReplayResult result =
+        softfinger::replay({.recording = recording, .scene = {}, .load_observer = {}});
+    *agree = result.agree ? 1 : 0;
+    softfinger::copy_text(result.difference, difference, capacity, nullptr);
+    return SF_DONE;
+  });
+}

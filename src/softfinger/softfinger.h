@@ -1,0 +1,326 @@
+/* softfinger from C99, and from whatever calls C: a soft finger explores a scene, a device answers.
+ *
+ *   sf_rendering *rendering = NULL;
+ *   char error[256];
+ *   if (sf_rendering_create("scenes/sphere.toml", NULL, &rendering, error, sizeof error) != SF_DONE)
+ *     return puts(error), 1;
+ *   sf_pose X_WFt = {sizeof X_WFt, {0, 0, 0.03}, {1, 0, 0, 0}};
+ *   sf_command command = {sizeof command};
+ *   sf_rendering_step(rendering, &X_WFt, seconds, &command);
+ *
+ * SI units and radians throughout. Frames: W world, right-handed, z up; F finger, its origin the
+ * centre of the distal phalanx, x out of the fingertip, y to the left seen from above the nail, z
+ * out of the nail; Ft the tracked finger; O an object. X_WF is the pose of F in W.
+ *
+ * - Every struct begins with its size, which the caller sets to sizeof; nothing is written beyond
+ *   it. Fields may follow at the end of a struct in later versions, and none is taken away.
+ * - A call returns SF_DONE, SF_FAILED where the work itself failed, or SF_BAD_INPUT where what it
+ *   was given is wrong. What is told in `error` is one line, cut to error_size (0 and NULL: not
+ *   wanted); calls on a handle leave theirs to sf_rendering_message().
+ * - A handle is one thread's at a time: a second one inside a call is refused. Handles know nothing
+ *   of each other. sf_rendering_stop() alone may be called from anywhere, signal handlers too.
+ * - After sf_rendering_destroy() calls on the handle are refused, as are those on NULL.
+ * - Arrays are copied out: at most `capacity` elements are written, and *count (may be NULL) says
+ *   how many there are. Texts likewise, with their terminating zero, in bytes.
+ * - Steps allocate nothing after the first that simulates. The same calls give the same bits.
+ */
+#ifndef SOFTFINGER_SOFTFINGER_H
+#define SOFTFINGER_SOFTFINGER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define SF_API __attribute__((visibility("default")))
+#else
+#define SF_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum { SF_DONE = 0, SF_FAILED = 1, SF_BAD_INPUT = 2 } sf_status;
+
+/* What a device does; sf_command.state. */
+typedef enum {
+  SF_DISCONNECTED, /* its port is not open; attempts to open it go on */
+  SF_HOMING,       /* moves to where it is wanted for the first time, or again after a gap */
+  SF_READY,        /* follows, nothing is touched */
+  SF_RENDERING,    /* follows, something is touched */
+  SF_HOLDING,      /* tracking is lost for less than 200 ms: keeps its last pose */
+  SF_RETRACTING,   /* moves to the retracted pose, or is there */
+  SF_STOPPED       /* no command follows */
+} sf_state;
+
+typedef struct sf_rendering sf_rendering; /* one finger of a scene, with its device */
+
+/* How a rendering is made; NULL or zeros: all defaults. */
+typedef struct {
+  uint32_t size;
+  const char *finger;      /* name of a finger of the scene; NULL: the first */
+  const char *device;      /* device file instead of the scene's; NULL: the scene's */
+  int32_t open_device;     /* 1: commands are sent, by softfinger-guard, a process of its own: whatever
+                              becomes of this one, the device is retracted. 0: they are only formed */
+  int32_t unused;
+  const char *guard_program; /* NULL: beside the library, in ../bin, or where softfinger is installed */
+  const char *person;        /* person file: sizes of the fingers; NULL: the finger files' */
+  const char *recording;     /* records to this file, which must not exist yet; NULL: does not */
+  int32_t record_state;      /* 1: nodes and samples of every step as well */
+  int32_t filter;            /* 1: poses are smoothed by the one-euro filter */
+  double predict_s;          /* poses are carried on by this much, 0 to 0.05 */
+} sf_options;
+
+/* A rigid transform. */
+typedef struct {
+  uint32_t size;
+  double position_m[3];
+  double quaternion_wxyz[4]; /* its norm is 1 within 1e-3; it is normalised */
+} sf_pose;
+
+/* What the device is told. Zero beyond the counts; all zero where there is no device. */
+typedef struct {
+  uint32_t size;
+  uint32_t configuration_count;
+  uint32_t joint_count;
+  int32_t state;        /* an sf_state */
+  int64_t tick;         /* counts the device's ticks from 0; -1 before the first */
+  double time_s;        /* of that tick, on the caller's clock */
+  double deviation_m2;  /* contact surface deviation E of the match; 0 where nothing is touched */
+  double configuration[256]; /* q in the device's order; rad and m */
+  double joints[256];        /* of q; rad, or m where they are linear */
+  int32_t stopped;           /* sf_rendering_stop() or somebody else stopped it */
+  int32_t stop_confirmed;    /* and it is a fact: who leads the servos has led them away */
+  uint32_t stops;            /* how often it was stopped so far */
+  uint32_t set_point_count;
+  double set_points[256]; /* one a servo, as its bus has it: a pulse width in s, or ticks, or a share */
+} sf_command;
+
+/* Sums of the finger's contact; forces are those on the finger, in F. */
+typedef struct {
+  uint32_t size;
+  uint32_t samples_in_contact;
+  double time_s;             /* end of the last step, on the caller's clock */
+  double normal_force_N;     /* magnitude of the vector sum of the normal forces */
+  double tangential_force_N; /* likewise */
+  double contact_area_m2;
+  double centroid_F_m[3]; /* weighted by force */
+  double mean_normal_F[3];
+  double normal_force_sum_N; /* sum of the magnitudes */
+  double slip_ratio;         /* 0 nothing pulls, 1 all that touches slides one way */
+} sf_contact;
+
+/* What does not change over the life of a rendering. */
+typedef struct {
+  uint32_t size;
+  uint32_t sample_count;   /* of the skin */
+  uint32_t triangle_count; /* of the skin */
+  uint32_t object_count;
+  uint32_t configuration_count; /* 0: no device */
+  uint32_t joint_count;
+  double simulation_rate_Hz;
+  double device_rate_Hz; /* 0: no device */
+} sf_info;
+
+/* major * 65536 + minor * 256 + patch */
+SF_API uint32_t sf_version(void);
+/* "done", "failed", "bad input"; of anything else "unknown status". */
+SF_API const char *sf_status_text(sf_status status);
+
+/* Name of a finger of a scene file by its number from 0; *count says how many there are. */
+SF_API sf_status sf_scene_finger(const char *scene, size_t index, char *name, size_t capacity,
+                                 size_t *count, char *error, size_t error_size);
+
+/* Reads the scene and what it names; trackers and waypoints in it are ignored. Fingers of one scene
+   share nothing: make a rendering for each. */
+SF_API sf_status sf_rendering_create(const char *scene, const sf_options *options,
+                                     sf_rendering **out, char *error, size_t error_size);
+/* Retracts the device, which may take a second, and ends the handle. A call that another thread is
+   in is finished first. */
+SF_API void sf_rendering_destroy(sf_rendering *rendering);
+/* What was wrong with the last call that was not SF_DONE, one line. */
+SF_API sf_status sf_rendering_message(const sf_rendering *rendering, char *text, size_t capacity);
+
+/* Simulates up to time_s, on any clock that does not go back; the first call says where it begins
+   and places the finger. Between calls the pose moves straight; a gap of more than a second is
+   skipped. A pose that is none (not finite, no unit quaternion) is taken as lost tracking and told
+   as SF_BAD_INPUT; for any other SF_BAD_INPUT nothing is done. out: the newest command, or NULL. */
+SF_API sf_status sf_rendering_step(sf_rendering *rendering, const sf_pose *X_WFt, double time_s,
+                                   sf_command *out);
+/* The same from a 4 x 4 matrix, row by row. */
+SF_API sf_status sf_rendering_step_matrix(sf_rendering *rendering, const double X_WFt[16],
+                                          double time_s, sf_command *out);
+/* Tracking is lost: the device holds, after 200 ms it retracts. */
+SF_API sf_status sf_rendering_lost(sf_rendering *rendering, double time_s, sf_command *out);
+/* Retracts the device at once and until it is released, also while nobody steps. */
+SF_API sf_status sf_rendering_stop(sf_rendering *rendering);
+/* Asks to release it from the stops that the last step told of; sf_command.stopped says whether it
+   is. SF_FAILED: nothing is stopped, or it was stopped again since. */
+SF_API sf_status sf_rendering_release(sf_rendering *rendering);
+
+SF_API sf_status sf_rendering_info(const sf_rendering *rendering, sf_info *out);
+SF_API sf_status sf_rendering_contact(const sf_rendering *rendering, sf_contact *out);
+/* Tracked and simulated pose after the last step; either may be NULL. In contact F stays behind. */
+SF_API sf_status sf_rendering_poses(const sf_rendering *rendering, sf_pose *X_WFt, sf_pose *X_WF);
+/* Deformed skin: x, y, z of each sample; capacity and *count in samples. */
+SF_API sf_status sf_rendering_positions(const sf_rendering *rendering, double *xyz_F_m,
+                                        size_t capacity, size_t *count);
+SF_API sf_status sf_rendering_pressures(const sf_rendering *rendering, double *pressures_Pa,
+                                        size_t capacity, size_t *count);
+/* 1 where skin around the sample touches, else 0. */
+SF_API sf_status sf_rendering_in_contact(const sf_rendering *rendering, uint8_t *in_contact,
+                                         size_t capacity, size_t *count);
+/* Three samples a triangle, counter-clockwise from outside; capacity and *count in triangles. */
+SF_API sf_status sf_rendering_triangles(const sf_rendering *rendering, uint32_t *corners,
+                                        size_t capacity, size_t *count);
+/* Where the object is, and its name. */
+SF_API sf_status sf_rendering_object_pose(const sf_rendering *rendering, size_t object,
+                                          sf_pose *X_WO);
+SF_API sf_status sf_rendering_object_name(const sf_rendering *rendering, size_t object, char *name,
+                                          size_t capacity, size_t *count);
+/* Name of a component of the configuration with the unit people read, e.g. pitch_deg. */
+SF_API sf_status sf_rendering_configuration_name(const sf_rendering *rendering, size_t component,
+                                                 char *name, size_t capacity, size_t *count);
+/* Writes what is left of the recording and closes it; steps after that are not recorded. */
+SF_API sf_status sf_rendering_close_recording(sf_rendering *rendering, char *error,
+                                              size_t error_size);
+
+/* Poses as game engines have them, both left-handed.
+   Unity: y up, metres; x_U = -y_W, y_U = z_W, z_U = x_W.
+   Unreal: z up, centimetres; x_U = 100 x_W, y_U = -100 y_W, z_U = 100 z_W.
+   Axes of bodies turn with those of the world: F's tip is along z in Unity, x in Unreal. A triangle
+   that is counter-clockwise here is clockwise there. */
+typedef struct {
+  uint32_t size;
+  double position_m[3];
+  double quaternion_xyzw[4];
+} sf_unity_pose;
+typedef struct {
+  uint32_t size;
+  double position_cm[3];
+  double quaternion_xyzw[4];
+} sf_unreal_pose;
+SF_API sf_status sf_pose_to_unity(const sf_pose *pose, sf_unity_pose *out);
+SF_API sf_status sf_pose_from_unity(const sf_unity_pose *pose, sf_pose *out);
+SF_API sf_status sf_pose_to_unreal(const sf_pose *pose, sf_unreal_pose *out);
+SF_API sf_status sf_pose_from_unreal(const sf_unreal_pose *pose, sf_pose *out);
+
+/* Results in columns, names with their units as the command line has them; a missing value is NaN.
+   Reading calls are any thread's. */
+typedef struct sf_table sf_table;
+SF_API void sf_table_destroy(sf_table *table);
+SF_API sf_status sf_table_size(const sf_table *table, size_t *rows, size_t *columns);
+SF_API sf_status sf_table_name(const sf_table *table, size_t column, char *name, size_t capacity,
+                               size_t *count);
+SF_API sf_status sf_table_column(const sf_table *table, size_t column, double *values,
+                                 size_t capacity, size_t *count);
+/* All of the result as the command prints it with --json. */
+SF_API sf_status sf_table_text(const sf_table *table, char *text, size_t capacity, size_t *count);
+
+/* A finger pressed on a fixed obstacle, bone prescribed; as `softfinger press`. Zero, but for rows
+   and depth_m: a plane, quasi-static, friction and strain limits as the finger file has them. */
+typedef struct {
+  uint32_t size;
+  int32_t rows;            /* 1 to 10000; 0: 20 */
+  double depth_m;          /* greatest bone displacement after first touch, at most 0.02; 0: 0.002 */
+  double sphere_radius_m;  /* above 0: a sphere, at_m under F's origin */
+  double at_m[2];
+  int32_t edge;            /* 1: a 90-degree edge along y, rounded by edge_radius_m */
+  int32_t no_strain_limits;
+  double edge_radius_m;
+  int32_t no_friction;
+  int32_t relaxed;         /* 1: long-time moduli */
+  double pitch_rad;        /* turn about the finger's y axis, distal end down */
+  double speed_m_per_s;    /* above 0: stepped in time */
+  double hold_s;           /* then held for so long, in as many rows again; needs a speed */
+  int32_t unload;          /* 1: then back to first touch, in as many rows again */
+  int32_t unused;
+} sf_press_options;
+SF_API sf_status sf_press(const char *finger, const sf_press_options *options, sf_table **out,
+                          char *error, size_t error_size);
+
+/* How faithfully a device renders a scene, judged by a second finger; as `softfinger evaluate`. NULL
+   and zeros: as the scene says. */
+typedef struct {
+  uint32_t size;
+  const char *device;    /* device file; "NAME=FILE" for one of several fingers */
+  const char *wearer;    /* finger file of who wears the device; NULL: the simulated finger */
+  const char *objective; /* what matching aims at, instead of the device file's */
+  const char *person;    /* person file */
+  double duration_s;     /* 0: until the script ends */
+  const volatile int32_t *stop; /* becomes 1, by another thread or a signal handler: ends early, and
+                                   what was judged until then is the result; NULL: never */
+} sf_evaluate_options;
+/* A row for each device tick of each finger, `finger` its number in the scene. */
+SF_API sf_status sf_evaluate(const char *scene, const sf_evaluate_options *options, sf_table **out,
+                             char *error, size_t error_size);
+
+/* A recording as CSV files in a new folder, as `softfinger export`. note: a line where it was cut,
+   else empty. */
+SF_API sf_status sf_recording_export(const char *recording, const char *folder, char *note,
+                                     size_t capacity, char *error, size_t error_size);
+/* Runs it again with its recorded input: *agree is 1 where every bit is the same, else 0 and
+   difference says where. */
+SF_API sf_status sf_recording_replay(const char *recording, int32_t *agree, char *difference,
+                                     size_t capacity, char *error, size_t error_size);
+
+/* What a device file describes. Immutable: reading calls are any thread's. */
+typedef struct sf_device sf_device;
+SF_API sf_status sf_device_create(const char *file, sf_device **out, char *error,
+                                  size_t error_size);
+SF_API void sf_device_destroy(sf_device *device);
+typedef struct {
+  uint32_t size;
+  uint32_t configuration_count;
+  uint32_t joint_count;
+  int32_t joints_are_linear; /* 1: m, else rad */
+} sf_device_info;
+SF_API sf_status sf_device_describe(const sf_device *device, sf_device_info *out);
+/* The file's keys with defaults filled in, as JSON. */
+SF_API sf_status sf_device_show(const sf_device *device, char *text, size_t capacity,
+                                size_t *count);
+/* Name of a component of the configuration with the unit people read; *unit is that in SI. */
+SF_API sf_status sf_device_component(const sf_device *device, size_t component, char *name,
+                                     size_t capacity, double *unit);
+SF_API sf_status sf_device_home(const sf_device *device, double *configuration, size_t count);
+/* Joints of a configuration. *closes is 0, and the joints NaN, where the linkage does not close;
+   *reachable is 1 within the workspace. Counts must be the device's. */
+SF_API sf_status sf_device_solve(const sf_device *device, const double *configuration,
+                                 size_t configuration_count, double *joints, size_t joint_count,
+                                 int32_t *closes, int32_t *reachable);
+/* Configuration of joints. SF_FAILED: none within the workspace has them. */
+SF_API sf_status sf_device_pose(const sf_device *device, const double *joints, size_t joint_count,
+                                double *configuration, size_t configuration_count);
+
+/* Skin as matching sees it. */
+typedef struct {
+  uint32_t size;
+  uint32_t count;             /* of samples, 1 to 100000 */
+  const double *points_F_m;   /* x, y, z of each */
+  const uint8_t *in_contact;  /* 1: touches */
+  const double *areas_m2;     /* NULL: all alike; else weights by area */
+  const double *gaps_m;       /* virtual gaps; NULL: the separation is constant */
+  double separation_m;        /* separation tolerance eps; 0: the device's */
+  int32_t limits;             /* 0: inside, 1: clamp, 2: none */
+  int32_t unused;
+} sf_points;
+typedef struct {
+  uint32_t size;
+  uint32_t configuration_count;
+  uint32_t joint_count;
+  int32_t joints_exist;
+  int32_t iterations;
+  int32_t termination; /* 0: converged, 1: iteration limit, 2: nonsmooth */
+  double deviation_m2; /* contact surface deviation E */
+  double configuration[256];
+  double joints[256];
+} sf_match;
+/* The configuration whose surface touches the samples in contact and no others. */
+SF_API sf_status sf_device_match(const sf_device *device, const sf_points *points, sf_match *out);
+/* What was wrong with the last call on the device that was not SF_DONE, one line. */
+SF_API sf_status sf_device_message(const sf_device *device, char *text, size_t capacity);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

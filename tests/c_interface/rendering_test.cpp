@@ -1,0 +1,167 @@
+#include "softfinger/rendering.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include "../session/loop_guard.hpp"
+#include "poses.hpp"
+
+namespace softfinger {
+namespace {
+
+std::vector<double> positions_of(const sf_rendering* rendering) {
+  std::size_t count = 0;
+  EXPECT_EQ(sf_rendering_positions(rendering, nullptr, 0, &count), SF_DONE);
+  std::vector<double> xyz(3 * count);
+  EXPECT_EQ(sf_rendering_positions(rendering, xyz.data(), count, nullptr), SF_DONE);
+  return xyz;
+}
+
+TEST(CInterface, GivesTheBitsOfTheCppInterface) {
+  const OpenedScene c("plane.toml"), by_matrix("plane.toml");
+  Rendering cpp(shipped_scene("plane.toml"));
+  sf_command command = {sizeof(sf_command)};
+  double most_force = 0.0;
+  for (int i = 0; i <= 500; ++i) {
+    const double time = 2e-3 * i;
+    const sf_pose X_WFt = touching_pose(time);
+    const Pose pose = as_cpp(X_WFt);
+    Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = decltype(matrix)::Identity();
+    matrix.topLeftCorner<3, 3>() = pose.rotation;
+    matrix.topRightCorner<3, 1>() = pose.translation;
+    ASSERT_EQ(sf_rendering_step(c, &X_WFt, 3.0 + time, &command), SF_DONE) << message_of(c);
+    ASSERT_EQ(sf_rendering_step_matrix(by_matrix, matrix.data(), time, nullptr), SF_DONE);
+    const RenderingCommand& expected = cpp.step(pose, 3.0 + time);
+    sf_contact contact = {sizeof(sf_contact)}, contact_by_matrix = contact;
+    ASSERT_EQ(sf_rendering_contact(c, &contact), SF_DONE);
+    ASSERT_EQ(sf_rendering_contact(by_matrix, &contact_by_matrix), SF_DONE);
+    const RenderingSnapshot snapshot = cpp.snapshot();
+    ASSERT_EQ(contact.normal_force_N, snapshot.normal_force);
+    ASSERT_EQ(contact_by_matrix.normal_force_N, snapshot.normal_force);
+    ASSERT_EQ(Vector3(contact.centroid_F_m), snapshot.centroid_F);
+    ASSERT_EQ(command.tick, expected.tick);
+    ASSERT_EQ(command.configuration_count, 3u);
+    ASSERT_EQ(Vector3(command.configuration), Vector3(expected.configuration));
+    ASSERT_EQ(Vector3(command.joints), Vector3(expected.joints));
+    ASSERT_EQ(command.set_points[0], expected.set_points[0]);
+    most_force = std::max(most_force, contact.normal_force_N);
+  }
+  EXPECT_GT(most_force, 0.1);
+  EXPECT_EQ(positions_of(c).size(), 3 * cpp.snapshot().sample_positions_F.size());
+  EXPECT_EQ(std::memcmp(positions_of(c).data(), cpp.snapshot().sample_positions_F.data(),
+                        8 * positions_of(c).size()),
+            0);
+}
+
+TEST(CInterface, WhatAProgramDraws) {
+  const OpenedScene scene("plane.toml");
+  for (double time : {0.0, 0.25, 0.5}) {
+    const sf_pose X_WFt = touching_pose(time);
+    ASSERT_EQ(sf_rendering_step(scene, &X_WFt, time, nullptr), SF_DONE);
+  }
+  sf_info info = {sizeof(sf_info)};
+  ASSERT_EQ(sf_rendering_info(scene, &info), SF_DONE);
+  EXPECT_EQ(info.simulation_rate_Hz, 1000.0);
+  EXPECT_EQ(info.device_rate_Hz, 30.0);
+  EXPECT_EQ(info.object_count, 1u);
+  EXPECT_EQ(info.configuration_count, 3u);
+  EXPECT_EQ(info.joint_count, 3u);
+  std::vector<std::uint32_t> corners(3 * info.triangle_count);
+  ASSERT_EQ(sf_rendering_triangles(scene, corners.data(), info.triangle_count, nullptr), SF_DONE);
+  EXPECT_EQ(*std::max_element(corners.begin(), corners.end()), info.sample_count - 1);
+  std::vector<std::uint8_t> in_contact(info.sample_count);
+  std::vector<double> pressures(info.sample_count);
+  std::size_t count = 0;
+  ASSERT_EQ(sf_rendering_in_contact(scene, in_contact.data(), in_contact.size(), &count), SF_DONE);
+  EXPECT_EQ(count, info.sample_count);
+  ASSERT_EQ(sf_rendering_pressures(scene, pressures.data(), pressures.size(), nullptr), SF_DONE);
+  EXPECT_GT(std::count(in_contact.begin(), in_contact.end(), 1), 3);
+  EXPECT_GT(*std::max_element(pressures.begin(), pressures.end()), 100.0);
+  sf_pose X_WFt = {sizeof(sf_pose), {}, {}}, X_WF = X_WFt, X_WO = X_WFt;
+  ASSERT_EQ(sf_rendering_poses(scene, &X_WFt, &X_WF), SF_DONE);
+  EXPECT_GT(X_WF.position_m[2], X_WFt.position_m[2]) << "it stays behind";
+  ASSERT_EQ(sf_rendering_object_pose(scene, 0, &X_WO), SF_DONE);
+  EXPECT_EQ(X_WO.quaternion_wxyz[0], 1.0);
+  char name[16];
+  ASSERT_EQ(sf_rendering_object_name(scene, 0, name, sizeof name, &count), SF_DONE);
+  EXPECT_STREQ(name, "table");
+  EXPECT_EQ(count, 6u);
+  ASSERT_EQ(sf_rendering_configuration_name(scene, 2, name, sizeof name, nullptr), SF_DONE);
+  EXPECT_STREQ(name, "travel_mm");
+}
+
+TEST(CInterface, AHandleForEachFinger) {
+  const std::string hand = shipped_scene("hand.toml");
+  char name[32], error[256];
+  std::size_t count = 0;
+  ASSERT_EQ(sf_scene_finger(hand.c_str(), 0, name, sizeof name, &count, error, sizeof error),
+            SF_DONE);
+  EXPECT_EQ(count, 5u);
+  ASSERT_EQ(sf_scene_finger(hand.c_str(), 4, name, sizeof name, nullptr, nullptr, 0), SF_DONE);
+  sf_options options = {};
+  options.size = sizeof options;
+  options.finger = name;
+  const OpenedScene last("hand.toml", &options);
+  EXPECT_EQ(sf_scene_finger(hand.c_str(), 5, name, sizeof name, nullptr, error, sizeof error),
+            SF_BAD_INPUT);
+  EXPECT_THAT(error, testing::HasSubstr("no finger 5; it has 5"));
+}
+
+TEST(CInterface, StepsAllocateNothing) {
+  if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
+  const OpenedScene scene("plane.toml");
+  sf_command command = {sizeof(sf_command)};
+  const auto run = [&](double from, double to) {
+    for (double time = from; time < to; time += 1e-3) {
+      const sf_pose X_WFt = touching_pose(time);
+      sf_contact contact = {sizeof(sf_contact)};
+      double xyz[300];
+      sf_rendering_step(scene, &X_WFt, time, &command);
+      sf_rendering_contact(scene, &contact);
+      sf_rendering_positions(scene, xyz, 100, nullptr);
+    }
+  };
+  run(0.0, 0.2);
+  reset_guard();
+  std::thread([&] {
+    guard_this_thread();
+    run(0.2, 0.8);
+  }).join();
+  EXPECT_EQ(guard_counts().threads, 1u);
+  EXPECT_EQ(guard_counts().allocations, 0u);
+  EXPECT_EQ(guard_counts().locks, 0u);
+  EXPECT_GT(command.tick, 20);
+}
+
+TEST(CInterface, AStopLastsUntilItIsReleased) {
+  const OpenedScene scene("plane.toml");
+  EXPECT_EQ(sf_rendering_release(scene), SF_FAILED);
+  EXPECT_THAT(message_of(scene), testing::HasSubstr("nothing is stopped"));
+  sf_command command = {sizeof(sf_command)};
+  double time = 0.0;
+  const auto hold = [&](double end) {
+    for (; time < end; time += 1e-3) {
+      const sf_pose X_WFt = touching_pose(0.5);
+      ASSERT_EQ(sf_rendering_step(scene, &X_WFt, time, &command), SF_DONE);
+    }
+  };
+  hold(2.0);
+  EXPECT_EQ(command.state, SF_RENDERING);
+  EXPECT_EQ(sf_rendering_stop(scene), SF_DONE);
+  hold(3.0);
+  EXPECT_EQ(command.state, SF_RETRACTING);
+  EXPECT_EQ(command.stopped, 1);
+  EXPECT_EQ(command.stop_confirmed, 1);
+  EXPECT_EQ(command.stops, 1u);
+  EXPECT_EQ(sf_rendering_release(scene), SF_DONE);
+  hold(5.0);
+  EXPECT_EQ(command.stopped, 0);
+  EXPECT_EQ(command.state, SF_RENDERING);
+}
+
+}  // namespace
+}  // namespace softfinger
