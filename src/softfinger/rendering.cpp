@@ -131,6 +131,13 @@ struct Rendering::Implementation {
         chain.loop().record());
   }
 
+  ~Implementation() {
+    try {
+      if (recording) recording->close();
+    } catch (const OperationError&) {  // close_recording() tells of it
+    }
+  }
+
   void describe_device() {
     const DeviceLoop& device = chain.device();
     command.configuration = device.record().command.configuration;

@@ -193,6 +193,19 @@ TEST(Rendering, RecordsWhatAReplayRepeats) {
   }
 }
 
+TEST(Rendering, ARecordingIsWholeWithoutBeingClosed) {
+  const TemporaryDirectory directory;
+  RenderingOptions options;
+  options.recording = directory / "run.sqlite";
+  {
+    Rendering rendering(kScene, options);
+    EXPECT_GT(press(rendering, 2e-3).normal_force, 0.05);
+  }
+  RecordingReader reader(options.recording);
+  EXPECT_TRUE(reader.complete());
+  EXPECT_EQ(reader.last_step(), 1000);
+}
+
 TEST(Rendering, APersonFileSaysSizesAndRegistration) {
   const TemporaryDirectory directory;
   RenderingOptions options;
