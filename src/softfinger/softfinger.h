@@ -143,7 +143,7 @@ SF_API sf_status sf_rendering_message(const sf_rendering *rendering, char *text,
 
 /* Simulates up to time_s, on any clock that does not go back; the first call says where it begins
    and places the finger. Between calls the pose moves straight; a gap of more than a second is
-   skipped. A pose that is none (not finite, no unit quaternion) is taken as lost tracking and told
+   skipped. A pose that is none (not within 1000 m, no unit quaternion) is taken as lost tracking and told
    as SF_BAD_INPUT; for any other SF_BAD_INPUT nothing is done. out: the newest command, or NULL. */
 SF_API sf_status sf_rendering_step(sf_rendering *rendering, const sf_pose *X_WFt, double time_s,
                                    sf_command *out);

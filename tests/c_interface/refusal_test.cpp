@@ -18,6 +18,8 @@ using testing::HasSubstr;
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
 struct Creation {
   sf_status status;
   std::string error;
@@ -119,7 +121,9 @@ TEST(CInterfaceRefuses, TimeThatGoesBackOrIsNone) {
   EXPECT_GT(before.normal_force_N, 0.05);
   EXPECT_EQ(sf_rendering_step(scene, &X_WFt, 5.0, nullptr), SF_BAD_INPUT);
   EXPECT_THAT(message_of(scene), HasSubstr("goes back"));
-  EXPECT_EQ(sf_rendering_step(scene, &X_WFt, kNoNumber, nullptr), SF_BAD_INPUT);
+  for (const double no_time : {kNoNumber, -kInfinite, kInfinite, 1e300}) {
+    EXPECT_EQ(sf_rendering_step(scene, &X_WFt, no_time, nullptr), SF_BAD_INPUT) << no_time;
+  }
   EXPECT_EQ(sf_rendering_lost(scene, -1.0, nullptr), SF_BAD_INPUT);
   ASSERT_EQ(sf_rendering_contact(scene, &after), SF_DONE);
   EXPECT_EQ(std::memcmp(&before, &after, sizeof before), 0) << "nothing was done";
@@ -135,13 +139,15 @@ TEST(CInterfaceRefuses, APoseThatIsNone) {
   const sf_pose good = touching_pose(0.0);
   for (; time < 1.0; time += 2e-3) sf_rendering_step(scene, &good, time, &command);
   ASSERT_EQ(command.state, SF_READY);
-  sf_pose nowhere = good, no_rotation = good;
+  sf_pose nowhere = good, no_rotation = good, far_away = good;
+  far_away.position_m[0] = 1e300;
   nowhere.position_m[1] = kNoNumber;
   no_rotation.quaternion_wxyz[0] = 0.0;
   double matrix[16] = {1.0};
   for (; time < 1.5; time += 2e-3) {
     ASSERT_EQ(sf_rendering_step(scene, &nowhere, time, &command), SF_BAD_INPUT);
     ASSERT_EQ(sf_rendering_step(scene, &no_rotation, time, &command), SF_BAD_INPUT);
+    ASSERT_EQ(sf_rendering_step(scene, &far_away, time, &command), SF_BAD_INPUT);
     ASSERT_EQ(sf_rendering_step_matrix(scene, matrix, time, &command), SF_BAD_INPUT);
   }
   EXPECT_THAT(message_of(scene), HasSubstr("lost tracking"));

@@ -1,6 +1,5 @@
 #include "softfinger/c_interface/frames.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "softfinger/c_interface/answers.hpp"
@@ -16,10 +15,8 @@ bool can_convert(const From* from, const To* to) {
   return from != nullptr && to != nullptr && from->size >= sizeof(From) && to->size >= sizeof(To);
 }
 
-template <typename Numbers>
-bool all_finite(const Numbers& numbers) {
-  return std::all_of(std::begin(numbers), std::end(numbers),
-                     [](double number) { return std::isfinite(number); });
+bool is_near_origin(const Vector3& position) {
+  return position.cwiseAbs().maxCoeff() <= kFarthest && position.allFinite();
 }
 
 }  // namespace
@@ -27,8 +24,9 @@ bool all_finite(const Numbers& numbers) {
 std::optional<Pose> pose_of(const sf_pose& pose) {
   const auto& q = pose.quaternion_wxyz;
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-  if (!all_finite(pose.position_m) || !is_near_one(rotation.norm())) return std::nullopt;
-  return Pose{rotation.normalized().toRotationMatrix(), Vector3(pose.position_m)};
+  const Vector3 position(pose.position_m);
+  if (!is_near_origin(position) || !is_near_one(rotation.norm())) return std::nullopt;
+  return Pose{rotation.normalized().toRotationMatrix(), position};
 }
 
 std::optional<Pose> pose_of(const double (&matrix)[16]) {
@@ -40,7 +38,9 @@ std::optional<Pose> pose_of(const double (&matrix)[16]) {
   if (!(off.cwiseAbs().maxCoeff() <= kRotationTolerance) || rotation.determinant() < 0.0) {
     return std::nullopt;
   }
-  return Pose{rotation, X.topRightCorner<3, 1>()};
+  const Vector3 position = X.topRightCorner<3, 1>();
+  if (!is_near_origin(position)) return std::nullopt;
+  return Pose{rotation, position};
 }
 
 sf_pose c_pose(const Pose& pose) {

@@ -23,6 +23,9 @@ constexpr std::size_t kFirstCommand = offsetof(sf_command, stopped);
 constexpr std::size_t kFirstContact = offsetof(sf_contact, normal_force_sum_N);
 constexpr std::size_t kComponents = std::extent_v<decltype(sf_command::configuration)>;
 
+/// s; steps up to then can be counted.
+constexpr double kLatest = 1e12;
+
 struct NamedState {
   std::string_view name;
   sf_state state;
@@ -155,7 +158,7 @@ sf_status advance(const RenderingUse& use, const std::optional<Pose>& X_WFt, dou
   if (out != nullptr && out->size < kFirstCommand) {
     return use.refuse("sf_command.size must be sizeof(sf_command)");
   }
-  if (!std::isfinite(time)) return use.refuse("time_s must be finite");
+  if (!(std::abs(time) <= kLatest)) return use.refuse("time_s must be from -1e12 to 1e12");
   if (time < use->time) {
     return use.refuse("time_s goes back: it must not be less than at the call before");
   }
@@ -218,7 +221,7 @@ sf_status sf_rendering_step(sf_rendering* rendering, const sf_pose* X_WFt, doubl
   const sf_status status = softfinger::advance(use, pose, time_s, out);
   if (status != SF_DONE || pose) return status;
   return use.refuse(
-      "X_WFt: numbers must be finite and the quaternion's norm 1; taken as lost tracking");
+      "X_WFt: must be within 1000 m, the quaternion's norm 1; taken as lost tracking");
 }
 
 sf_status sf_rendering_step_matrix(sf_rendering* rendering, const double X_WFt[16], double time_s,
@@ -232,7 +235,8 @@ sf_status sf_rendering_step_matrix(sf_rendering* rendering, const double X_WFt[1
   const sf_status status = softfinger::advance(use, pose, time_s, out);
   if (status != SF_DONE || pose) return status;
   return use.refuse(
-      "X_WFt: must be finite, a rotation and a translation over 0 0 0 1; taken as lost tracking");
+      "X_WFt: must be a rotation and a translation within 1000 m over 0 0 0 1; taken as lost "
+      "tracking");
 }
 
 sf_status sf_rendering_lost(sf_rendering* rendering, double time_s, sf_command* out) {

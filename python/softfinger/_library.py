@@ -1,0 +1,256 @@
+"""libsoftfinger.so.0 as ctypes sees it: structs, functions, and what they refuse as exceptions."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import pathlib
+import re
+from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint32, c_void_p
+
+MOST_COMPONENTS = 256
+DONE, FAILED = 0, 1
+
+
+class InputError(ValueError):
+    """Something given from outside is wrong: a file, a key, a pose.
+
+    `file`, `line` and `key` say where, as far as the message does; else they are None.
+    """
+
+    file: str | None
+    line: int | None
+    key: str | None
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message)
+        place = re.match(r"(?P<file>[^:]+\.\w+)(?::(?P<line>\d+))?: (?:(?P<key>[\w.\[\]]+): )?", message)
+        self.file = place["file"] if place else None
+        self.line = int(place["line"]) if place and place["line"] else None
+        self.key = place["key"] if place else None
+
+
+class OperationError(RuntimeError):
+    """The work itself failed: a port that cannot be opened, a disk that is full."""
+
+
+class Options(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("finger", c_char_p),
+        ("device", c_char_p),
+        ("open_device", c_int32),
+        ("unused", c_int32),
+        ("guard_program", c_char_p),
+        ("person", c_char_p),
+        ("recording", c_char_p),
+        ("record_state", c_int32),
+        ("filter", c_int32),
+        ("predict_s", c_double),
+    ]
+
+
+class Pose(ctypes.Structure):
+    _fields_ = [("size", c_uint32), ("position_m", c_double * 3), ("quaternion_wxyz", c_double * 4)]
+
+
+class Command(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("configuration_count", c_uint32),
+        ("joint_count", c_uint32),
+        ("state", c_int32),
+        ("tick", c_int64),
+        ("time_s", c_double),
+        ("deviation_m2", c_double),
+        ("configuration", c_double * MOST_COMPONENTS),
+        ("joints", c_double * MOST_COMPONENTS),
+        ("stopped", c_int32),
+        ("stop_confirmed", c_int32),
+        ("stops", c_uint32),
+        ("set_point_count", c_uint32),
+        ("set_points", c_double * MOST_COMPONENTS),
+    ]
+
+
+class Contact(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("samples_in_contact", c_uint32),
+        ("time_s", c_double),
+        ("normal_force_N", c_double),
+        ("tangential_force_N", c_double),
+        ("contact_area_m2", c_double),
+        ("centroid_F_m", c_double * 3),
+        ("mean_normal_F", c_double * 3),
+        ("normal_force_sum_N", c_double),
+        ("slip_ratio", c_double),
+    ]
+
+
+class Info(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("sample_count", c_uint32),
+        ("triangle_count", c_uint32),
+        ("object_count", c_uint32),
+        ("configuration_count", c_uint32),
+        ("joint_count", c_uint32),
+        ("simulation_rate_Hz", c_double),
+        ("device_rate_Hz", c_double),
+    ]
+
+
+class PressOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("rows", c_int32),
+        ("depth_m", c_double),
+        ("sphere_radius_m", c_double),
+        ("at_m", c_double * 2),
+        ("edge", c_int32),
+        ("no_strain_limits", c_int32),
+        ("edge_radius_m", c_double),
+        ("no_friction", c_int32),
+        ("relaxed", c_int32),
+        ("pitch_rad", c_double),
+        ("speed_m_per_s", c_double),
+        ("hold_s", c_double),
+        ("unload", c_int32),
+        ("unused", c_int32),
+    ]
+
+
+class EvaluateOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("device", c_char_p),
+        ("wearer", c_char_p),
+        ("objective", c_char_p),
+        ("person", c_char_p),
+        ("duration_s", c_double),
+        ("stop", POINTER(c_int32)),
+    ]
+
+
+class DeviceInfo(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("configuration_count", c_uint32),
+        ("joint_count", c_uint32),
+        ("joints_are_linear", c_int32),
+    ]
+
+
+class Points(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("count", c_uint32),
+        ("points_F_m", c_void_p),
+        ("in_contact", c_void_p),
+        ("areas_m2", c_void_p),
+        ("gaps_m", c_void_p),
+        ("separation_m", c_double),
+        ("limits", c_int32),
+        ("unused", c_int32),
+    ]
+
+
+class Match(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("configuration_count", c_uint32),
+        ("joint_count", c_uint32),
+        ("joints_exist", c_int32),
+        ("iterations", c_int32),
+        ("termination", c_int32),
+        ("deviation_m2", c_double),
+        ("configuration", c_double * MOST_COMPONENTS),
+        ("joints", c_double * MOST_COMPONENTS),
+    ]
+
+
+def _open() -> ctypes.CDLL:
+    """The library beside this package, else the one of SOFTFINGER_LIBRARY, else the system's."""
+    beside = pathlib.Path(__file__).with_name("libsoftfinger.so.0")
+    named = os.environ.get("SOFTFINGER_LIBRARY", "libsoftfinger.so.0")
+    try:
+        return ctypes.CDLL(str(beside) if beside.exists() else named)
+    except OSError as failure:
+        raise ImportError(
+            f"{failure}; build it with `./dev python`, or name it in SOFTFINGER_LIBRARY"
+        ) from None
+
+
+library = _open()
+
+_SIZES = [c_size_t, POINTER(c_size_t)]
+_ERROR = [c_char_p, c_size_t]
+for _name, _arguments in {
+    "sf_scene_finger": [c_char_p, c_size_t, c_char_p, *_SIZES, *_ERROR],
+    "sf_rendering_create": [c_char_p, POINTER(Options), POINTER(c_void_p), *_ERROR],
+    "sf_rendering_destroy": [c_void_p],
+    "sf_rendering_message": [c_void_p, c_char_p, c_size_t],
+    "sf_rendering_step": [c_void_p, POINTER(Pose), c_double, c_void_p],
+    "sf_rendering_step_matrix": [c_void_p, c_void_p, c_double, c_void_p],
+    "sf_rendering_lost": [c_void_p, c_double, c_void_p],
+    "sf_rendering_stop": [c_void_p],
+    "sf_rendering_release": [c_void_p],
+    "sf_rendering_info": [c_void_p, POINTER(Info)],
+    "sf_rendering_contact": [c_void_p, POINTER(Contact)],
+    "sf_rendering_poses": [c_void_p, POINTER(Pose), POINTER(Pose)],
+    "sf_rendering_positions": [c_void_p, c_void_p, *_SIZES],
+    "sf_rendering_pressures": [c_void_p, c_void_p, *_SIZES],
+    "sf_rendering_in_contact": [c_void_p, c_void_p, *_SIZES],
+    "sf_rendering_triangles": [c_void_p, c_void_p, *_SIZES],
+    "sf_rendering_object_pose": [c_void_p, c_size_t, POINTER(Pose)],
+    "sf_rendering_object_name": [c_void_p, c_size_t, c_char_p, *_SIZES],
+    "sf_rendering_configuration_name": [c_void_p, c_size_t, c_char_p, *_SIZES],
+    "sf_rendering_close_recording": [c_void_p, *_ERROR],
+    "sf_table_destroy": [c_void_p],
+    "sf_table_size": [c_void_p, POINTER(c_size_t), POINTER(c_size_t)],
+    "sf_table_name": [c_void_p, c_size_t, c_char_p, *_SIZES],
+    "sf_table_column": [c_void_p, c_size_t, c_void_p, *_SIZES],
+    "sf_table_text": [c_void_p, c_char_p, *_SIZES],
+    "sf_press": [c_char_p, POINTER(PressOptions), POINTER(c_void_p), *_ERROR],
+    "sf_evaluate": [c_char_p, POINTER(EvaluateOptions), POINTER(c_void_p), *_ERROR],
+    "sf_recording_export": [c_char_p, c_char_p, c_char_p, c_size_t, *_ERROR],
+    "sf_recording_replay": [c_char_p, POINTER(c_int32), c_char_p, c_size_t, *_ERROR],
+    "sf_device_create": [c_char_p, POINTER(c_void_p), *_ERROR],
+    "sf_device_destroy": [c_void_p],
+    "sf_device_describe": [c_void_p, POINTER(DeviceInfo)],
+    "sf_device_show": [c_void_p, c_char_p, *_SIZES],
+    "sf_device_component": [c_void_p, c_size_t, c_char_p, c_size_t, POINTER(c_double)],
+    "sf_device_home": [c_void_p, c_void_p, c_size_t],
+    "sf_device_solve": [c_void_p, c_void_p, c_size_t, c_void_p, c_size_t, POINTER(c_int32), POINTER(c_int32)],
+    "sf_device_pose": [c_void_p, c_void_p, c_size_t, c_void_p, c_size_t],
+    "sf_device_match": [c_void_p, POINTER(Points), POINTER(Match)],
+    "sf_device_message": [c_void_p, c_char_p, c_size_t],
+}.items():
+    getattr(library, _name).argtypes = _arguments
+for _name in ("sf_rendering_destroy", "sf_table_destroy", "sf_device_destroy"):
+    getattr(library, _name).restype = None
+library.sf_version.restype = c_uint32
+
+
+class ErrorText:
+    """Room for the line of a call that makes something, and what becomes of its status."""
+
+    def __init__(self) -> None:
+        self._text = ctypes.create_string_buffer(2048)
+        self.arguments = (self._text, c_size_t(len(self._text)))
+
+    def check(self, status: int) -> None:
+        refuse(status, self._text.value.decode(errors="replace"))
+
+
+def refuse(status: int, message: str) -> None:
+    """Raises what a status that is not `done` stands for."""
+    if status == DONE:
+        return
+    raise (OperationError if status == FAILED else InputError)(message)
+
+
+def path(file: str | os.PathLike[str] | None) -> bytes | None:
+    """As the library takes it."""
+    return None if file is None else os.fsencode(file)

@@ -1,0 +1,198 @@
+// Presses, evaluations, devices and recordings through the C interface. That their numbers are
+// those of the command line is tested through Python, which calls the same functions.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "../support/temporary_directory.hpp"
+#include "poses.hpp"
+
+namespace softfinger {
+namespace {
+
+using testing::HasSubstr;
+
+std::string shipped_file(const char* path) {
+  return (std::filesystem::path(SOFTFINGER_SOURCE_DIR) / path).string();
+}
+
+std::vector<double> column_of(const sf_table* table, std::string_view wanted) {
+  std::size_t rows = 0, columns = 0;
+  EXPECT_EQ(sf_table_size(table, &rows, &columns), SF_DONE);
+  for (std::size_t i = 0; i < columns; ++i) {
+    char name[64];
+    EXPECT_EQ(sf_table_name(table, i, name, sizeof name, nullptr), SF_DONE);
+    if (name != wanted) continue;
+    std::vector<double> values(rows);
+    EXPECT_EQ(sf_table_column(table, i, values.data(), rows, nullptr), SF_DONE);
+    return values;
+  }
+  ADD_FAILURE() << "no column " << wanted;
+  return {};
+}
+
+TEST(CInterfaceResults, APressInColumns) {
+  sf_press_options options = {};
+  options.size = sizeof options;
+  options.rows = 3;
+  options.depth_m = 0.9e-3;
+  sf_table* table = nullptr;
+  char error[256];
+  const std::string finger = shipped_file("fingers/index.toml");
+  ASSERT_EQ(sf_press(finger.c_str(), &options, &table, error, sizeof error), SF_DONE) << error;
+  const std::vector<double> depths = column_of(table, "indentation_mm");
+  ASSERT_EQ(depths.size(), 3u);
+  EXPECT_NEAR(depths[1], 0.6, 1e-12);
+  const std::vector<double> forces = column_of(table, "normal_force_N");
+  EXPECT_GT(forces[0], 0.0);
+  EXPECT_GT(forces[2], 2.0 * forces[1]);
+  char text[16];
+  std::size_t size = 0;
+  ASSERT_EQ(sf_table_text(table, text, sizeof text, &size), SF_DONE);
+  EXPECT_STREQ(text, "[{\"indentation_");
+  EXPECT_GT(size, 500u);
+  EXPECT_EQ(sf_table_name(table, 99, text, sizeof text, nullptr), SF_BAD_INPUT);
+  sf_table_destroy(table);
+  EXPECT_EQ(sf_table_size(table, &size, nullptr), SF_BAD_INPUT) << "it has ended";
+  EXPECT_EQ(sf_table_size(nullptr, &size, nullptr), SF_BAD_INPUT);
+}
+
+TEST(CInterfaceResults, PressesThatAreRefused) {
+  const std::string finger = shipped_file("fingers/index.toml");
+  const auto refused = [&](auto&& spoil, const char* word) {
+    sf_press_options options = {};
+    options.size = sizeof options;
+    spoil(options);
+    sf_table* table = nullptr;
+    char error[256] = "";
+    EXPECT_EQ(sf_press(finger.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT);
+    EXPECT_THAT(error, HasSubstr(word));
+    EXPECT_EQ(table, nullptr);
+  };
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  refused([](auto& o) { o.size = 4; }, "size");
+  refused([](auto& o) { o.rows = -1; }, "rows");
+  refused([](auto& o) { o.depth_m = kNone; }, "depth_m");
+  refused([](auto& o) { o.depth_m = 1.0; }, "depth_m");
+  refused([](auto& o) { o.pitch_rad = 2.0; }, "pitch_rad");
+  refused([](auto& o) { o.at_m[1] = kNone; }, "at_m");
+  refused([](auto& o) { o.hold_s = 1.0; }, "hold_s");
+  refused([](auto& o) { o.edge = 1, o.sphere_radius_m = 0.01; }, "edge");
+}
+
+TEST(CInterfaceResults, AnEvaluationEndsWhereItIsToldTo) {
+  const std::string scene = shipped_scene("plane.toml");
+  const std::int32_t stop = 1;
+  sf_evaluate_options options = {};
+  options.size = sizeof options;
+  options.stop = &stop;
+  sf_table* table = nullptr;
+  char error[256] = "";
+  EXPECT_EQ(sf_evaluate(scene.c_str(), &options, &table, error, sizeof error), SF_FAILED);
+  EXPECT_STRNE(error, "");
+  options.stop = nullptr;
+  options.objective = "beauty";
+  EXPECT_EQ(sf_evaluate(scene.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT);
+  EXPECT_THAT(error, HasSubstr("surface"));
+  options.objective = nullptr;
+  options.duration_s = -1.0;
+  EXPECT_EQ(sf_evaluate(scene.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT);
+  options.size = 0;
+  EXPECT_EQ(sf_evaluate(scene.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT);
+}
+
+TEST(CInterfaceResults, ADeviceSolvesPosesAndMatches) {
+  sf_device* device = nullptr;
+  char error[256];
+  ASSERT_EQ(sf_device_create(shipped_file("devices/thimble-3rrs.toml").c_str(), &device, error,
+                             sizeof error),
+            SF_DONE)
+      << error;
+  sf_device_info info = {sizeof info, 0, 0, 1};
+  ASSERT_EQ(sf_device_describe(device, &info), SF_DONE);
+  EXPECT_EQ(info.configuration_count, 3u);
+  EXPECT_EQ(info.joint_count, 3u);
+  EXPECT_EQ(info.joints_are_linear, 0);
+  const double q[3] = {0.1, -0.05, 1e-3};
+  double joints[3], back[3];
+  std::int32_t closes = 0, reachable = 0;
+  ASSERT_EQ(sf_device_solve(device, q, 3, joints, 3, &closes, &reachable), SF_DONE);
+  EXPECT_EQ(closes, 1);
+  EXPECT_EQ(reachable, 1);
+  ASSERT_EQ(sf_device_pose(device, joints, 3, back, 3), SF_DONE);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(back[i], q[i], 1e-9);
+  // A plane of skin 2 mm under home, tipped: the platform lies on it.
+  std::vector<double> points;
+  std::vector<std::uint8_t> touches;
+  for (int i = -2; i <= 2; ++i) {
+    for (int j = -2; j <= 2; ++j) {
+      points.insert(points.end(), {2e-3 + 1e-3 * i, 1e-3 * j, -8e-3 - 0.05e-3 * i});
+      touches.push_back(1);
+    }
+  }
+  sf_points given = {};
+  given.size = sizeof given;
+  given.count = 25;
+  given.points_F_m = points.data();
+  given.in_contact = touches.data();
+  sf_match match = {};
+  match.size = sizeof match;
+  ASSERT_EQ(sf_device_match(device, &given, &match), SF_DONE);
+  EXPECT_LT(match.deviation_m2, 1e-12);
+  EXPECT_NEAR(match.configuration[0], std::atan(0.05), 1e-3);
+  points[4] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(sf_device_match(device, &given, &match), SF_BAD_INPUT);
+  char line[128];
+  sf_device_message(device, line, sizeof line);
+  EXPECT_THAT(line, HasSubstr("points_F_m"));
+  given.count = 0;
+  EXPECT_EQ(sf_device_match(device, &given, &match), SF_BAD_INPUT);
+  EXPECT_EQ(sf_device_solve(device, q, 2, joints, 3, nullptr, nullptr), SF_BAD_INPUT);
+  EXPECT_EQ(sf_device_solve(device, q, 3, joints, 2, nullptr, nullptr), SF_BAD_INPUT);
+  EXPECT_EQ(sf_device_pose(device, nullptr, 3, back, 3), SF_BAD_INPUT);
+  EXPECT_EQ(sf_device_component(device, 3, line, sizeof line, nullptr), SF_BAD_INPUT);
+  sf_device_destroy(device);
+  EXPECT_EQ(sf_device_describe(device, &info), SF_BAD_INPUT);
+  EXPECT_EQ(sf_device_create("/no/such.toml", &device, error, sizeof error), SF_BAD_INPUT);
+}
+
+TEST(CInterfaceResults, ARecordingIsExportedAndReplayed) {
+  const TemporaryDirectory directory;
+  const std::string recording = directory / "run.sqlite";
+  sf_options options = {};
+  options.size = sizeof options;
+  options.recording = recording.c_str();
+  {
+    const OpenedScene scene("plane.toml", &options);
+    for (int i = 0; i <= 300; ++i) {
+      const sf_pose X_WFt = touching_pose(1e-3 * i);
+      ASSERT_EQ(sf_rendering_step(scene, &X_WFt, 1e-3 * i, nullptr), SF_DONE);
+    }
+  }
+  std::int32_t agree = 0;
+  char text[256], error[256];
+  ASSERT_EQ(sf_recording_replay(recording.c_str(), &agree, text, sizeof text, error, sizeof error),
+            SF_DONE)
+      << error;
+  EXPECT_EQ(agree, 1) << text;
+  const std::string folder = directory / "csv";
+  ASSERT_EQ(sf_recording_export(recording.c_str(), folder.c_str(), text, sizeof text, error,
+                                sizeof error),
+            SF_DONE)
+      << error;
+  EXPECT_STREQ(text, "") << "it is complete";
+  EXPECT_TRUE(std::filesystem::exists(folder + "/contact.csv"));
+  EXPECT_EQ(sf_recording_export(recording.c_str(), folder.c_str(), text, sizeof text, error,
+                                sizeof error),
+            SF_BAD_INPUT);
+  EXPECT_THAT(error, HasSubstr("exist"));
+  EXPECT_EQ(sf_recording_replay("/no/such.sqlite", &agree, text, sizeof text, nullptr, 0),
+            SF_BAD_INPUT);
+}
+
+}  // namespace
+}  // namespace softfinger

@@ -1,0 +1,264 @@
+"""The Python package against the command line, to the bit, and what it refuses.
+
+    package_test.py PROGRAM SOURCE_FOLDER
+"""
+
+import contextlib
+import gc
+import json
+import math
+import pathlib
+import resource
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+import softfinger as sf
+
+PROGRAM, ROOT = sys.argv[1], pathlib.Path(sys.argv[2])
+PLANE, FINGER = ROOT / "scenes/plane.toml", ROOT / "fingers/index.toml"
+THIMBLE = ROOT / "devices/thimble-3rrs.toml"
+
+
+def command_line(*arguments):
+    run = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=True)
+    return json.loads(run.stdout) if "--json" in arguments else run.stdout
+
+
+def touching_poses(seconds):
+    """(n, 7) once a millisecond: down into the table, tipping and sliding, and half way up again."""
+    time = np.arange(round(1000 * seconds) + 1) / 1000
+    depth = np.minimum(time, 1.5 * seconds - time) / seconds
+    half = 0.05 + 0.05 * depth
+    nothing = np.zeros_like(time)
+    return time, np.stack([2e-3 * depth, nothing, 8.5e-3 - 4e-3 * depth, np.cos(half), nothing, np.sin(half), nothing], 1)
+
+
+def recorded_steps(recording):
+    """All that was computed in each step, with the hash of the whole state; without the clocks."""
+    with contextlib.closing(sqlite3.connect(recording)) as database:
+        rows = database.execute("SELECT * FROM steps ORDER BY step")
+        names = [column[0] for column in rows.description]
+        kept = [i for i, name in enumerate(names) if name not in ("cpu_s", "wall_s")]
+        return [tuple(row[i] for i in kept) for row in rows]
+
+
+def numbers(columns, names):
+    return {name: columns[name].tolist() for name in names}
+
+
+class SameBits(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def test_an_exploration_is_that_of_the_command_line(self):
+        time, poses = touching_poses(0.8)
+        # What both read alike: numbers that are written out, in mm.
+        written = [[f"{t:.3f}", *(f"{1e3 * p:.6f}" for p in pose[:3]), *(repr(float(q)) for q in pose[3:])]
+                   for t, pose in zip(time, poses)]
+        poses = np.array([[float(p) * 1e-3 for p in row[1:4]] + [float(q) for q in row[4:]] for row in written])
+        file = self.folder / "pose.csv"
+        file.write_text("\n".join(["time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz", *map(",".join, written)]) + "\n")
+        run = self.folder / "run.sqlite"
+        command_line("run", PLANE, "--headless", "--as-fast-as-possible", "--tracker", f"csv:{file}", "--record", run)
+        ours = self.folder / "ours.sqlite"
+        with sf.Rendering(PLANE, record=ours) as rendering:
+            told = rendering.step_many(poses, time)
+        self.assertEqual(recorded_steps(ours), recorded_steps(run))
+        recording = sf.Recording(ours)
+        self.assertGreater(told["normal_force_N"].max(), 0.3)
+        np.testing.assert_allclose(told["normal_force_N"], recording.steps["normal_force_N"], rtol=1e-11)
+        np.testing.assert_allclose(recording.poses, poses, atol=1e-11)
+        self.assertEqual(len(recording.ticks["state"]), len(set(told["tick"])) - (told["tick"][0] < 0))
+        self.assertEqual(recording.replay(), "")
+        self.assertEqual(recording.note, "")
+
+    def test_a_press_is_that_of_the_command_line(self):
+        for flags, words in (
+            (["--to-mm", "1"], {"to_mm": 1}),
+            (["--to-mm", "0.7", "--sphere-mm", "6", "--at-mm", "1,-2", "--no-friction", "--angle-deg", "20"],
+             {"to_mm": 0.7, "sphere_mm": 6, "at_mm": (1, -2), "friction": False, "angle_deg": 20}),
+            (["--to-mm", "0.5", "--edge", "--edge-radius-mm", "2", "--no-strain-limits"],
+             {"to_mm": 0.5, "edge": True, "edge_radius_mm": 2, "strain_limits": False}),
+        ):
+            rows = command_line("press", FINGER, "--steps", "3", *flags, "--json")
+            columns = sf.press(FINGER, steps=3, **words)
+            self.assertEqual(list(columns), list(rows[0]))
+            self.assertEqual({name: [row[name] for row in rows] for name in rows[0]}, numbers(columns, rows[0]))
+            self.assertGreater(columns["normal_force_N"][-1], 0.01)
+
+    def test_an_evaluation_is_that_of_the_command_line(self):
+        device = ROOT / "devices/membrane.toml"
+        report = command_line("evaluate", PLANE, "--device", device, "--duration-s", "1.6", "--json")
+        judged = sf.evaluate(PLANE, device=device, duration_s=1.6)
+        self.assertEqual(judged.mean, report["mean"])
+        self.assertEqual(judged.verdict, report["verdict"])
+        self.assertIsNotNone(judged.mean["iou"])
+        for name in ("time_s", "iou", "normal_force_error", "virtual_force_N", "twin_force_N"):
+            expected = [math.nan if frame[name] is None else frame[name] for frame in report["frames"]]
+            np.testing.assert_array_equal(judged.frames[name], expected, name)
+
+    def test_a_device_is_that_of_the_command_line(self):
+        device = sf.Device(THIMBLE)
+        self.assertEqual(device.show(), command_line("device", "show", THIMBLE, "--json"))
+        q = device.configuration(pitch_deg=5, travel_mm=1)
+        joints, reachable = device.solve(q)
+        solved = command_line("device", "solve", THIMBLE, "--configuration", "pitch_deg=5,travel_mm=1", "--json")
+        self.assertEqual((joints / (math.pi / 180)).tolist(), solved["joints_deg"])
+        self.assertTrue(reachable)
+        np.testing.assert_allclose(device.pose(joints), q, atol=1e-9)
+        self.assertEqual(list(device.named(q)), ["pitch_deg", "roll_deg", "travel_mm"])
+        self.assertIsNone(device.solve(device.configuration(travel_mm=500))[0])
+        with self.assertRaises(sf.OperationError):
+            device.pose([0.0, 1.5, 0.0])
+
+    def test_a_match_is_that_of_the_command_line(self):
+        with sf.Rendering(PLANE) as rendering:
+            time, poses = touching_poses(0.3)
+            rendering.step_many(poses, time)
+            skin = rendering.snapshot()
+        self.assertGreater(skin.in_contact.sum(), 3)
+        points = self.folder / "points.json"
+        in_mm = (skin.sample_positions_F / 1e-3).tolist()
+        points.write_text(json.dumps({"points_mm": in_mm, "in_contact": skin.in_contact.tolist()}))
+        found = command_line("match", THIMBLE, "--points", points, "--json")
+        device = sf.Device(THIMBLE)
+        match = device.match(np.array(in_mm) * 1e-3, skin.in_contact, separation=0.2e-3)
+        self.assertEqual(device.named(match.configuration), found["configuration"])
+        self.assertEqual(match.iterations, found["iterations"])
+        self.assertEqual(match.termination, found["termination"])
+
+
+class Refusals(unittest.TestCase):
+    def test_a_wrong_file_is_told_by_its_place(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "device.toml")
+            file.write_text(THIMBLE.read_text().replace("crank_mm", "krank_mm"))
+            with self.assertRaises(sf.InputError) as refused:
+                sf.Device(file)
+        self.assertEqual(refused.exception.file, str(file))
+        self.assertGreater(refused.exception.line, 1)
+        self.assertIn("crank_mm", str(refused.exception))
+        self.assertIsInstance(refused.exception, ValueError)
+
+    def test_what_is_no_pose_or_no_time(self):
+        with sf.Rendering(PLANE) as rendering:
+            rendering.step(np.eye(4), 1.0)
+            for pose, time in ((np.eye(3), 2.0), (np.zeros(7), 2.0), (np.full((4, 4), np.nan), 2.0), (np.eye(4), 0.5),
+                               (np.eye(4), math.nan), (2 * np.eye(4), 2.0)):
+                with self.assertRaises(sf.InputError, msg=f"{pose} {time}"):
+                    rendering.step(pose, time)
+            with self.assertRaises(sf.InputError):
+                rendering.step_many(np.zeros((3, 4, 4)), np.zeros(2))
+
+    def test_a_rendering_that_has_ended(self):
+        rendering = sf.Rendering(PLANE)
+        rendering.close()
+        rendering.close()
+        for call in (rendering.snapshot, rendering.stop, lambda: rendering.step(np.eye(4), 0.0)):
+            with self.assertRaisesRegex(sf.InputError, "has ended"):
+                call()
+
+    def test_a_second_thread_in_one_rendering(self):
+        refused = []
+
+        def steps(rendering):
+            for _ in range(100):
+                try:
+                    rendering.step_many(np.stack([np.eye(4)] * 5), time[0] + 0.01 * np.arange(5))
+                except sf.InputError as error:
+                    refused.append(str(error))
+                time[0] += 0.1
+
+        time = [0.0]
+        with sf.Rendering(PLANE) as rendering:
+            threads = [threading.Thread(target=steps, args=(rendering,)) for _ in range(2)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            rendering.step(np.eye(4), time[0] + 1.0)
+        self.assertTrue(any("thread" in line for line in refused), refused[:3])
+
+    def test_options_that_are_wrong(self):
+        for options in ({"finger": "thumb"}, {"predict_s": 0.2}, {"device": "/no/such.toml"}, {"person": "/no/such.toml"}):
+            with self.assertRaises(sf.InputError):
+                sf.Rendering(PLANE, **options)
+        for options in ({"to_mm": 0}, {"to_mm": -1}, {"steps": 0}, {"hold_ms": 5}, {"sphere_mm": 3, "edge": True}):
+            with self.assertRaises(sf.InputError, msg=options):
+                sf.press(FINGER, **options)
+        with self.assertRaisesRegex(sf.InputError, "there is .*surface"):
+            sf.evaluate(PLANE, objective="beauty")
+
+
+class WhatItGives(unittest.TestCase):
+    def test_snapshots_are_copies(self):
+        time, poses = touching_poses(0.3)
+        with sf.Rendering(PLANE) as rendering:
+            self.assertEqual(rendering.configuration_names, ["pitch_deg", "roll_deg", "travel_mm"])
+            self.assertEqual(rendering.object_names, ["table"])
+            self.assertEqual((rendering.simulation_rate, rendering.device_rate), (1000.0, 30.0))
+            rendering.step(poses[0], 0.0)
+            before = rendering.snapshot()
+            kept = before.sample_positions_F.copy()
+            command = rendering.step_many(poses, time + 1.0)[-1]
+            after = rendering.snapshot()
+            self.assertEqual(rendering.skin_triangles.max() + 1, len(kept))
+            np.testing.assert_array_equal(before.sample_positions_F, kept)
+            self.assertFalse((after.sample_positions_F == kept).all())
+            with self.assertRaises(ValueError):
+                after.sample_positions_F[0, 0] = 1.0
+            self.assertGreater(after.normal_force, 0.1)
+            self.assertGreater(after.sample_pressures.max(), 0.0)
+            self.assertEqual(after.X_WO.shape, (1, 4, 4))
+            np.testing.assert_allclose(after.X_WFt, sf.matrix_of(poses[-1][:3], poses[-1][3:]), atol=1e-12)
+            self.assertGreater(after.X_WF[2, 3], after.X_WFt[2, 3])
+            self.assertEqual(command["joints"].shape, (3,))
+
+    def test_stop_and_release(self):
+        with sf.Rendering(PLANE) as rendering:
+            self.assertFalse(rendering.release())
+            pose = touching_poses(0.3)[1][-1]
+
+            def hold(begin, end):
+                for time in np.arange(begin, end, 4e-3):
+                    command = rendering.step(pose, time)
+                return command
+
+            self.assertEqual(hold(0.0, 2.0).state, "rendering")
+            rendering.stop()
+            command = hold(2.0, 3.0)
+            self.assertTrue(command.stopped and command.stop_confirmed)
+            self.assertEqual((command.state, command.stops), ("retracting", 1))
+            self.assertTrue(rendering.release())
+            self.assertFalse(hold(3.0, 4.0).stopped)
+
+    def test_fingers_of_a_scene(self):
+        self.assertEqual(sf.fingers(ROOT / "scenes/hand.toml"), ["thumb", "index", "middle", "ring", "pinky"])
+
+    def test_memory_stays(self):
+        with sf.Rendering(PLANE) as rendering:
+            rendering.step(np.eye(4), 0.0)
+
+            def grown(times):
+                for _ in range(times):
+                    rendering.snapshot()
+                    rendering.step(np.eye(4), 0.0)
+                gc.collect()
+                return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+            at_first = grown(2000)
+            self.assertLess(grown(20000) - at_first, 2000)  # kB
+
+    def test_it_has_a_version(self):
+        self.assertEqual(sf.__version__, command_line("--version").split()[-1])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
