@@ -221,6 +221,38 @@ TEST(MaestroBusEdges, ComplainsOfASecondErrorAndOfSilenceAtOnce) {
   EXPECT_EQ(complaint_after(kSerialCrcError), kBadLine);
 }
 
+// What was heard of one board says nothing of the next.
+TEST(MaestroBusEdges, OpenedAgainItKnowsNothingOfWhatWasBefore) {
+  const BareTerminal first;
+  MaestroBus bus(maestro_with({servo_on(3, 1e-9)}));
+  ASSERT_EQ(bus.open(first.port()), "");
+  std::array<std::int32_t, 1> positions{};
+  for (int k = 0; k < 2; ++k) {
+    first.say(answer_of({6000, kSerialCrcError}));
+    ASSERT_TRUE(takes(bus, positions));
+  }
+  ASSERT_EQ(bus.complaints(0), kBadLine);
+  first.say(answer_of({0, 0}));
+  EXPECT_FALSE(takes(bus, positions));  // its limits are due now
+  bus.close();
+
+  const BareTerminal second;
+  ASSERT_EQ(bus.open(second.port()), "");
+  EXPECT_FALSE(bus.answers());
+  EXPECT_EQ(bus.complaints(0), 0);
+  const std::size_t opening = 1 + 8;
+  EXPECT_EQ(second.heard(opening).size(), opening);
+  EXPECT_TRUE(bus.write(std::array<std::int32_t, 1>{6000}));
+  EXPECT_EQ(second.heard(4).size(), 4U) << "its limits were sent as it was opened";
+  second.say(answer_of({0, 0}));
+  EXPECT_FALSE(takes(bus, positions));
+  EXPECT_TRUE(bus.write(std::array<std::int32_t, 1>{6000}));
+  EXPECT_EQ(second.heard(4).size(), 4U) << "no pulses have stopped";
+  second.say(answer_of({6000, kSerialCrcError}));
+  ASSERT_TRUE(takes(bus, positions));
+  EXPECT_EQ(bus.complaints(0), 0) << "the first error";
+}
+
 /// How many requests are in bytes.
 int requests_in(MaestroDecoder& decoder, const MaestroBytes& bytes) {
   int requests = 0;

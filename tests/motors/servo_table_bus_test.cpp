@@ -5,7 +5,9 @@
 
 #include <array>
 #include <memory>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
@@ -19,7 +21,9 @@ namespace {
 using testing::HasSubstr;
 
 TEST(SerialBus, RefusesMoreThanTheLineCarries) {
-  for (const char* kind : {"maestro", "dynamixel", "feetech"}) {
+  // What a tick needs, ms, by the bytes that each says.
+  for (const auto& [kind, needs] : {std::pair("maestro", "19.8"), std::pair("dynamixel", "80.2"),
+                                    std::pair("feetech", "42.7")}) {
     TransportSettings transport;
     transport.kind = kind;
     transport.baud = 9600;
@@ -33,7 +37,10 @@ TEST(SerialBus, RefusesMoreThanTheLineCarries) {
       static_cast<void>(make_servo_bus(transport));
       FAIL() << kind;
     } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("rate_Hz"), HasSubstr("9600 baud")));
+      EXPECT_THAT(error.what(),
+                  HasSubstr("transport.rate_Hz: 100 ticks a second leave 10 ms each, but 2 servos "
+                            "at 9600 baud need " +
+                            std::string(needs) + " ms"));
     }
   }
 }

@@ -191,8 +191,6 @@ std::string ServoTableBus::prepare(std::size_t servo) {
 std::string ServoTableBus::open(const std::string& port) {
   std::string reason = port_.open(port, baud_);
   if (!reason.empty()) return reason;
-  port_.discard_input();
-  reader_.reset();
   faults_ = {};
   watched_ = false;
   std::fill(complaints_.begin(), complaints_.end(), std::uint8_t{0});
@@ -229,7 +227,6 @@ std::string ServoTableBus::open(const std::string& port) {
 void ServoTableBus::close() noexcept {
   // Whoever opens the port next may not know of watchdogs.
   if (watched_ && port_.is_open()) tell_all(protocol_->table().watchdog, 0);
-  watched_ = false;
   port_.close();
 }
 
