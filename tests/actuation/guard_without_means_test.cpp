@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -13,8 +14,14 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "../support/temporary_directory.hpp"
@@ -102,16 +109,66 @@ TEST_F(GuardWithoutMeans, SaysSoWhereItIsAnotherProgram) {
   EXPECT_FALSE(guard.is_served());
 }
 
-/// The guard program with these as its socket and its memory (-1: none); its exit status.
-int run_guard(int socket, int memory) {
+/// Signals (bit n - 1 of signal n) on a line of /proc/PID/status.
+std::uint64_t signals_on(const std::string& said, const std::string& line) {
+  const std::size_t at = said.find(line + ":\t");
+  EXPECT_NE(at, std::string::npos) << said;
+  return std::stoull(said.substr(at + line.size() + 2, 16), nullptr, 16);
+}
+
+// Neither signals, nor session, nor streams.
+TEST_F(GuardWithoutMeans, HasNothingOfItsParentButWhatItIsGiven) {
+  const fs::path program = directory_ / "guard";
+  std::ofstream(program) << "#!/bin/sh\n"
+                            "exec 9> \"$0.said\"\n"
+                            "grep '^Sig' /proc/self/status >&9\n"
+                            "echo session: $(cut -d' ' -f6 /proc/$$/stat) of $$ >&9\n"
+                            "for i in 0 1 2; do echo stream: $(readlink /proc/$$/fd/$i) >&9; done\n"
+                            "for i in 3 4 5; do echo given: $(readlink /proc/$$/fd/$i) >&9; done\n";
+  fs::permissions(program, fs::perms::owner_all);
+  sigset_t one;
+  sigset_t before;
+  sigemptyset(&one);
+  sigaddset(&one, SIGUSR2);
+  ::sigprocmask(SIG_BLOCK, &one, &before);
+  const auto ignored = std::signal(SIGUSR1, SIG_IGN);
+  {
+    GuardProcess guard(program, device->home(), setup());
+    EXPECT_THAT(guard.start(false), HasSubstr("does not answer"));
+  }
+  std::signal(SIGUSR1, ignored);
+  ::sigprocmask(SIG_SETMASK, &before, nullptr);
+  std::ifstream file(program.string() + ".said");
+  const std::string said(std::istreambuf_iterator<char>(file), {});
+  EXPECT_EQ(signals_on(said, "SigBlk"), 0U);
+  EXPECT_EQ(signals_on(said, "SigIgn") & (1U << (SIGUSR1 - 1)), 0U);
+  const std::size_t session = said.find("session: ");
+  ASSERT_NE(session, std::string::npos) << said;
+  int leader = 0;
+  int process = 1;
+  EXPECT_EQ(std::sscanf(said.c_str() + session, "session: %d of %d", &leader, &process), 2);
+  EXPECT_EQ(leader, process) << said;
+  EXPECT_THAT(said, HasSubstr("stream: /dev/null\nstream: /dev/null\nstream: /dev/null\n"));
+  EXPECT_THAT(said, HasSubstr("given: socket:"));
+  EXPECT_THAT(said, HasSubstr("given: /memfd:softfinger-line"));
+  EXPECT_THAT(said, HasSubstr("given: anon_inode:[eventfd]"));
+}
+
+/// The guard program with these as its socket, its memory and something that is none of its
+/// business
+/// (-1: none); its exit status.
+int run_guard(int socket, int memory, int foreign = -1) {
   const pid_t process = ::fork();
   if (process == 0) {
     // Out of the way of each other first.
     const int from_socket = socket < 0 ? -1 : ::fcntl(socket, F_DUPFD, 100);
     const int from_memory = memory < 0 ? -1 : ::fcntl(memory, F_DUPFD, 100);
+    const int from_foreign = foreign < 0 ? -1 : ::fcntl(foreign, F_DUPFD, 100);
     for (int descriptor = 3; descriptor < 100; ++descriptor) ::close(descriptor);
     if (from_socket >= 0) ::dup2(from_socket, guard_socket::kSocket);
     if (from_memory >= 0) ::dup2(from_memory, guard_socket::kMemory);
+    if (from_foreign >= 0) ::dup2(from_foreign, guard_socket::kFirstForeign);
+    for (int descriptor = 100; descriptor < 120; ++descriptor) ::close(descriptor);
     ::execl(SOFTFINGER_GUARD, SOFTFINGER_GUARD, nullptr);
     ::_exit(99);
   }
@@ -151,6 +208,22 @@ TEST_F(GuardProgram, EndsWhereNobodyTellsItWhatToGuard) {
   ASSERT_EQ(::ftruncate(memory_, sizeof(LineChannel)), 0);
   ::shutdown(ends_[0], SHUT_WR);
   EXPECT_EQ(run_guard(ends_[1], memory_), 1);
+}
+
+// A page's port, say, would stay taken for as long as a guard retracts.
+TEST_F(GuardProgram, ClosesWhatElseItsParentHasOpen) {
+  ASSERT_EQ(::ftruncate(memory_, sizeof(LineChannel)), 0);
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe2(pipe.data(), O_CLOEXEC), 0);
+  std::thread guard([&] { EXPECT_EQ(run_guard(ends_[1], memory_, pipe[1]), 1); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // it has its descriptors by then
+  ::close(pipe[1]);
+  pollfd end{.fd = pipe[0], .events = POLLIN, .revents = {}};
+  EXPECT_EQ(::poll(&end, 1, 3000), 1) << "while it waits to be told";
+  EXPECT_NE(end.revents & POLLHUP, 0);
+  ::shutdown(ends_[0], SHUT_WR);
+  guard.join();
+  ::close(pipe[0]);
 }
 
 TEST_F(GuardProgram, SaysWhatIsWrongWithWhatItIsTold) {

@@ -89,6 +89,25 @@ TEST_P(TableQuestions, AreForThePositionButForEveryFourth) {
   }
 }
 
+// A port that is opened anew begins with the same.
+TEST_P(TableQuestions, BeginAnewWithThePort) {
+  line_.at(1.0, [this] { line_.unplug(); });
+  line_.at(1.1, [this] { line_.plug_in(board_); });
+  line_.run(3.0);
+  const ControlTable& table = protocol_->table();
+  const auto pings = said(ServoInstruction::kPing);
+  ASSERT_GE(pings.size(), 6U);
+  int question = 0;
+  for (const WireFrame& one : said(ServoInstruction::kSyncRead)) {
+    if (one.time < pings.back().time) continue;
+    ++question;
+    const ServoRegister expected = question % 8 == 0 ? table.torque_question : table.present;
+    if (question % 8 == 4) continue;
+    EXPECT_EQ(number(one.frame, 0), expected.address) << question;
+  }
+  EXPECT_GT(question, 60);
+}
+
 // One goal a tick to all of them, which is what the line says it sent.
 TEST_P(TableQuestions, EachIsAskedAndToldOnceATick) {
   line_.run(3.0);
@@ -96,6 +115,9 @@ TEST_P(TableQuestions, EachIsAskedAndToldOnceATick) {
   const ControlTable& table = protocol_->table();
   std::size_t goals = 0;
   for (const WireFrame& told : said(ServoInstruction::kSyncWrite)) {
+    if (table.watchdog.size == 0) {
+      EXPECT_EQ(number(told.frame, 0), table.goal.address) << "there is nothing else to tell";
+    }
     if (number(told.frame, 0) != table.goal.address) continue;
     ++goals;
     EXPECT_EQ(number(told.frame, 1), table.goal.size);

@@ -112,7 +112,7 @@ double MotionGuard::allowed_travel(Eigen::Index joint, bool up, double dt) const
   const double rate = up ? rates_[joint] : -rates_[joint];
   const double faster = std::max(0.0, rate) + limits.max_acceleration * dt;
   const double travel = std::min(limits.max_rate, faster) * dt;
-  if (servos_.empty() || travel_axis_ >= 0) return travel;
+  if (servos_.empty() || travel_axis_) return travel;
   // Each rounding moves a joint by at most one step of the wire.
   const double rounding = 2.0 * servos_[static_cast<std::size_t>(joint)].resolution();
   return travel - std::min(rounding, 0.5 * travel);
@@ -157,9 +157,9 @@ bool MotionGuard::form(const Configuration& q, Command& command) const {
   command.q = q;
   if (!allowed(q) || !device_->inverse_kinematics(q, command.joints)) return false;
   if (servos_.empty()) return true;
-  if (travel_axis_ >= 0) {
+  if (travel_axis_) {
     constexpr double kAny = std::numeric_limits<double>::infinity();
-    command.targets[0] = servos_[0].target(q[travel_axis_], -kAny, kAny);
+    command.targets[0] = servos_[0].target(q[*travel_axis_], -kAny, kAny);
     return true;
   }
   const JointLimits& limits = device_->joint_limits();

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -88,7 +89,8 @@ class MotionGuard {
   std::shared_ptr<const Device> device_;
   std::vector<ServoMap> servos_;
   std::shared_ptr<const TravelCeiling> ceiling_;
-  int travel_axis_ = -1;      ///< of q, that the one servo follows; -1: servos follow joints
+  std::optional<int>
+      travel_axis_;           ///< of q, that the one servo follows; none: servos follow joints
   double most_excess_ = 0.0;  ///< over the ceiling, that is no reason to refuse; SI
   Command now_;
   JointAngles rates_;  ///< of the last step, per s
