@@ -73,6 +73,28 @@ class Bowl {
   }
   static constexpr double kTolerance = 5e-5;
 
+  /// Area of the places, many in each triangle, that `set` has in contact.
+  [[nodiscard]] double area_of_places(const ContactSet& set) const {
+    constexpr int kParts = 24;
+    double sum = 0.0;
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      const TriangleInContact touched(set, t, triangles_[t]);
+      const auto at = [&](std::size_t c) {
+        return rest_[static_cast<std::size_t>(triangles_[t][c])];
+      };
+      const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+      int within = 0;
+      for (int i = 0; i < kParts; ++i) {
+        for (int j = 0; i + j < kParts; ++j) {
+          const double a = (i + 1.0 / 3.0) / kParts, b = (j + 1.0 / 3.0) / kParts;
+          within += touched.has({a, b, 1.0 - a - b}) ? 1 : 0;
+        }
+      }
+      sum += area * within / (kParts * (kParts + 1) / 2);
+    }
+    return sum;
+  }
+
  private:
   void add(double radius, double angle) {
     rest_.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
@@ -115,6 +137,17 @@ TEST(AreaInContact, GrowsSmoothlyFromNothing) {
     last = area;
   }
   EXPECT_GT(last, 20e-6);
+}
+
+// Where the places are is what the area is made of; a flat triangle has a little less of it.
+TEST(AreaInContact, IsThatOfThePlacesInContact) {
+  const Bowl bowl(2e-3);
+  for (const double height : {-5e-5, -1.5e-4, -3e-4, -5e-4}) {
+    const ContactSet set = bowl.at(height);
+    ASSERT_GT(set.contact_area, 2e-6);
+    EXPECT_NEAR(bowl.area_of_places(set), set.contact_area, 0.03 * set.contact_area) << height;
+  }
+  EXPECT_EQ(bowl.area_of_places(bowl.at(1e-3)), 0.0);
 }
 
 TEST(AreaInContact, SkinFacesAwayFromTheCentreOfItsBall) {

@@ -12,134 +12,15 @@
 namespace softfinger {
 namespace {
 
-using Weights = std::array<double, 3>;
+using Weights = TriangleLattice::Weights;
+constexpr std::size_t kPlaces = TriangleLattice::kPlaces;
 
-/// A side of a triangle of the skin is looked at in so many parts.
-constexpr int kParts = 2;
-/// Places in a triangle where it is looked at: its corners, and all others a part apart.
-constexpr int kPlaces = (kParts + 1) * (kParts + 2) / 2;
-/// Features in one triangle that it is divided at besides.
-constexpr std::size_t kMostInside = 4;
 /// Triangles without a corner nearer than this part of their longest side touch nowhere: so much
 /// is a side bent whose ends face directions 70 degrees apart.
 constexpr double kReach = 0.15;
 /// What an obstacle may come nearer inside a triangle than its tangent planes at the corners tell,
 /// where it is hollow, m.
 constexpr double kHollow = 5e-5;
-
-using Part = std::array<std::size_t, 3>;
-
-/// The places, and the triangles between them.
-struct Lattice {
-  std::array<Weights, kPlaces> weights;
-  Eigen::Matrix<double, CurvedTriangle::kControlPoints, kPlaces> basis;
-  std::array<int, kPlaces> corner;   ///< that the place is; -1: none
-  std::array<int, kPlaces> nearest;  ///< corner
-  std::array<Part, kParts * kParts> parts;
-
-  Lattice() {
-    std::array<std::array<std::size_t, kParts + 1>, kParts + 1> at{};
-    std::size_t count = 0;
-    for (std::size_t i = 0; i <= kParts; ++i) {
-      for (std::size_t j = 0; i + j <= kParts; ++j) {
-        at[i][j] = count;
-        const double a = static_cast<double>(i) / kParts, b = static_cast<double>(j) / kParts;
-        add(count++, {a, b, static_cast<double>(kParts - i - j) / kParts});
-      }
-    }
-    count = 0;
-    for (std::size_t i = 0; i < kParts; ++i) {
-      for (std::size_t j = 0; i + j < kParts; ++j) {
-        parts[count++] = {at[i][j], at[i + 1][j], at[i][j + 1]};
-        if (i + j + 1 < kParts) parts[count++] = {at[i + 1][j], at[i + 1][j + 1], at[i][j + 1]};
-      }
-    }
-  }
-
- private:
-  void add(std::size_t place, const Weights& of) {
-    weights[place] = of;
-    basis.col(static_cast<Eigen::Index>(place)) = CurvedTriangle::basis(of);
-    const auto greatest = std::max_element(of.begin(), of.end());
-    nearest[place] = static_cast<int>(greatest - of.begin());
-    corner[place] = *greatest == 1.0 ? nearest[place] : -1;
-  }
-};
-
-const Lattice& lattice() {
-  static const Lattice kLattice;
-  return kLattice;
-}
-
-/// A place on the skin, and by how much it is out of contact (m, negative within).
-struct Place {
-  Vector3 position_F = Vector3::Zero();
-  double excess = 0.0;
-};
-
-/// Part of a triangle where a linear function with these values at its corners is at most 0.
-double part_below_zero(double a, double b, double c) {
-  if (a > b) std::swap(a, b);
-  if (b > c) std::swap(b, c);
-  if (a > b) std::swap(a, b);
-  if (c <= 0.0) return 1.0;
-  if (a >= 0.0) return 0.0;
-  return b >= 0.0 ? a * a / ((a - b) * (a - c)) : 1.0 - c * c / ((c - a) * (c - b));
-}
-
-double area_within(const Place& a, const Place& b, const Place& c) {
-  const double part = part_below_zero(a.excess, b.excess, c.excess);
-  if (part <= 0.0) return 0.0;
-  return 0.5 * part * (b.position_F - a.position_F).cross(c.position_F - a.position_F).norm();
-}
-
-/// A triangle of the skin, divided at its places, and further at features.
-class DividedTriangle {
- public:
-  std::array<Place, kPlaces + kMostInside> places;
-
-  [[nodiscard]] double area_within() const {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < part_count_; ++k) {
-      const auto& [a, b, c] = parts_[k];
-      sum += softfinger::area_within(places[a], places[b], places[c]);
-    }
-    return sum;
-  }
-  /// One more place divides the part that it is in.
-  void divide_at(const Weights& weights, const Place& place) {
-    if (count_ == places.size()) return;
-    for (std::size_t k = 0; k < part_count_; ++k) {
-      const Part part = parts_[k];
-      if (!holds(part, weights)) continue;
-      places[count_] = place;
-      weights_[count_] = weights;
-      parts_[k] = {part[0], part[1], count_};
-      parts_[part_count_++] = {part[1], part[2], count_};
-      parts_[part_count_++] = {part[2], part[0], count_};
-      ++count_;
-      return;
-    }
-  }
-  DividedTriangle() {
-    std::copy(lattice().weights.begin(), lattice().weights.end(), weights_.begin());
-    std::copy(lattice().parts.begin(), lattice().parts.end(), parts_.begin());
-  }
-
- private:
-  [[nodiscard]] bool holds(const Part& part, const Weights& p) const {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Weights& a = weights_[part[k]];
-      const Weights& b = weights_[part[(k + 1) % 3]];
-      if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) < 0.0) return false;
-    }
-    return true;
-  }
-  std::array<Weights, kPlaces + kMostInside> weights_;
-  std::array<Part, kParts * kParts + 2 * kMostInside> parts_;
-  std::size_t count_ = kPlaces;
-  std::size_t part_count_ = kParts * kParts;
-};
 
 /// A triangle of the skin in contact.
 class SkinTriangle {
@@ -151,8 +32,11 @@ class SkinTriangle {
       corners_[k] = &set.samples[static_cast<std::size_t>(samples[k])];
   }
 
-  [[nodiscard]] double area_in_contact() const {
+  /// Area in contact; fills `contact`.
+  [[nodiscard]] double look_at(TriangleContact& contact) const {
+    contact.extent = TriangleContact::Extent::kAll;
     if (is_pressed()) return area();
+    contact.extent = TriangleContact::Extent::kNone;
     const bool has_feature =
         std::any_of(set_.features().begin(), set_.features().end(),
                     [this](const ContactFeature& feature) { return feature.samples == samples_; });
@@ -160,21 +44,13 @@ class SkinTriangle {
     const CurvedTriangle curved(
         {position(0), position(1), position(2)},
         {corners_[0]->skin_normal_F, corners_[1]->skin_normal_F, corners_[2]->skin_normal_F});
-    if (has_feature) {
-      DividedTriangle divided;
-      look_at(curved, divided.places);
-      for (const ContactFeature& feature : set_.features()) {
-        if (feature.samples == samples_) divided.divide_at(feature.weights, place_of(feature));
-      }
-      return divided.area_within();
-    }
-    if (!may_touch(curved)) return 0.0;
-    std::array<Place, kPlaces> places;
-    look_at(curved, places);
-    double sum = 0.0;
-    for (const auto& [a, b, c] : lattice().parts)
-      sum += area_within(places[a], places[b], places[c]);
-    return sum;
+    if (!has_feature && !may_touch(curved)) return 0.0;
+    DividedTriangle divided;
+    look_inside(curved, divided);
+    contact.extent = TriangleContact::Extent::kPart;
+    for (std::size_t k = 0; k < kPlaces; ++k) contact.excess[k] = divided.places[k].excess;
+    if (has_feature) divide_at_features(divided);
+    return divided.area_within();
   }
 
  private:
@@ -204,21 +80,21 @@ class SkinTriangle {
     }
     return false;
   }
-  template <std::size_t n>
-  void look_at(const CurvedTriangle& curved, std::array<Place, n>& places) const {
-    const Eigen::Matrix<double, 3, kPlaces> positions = curved.control_points() * lattice().basis;
+  void look_inside(const CurvedTriangle& curved, DividedTriangle& divided) const {
+    const TriangleLattice& lattice = TriangleLattice::get();
+    const Eigen::Matrix<double, 3, kPlaces> positions = curved.control_points() * lattice.basis;
     // How much less the gap counts at the corners.
     Weights held;
     for (std::size_t k = 0; k < 3; ++k) {
       held[k] = punch_depth(corners_[k]->own_normal_force, corners_[k]->area, skin_.plane_modulus);
     }
     for (std::size_t k = 0; k < kPlaces; ++k) {
-      Place& place = places[k];
+      SkinPoint& place = divided.places[k];
       place.position_F = positions.col(static_cast<Eigen::Index>(k));
-      const int corner = lattice().corner[k];
+      const int corner = lattice.corner[k];
       const double gap = corner >= 0 ? corners_[static_cast<std::size_t>(corner)]->gap
-                                     : gap_at(place.position_F, lattice().nearest[k]);
-      const Weights& weights = lattice().weights[k];
+                                     : gap_at(place.position_F, lattice.nearest[k]);
+      const Weights& weights = lattice.weights[k];
       place.excess = gap - contact_.tolerance - weights[0] * held[0] - weights[1] * held[1] -
                      weights[2] * held[2];
     }
@@ -238,10 +114,11 @@ class SkinTriangle {
     }
     return least;
   }
-  [[nodiscard]] Place place_of(const ContactFeature& feature) const {
-    const double depth =
-        punch_depth(feature.normal_force_F.norm(), feature.area, skin_.plane_modulus);
-    return {feature.position_F, feature.gap - depth - contact_.tolerance};
+  void divide_at_features(DividedTriangle& divided) const {
+    for (const ContactFeature& feature : set_.features()) {
+      if (feature.samples != samples_) continue;
+      divided.divide_at(feature.weights, {feature.position_F, feature.excess});
+    }
   }
 
   const SkinSurface& skin_;
@@ -258,13 +135,36 @@ double punch_depth(double force, double area, double plane_modulus) {
   return 0.5 * std::sqrt(std::numbers::pi / area) * force / plane_modulus;
 }
 
-double area_in_contact(const SkinSurface& skin, const SettledContact& contact,
-                       const ContactSet& set) {
-  double sum = 0.0;
-  for (const auto& samples : skin.triangles) {
-    sum += SkinTriangle(skin, contact, set, samples).area_in_contact();
+void report_area(const SkinSurface& skin, const SettledContact& contact, ContactSet& set) {
+  for (std::size_t k = 0; k < set.features().size(); ++k) {
+    ContactFeature& feature = set.feature_places[k];
+    const double force = feature.normal_force_F.norm();
+    feature.excess =
+        feature.gap - punch_depth(force, feature.area, skin.plane_modulus) - contact.tolerance;
   }
-  return sum;
+  set.contact_area = 0.0;
+  for (std::size_t t = 0; t < skin.triangles.size(); ++t) {
+    set.contact_area +=
+        SkinTriangle(skin, contact, set, skin.triangles[t]).look_at(set.triangles[t]);
+  }
+}
+
+TriangleInContact::TriangleInContact(const ContactSet& set, std::size_t triangle,
+                                     const std::array<int, 3>& samples)
+    : extent_(set.triangles[triangle].extent) {
+  if (extent_ != TriangleContact::Extent::kPart) return;
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    divided_.places[k].excess = set.triangles[triangle].excess[k];
+  }
+  for (const ContactFeature& feature : set.features()) {
+    if (feature.samples != samples) continue;
+    divided_.divide_at(feature.weights, {feature.position_F, feature.excess});
+  }
+}
+
+bool TriangleInContact::has(const std::array<double, 3>& weights) const {
+  if (extent_ != TriangleContact::Extent::kPart) return extent_ == TriangleContact::Extent::kAll;
+  return divided_.excess_at(weights) <= 0.0;
 }
 
 }  // namespace softfinger

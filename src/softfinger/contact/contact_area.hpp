@@ -1,10 +1,12 @@
 #pragma once
 
 #include "softfinger/contact/contact_report.hpp"
+#include "softfinger/contact/divided_triangle.hpp"
 
 namespace softfinger {
 
-/// Area of the deformed skin that is in contact, m^2, whatever the size of its triangles: the skin
+/// Finds the area of the deformed skin that is in contact, whatever the size of its triangles, and
+/// how much of each of them is: the skin
 /// between the samples is curved by their normals (CurvedTriangle), and of each triangle that part
 /// counts whose gap, looked up inside it, is at most the tolerance.
 ///
@@ -14,8 +16,20 @@ namespace softfinger {
 /// force: without that, contact ends at the last sample.
 ///
 /// `set` has what report_contact() knows of samples and features. Allocates nothing.
-[[nodiscard]] double area_in_contact(const SkinSurface& skin, const SettledContact& contact,
-                                     const ContactSet& set);
+void report_area(const SkinSurface& skin, const SettledContact& contact, ContactSet& set);
+
+/// One triangle of the skin as report_area() left it: which places in it are in contact.
+class TriangleInContact {
+ public:
+  /// `triangle` of the skin, between these samples.
+  TriangleInContact(const ContactSet& set, std::size_t triangle, const std::array<int, 3>& samples);
+  /// Whether the place with these weights of the corners is in contact.
+  [[nodiscard]] bool has(const std::array<double, 3>& weights) const;
+
+ private:
+  TriangleContact::Extent extent_;
+  DividedTriangle divided_;
+};
 
 /// How far a flat rigid punch is pressed into an elastic half-space, m: force N on area m^2,
 /// plane_modulus E / (1 - nu^2), Pa (Johnson, "Contact Mechanics", 1985, eq. 3.36, for a round

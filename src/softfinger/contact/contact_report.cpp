@@ -199,6 +199,7 @@ ContactSet make_contact_set(const SkinSurface& skin, double friction_coefficient
   ContactSet set;
   set.friction_coefficient = friction_coefficient;
   set.samples.resize(skin.sample_nodes.size());
+  set.triangles.resize(skin.triangles.size());
   for (std::size_t i = 0; i < set.samples.size(); ++i) {
     set.samples[i].rest_area = skin.sample_areas[i];
     set.samples[i].position_F = skin.position(static_cast<int>(i));
@@ -216,7 +217,7 @@ void report_contact(const SkinSurface& skin, const SettledContact& contact, Cont
   sum_forces(set);
   find_centre(contact.potential, set);
   count_members(contact.potential, set);
-  set.contact_area = area_in_contact(skin, contact, set);
+  report_area(skin, contact, set);
 }
 
 }  // namespace softfinger

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -47,12 +48,27 @@ struct ContactFeature {
   std::array<double, 3> weights{};
   Vector3 position_F = Vector3::Zero();          ///< on the deformed skin, m
   double gap = 0.0;                              ///< of the skin there, m
+  double excess = 0.0;                           ///< by how much it is out of contact there, m
   Vector3 normal_force_F = Vector3::Zero();      ///< N, object on skin
   Vector3 tangential_force_F = Vector3::Zero();  ///< N, object on skin
   double rest_area = 0.0;  ///< of the part of its triangle nearer to it than to the corners, m^2
   double area = 0.0;       ///< the same, deformed, m^2
   bool slides = false;     ///< tangential force at its limit
   int object = -1;         ///< index of the object that presses
+};
+
+/// How much of a triangle of the skin is in contact, see report_area().
+struct TriangleContact {
+  enum class Extent : std::uint8_t {
+    kNone,
+    kPart,  ///< where `excess`, linear between its places and features, is at most 0
+    kAll
+  };
+  static constexpr std::size_t kPlaces = 6;  ///< its corners and the middles of its sides
+
+  Extent extent = Extent::kNone;
+  /// By how much the skin at each place is out of contact, m; known where the extent is kPart.
+  std::array<double, kPlaces> excess{};
 };
 
 /// The paper's sets C and N over all skin samples, with their sums.
@@ -63,6 +79,7 @@ struct ContactSet : ContactSums {
   static constexpr std::size_t kMostFeatures = 64;
 
   std::vector<ContactSample> samples;
+  std::vector<TriangleContact> triangles;  ///< of the skin
   std::array<ContactFeature, kMostFeatures> feature_places;
   std::size_t feature_count = 0;
   [[nodiscard]] std::span<const ContactFeature> features() const {

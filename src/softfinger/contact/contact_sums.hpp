@@ -10,7 +10,7 @@ namespace softfinger {
 /// these members. Vectors are expressed in F.
 struct ContactSums {
   int contact_count = 0;          ///< members of C, features among them
-  double contact_area = 0.0;      ///< of the deformed skin, see area_in_contact(), m^2
+  double contact_area = 0.0;      ///< of the deformed skin, see report_area(), m^2
   double normal_force = 0.0;      ///< magnitude of the sum of normal forces, N
   double normal_force_sum = 0.0;  ///< sum of the magnitudes of normal forces, N
   double tangential_force = 0.0;  ///< magnitude of the sum of tangential forces, N
