@@ -23,6 +23,8 @@ class ElementLoads {
 
   /// Soft elements, in the order of the mesh; those whose nodes are all rigid are left out.
   [[nodiscard]] std::size_t size() const { return elements_.size(); }
+  /// Nodes of one of them.
+  [[nodiscard]] const std::array<int, 4>& nodes(std::size_t e) const { return elements_[e].nodes; }
   /// Rest volume of each, m^3.
   [[nodiscard]] std::span<const double> volumes() const { return volumes_; }
   /// Strain energy density of each with the nodes at `positions` (all nodes, m, any frame), J/m^3.

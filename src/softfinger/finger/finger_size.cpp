@@ -32,6 +32,10 @@ FingerSize finger_size(const FingerModel& model) {
   return {.length = extent.x(), .breadth = extent.y(), .depth = extent.z()};
 }
 
+Vector3 size_ratio(const FingerModel& from, const FingerModel& to) {
+  return skin_extent(to).cwiseQuotient(skin_extent(from));
+}
+
 void resize(FingerModel& model, const FingerSize& size) {
   const Vector3 extent = skin_extent(model);
   Vector3 scale = Vector3::Ones();

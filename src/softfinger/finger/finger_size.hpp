@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "softfinger/geometry/pose.hpp"
+
 namespace softfinger {
 
 class ConfigTable;
@@ -21,6 +23,9 @@ struct FingerSize {
 
 /// Those of a model; all three.
 [[nodiscard]] FingerSize finger_size(const FingerModel& model);
+
+/// By how much `to` is larger than `from` along x, y and z.
+[[nodiscard]] Vector3 size_ratio(const FingerModel& from, const FingerModel& to);
 
 /// Scales `model`'s nodes about F's origin along x, y and z; `model` has its samples.
 void resize(FingerModel& model, const FingerSize& size);
