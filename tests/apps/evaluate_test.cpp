@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "program.hpp"
 #include "workplace.hpp"
@@ -124,22 +129,161 @@ TEST(Evaluate, AForceSensorCorrectsForAnotherWearer) {
   EXPECT_LT(answer.at("mean").at("normal_force_error"), 0.3);
 }
 
+std::string shipped_finger(const std::string& name) {
+  return SOFTFINGER_SOURCE_DIR "/fingers/" + name + ".toml";
+}
+
+double mean_of(const Answer& answer, const char* measure) {
+  return answer.at("mean").at(measure).get<double>();
+}
+
+// The same shape and constants in elements a third as large: what is felt hardly differs.
+TEST(Evaluate, TheMeasuresHardlyDependOnTheWearersMesh) {
+  const Workplace place;
+  const std::string scene = place.path("scenes/plane.toml");
+  for (const char* objective : {"surface", "surface_and_force"}) {
+    const std::vector<std::string> words{scene, "--objective", objective};
+    const Answer same = evaluated(words);
+    std::vector<std::string> with_wearer = words;
+    with_wearer.insert(with_wearer.end(), {"--wearer", shipped_finger("index-medium")});
+    const Answer medium = evaluated(with_wearer);
+    EXPECT_GT(mean_of(same, "iou"), 0.85);
+    EXPECT_NEAR(mean_of(medium, "iou"), mean_of(same, "iou"), 0.05) << objective;
+    EXPECT_NEAR(mean_of(medium, "normal_force_error"), mean_of(same, "normal_force_error"), 0.05)
+        << objective;
+    EXPECT_LT(mean_of(medium, "centroid_shift_mm"), mean_of(same, "centroid_shift_mm") + 0.2);
+    EXPECT_LT(mean_of(medium, "pressure_error"), mean_of(same, "pressure_error") + 0.2);
+    EXPECT_LT(mean_of(medium, "strain_energy_density_error"), 0.4);
+    EXPECT_EQ(medium.at("frames_unconverged"), 0);
+  }
+}
+
+TEST(Evaluate, AnyFingerMayWearTheDevice) {
+  const Workplace place;
+  for (const char* name : {"index-layered", "index-viscoelastic", "middle"}) {
+    const Answer answer = evaluated(
+        {place.path("scenes/plane.toml"), "--duration-s", "1.8", "--wearer", shipped_finger(name)});
+    int both = 0;
+    for (const Answer& frame : answer.at("frames")) {
+      if (!(frame.at("virtual_force_N") > 0.05) || !(frame.at("twin_force_N") > 0.05)) continue;
+      ++both;
+      for (const auto& [measure, value] : answer.at("mean").items()) {
+        EXPECT_TRUE(frame.at(measure).is_number()) << name << " " << measure;
+      }
+      EXPECT_GT(frame.at("iou"), 0.3) << name;
+    }
+    EXPECT_GE(both, 10) << name;
+  }
+}
+
+// A live run has a wearer too: for the emulated sensor, which corrects for what it feels.
+TEST(Evaluate, ASensorMayBeOnAFingerOfAnotherMesh) {
+  const Workplace place;
+  place.write("devices/thimble-3rrs.toml",
+              place.read("devices/thimble-3rrs.toml") + "\n[force_sensor]\nkind = \"emulator\"\n");
+  const ProgramRun run =
+      run_program({"run", place.path("scenes/plane.toml"), "--headless", "--as-fast-as-possible",
+                   "--duration-s", "1.5", "--wearer", shipped_finger("index-medium"), "--json"});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_EQ(Answer::parse(run.output).at("steps"), 1500);
+}
+
+// Contact between samples leaves C empty, and presses all the same.
+TEST(Evaluate, NoFrameInWhichBothSidesPressIsMissed) {
+  const Workplace place;
+  const Answer answer = evaluated({place.path("scenes/edge.toml"), "--device",
+                                   place.path("devices/delta-schorr.toml"), "--duration-s", "4"});
+  int missed = 0, false_ones = 0, free = 0, both = 0;
+  for (const Answer& frame : answer.at("frames")) {
+    const bool v = frame.at("virtual_force_sum_N") > 0.01, t = frame.at("twin_force_sum_N") > 0.01;
+    const bool is_free = frame.at("iou").is_null() && frame.at("normal_force_error").is_null();
+    const bool one_sided = !is_free && frame.at("normal_force_error").is_null();
+    if (v || t) {
+      EXPECT_FALSE(is_free) << frame.at("time_s");
+    }
+    if (v && t) {
+      EXPECT_FALSE(one_sided) << frame.at("time_s");
+      EXPECT_TRUE(frame.at("iou").is_number()) << frame.at("time_s");
+      ++both;
+    }
+    if (one_sided) ++(frame.at("virtual_force_sum_N") > 0.0 ? missed : false_ones);
+    if (is_free) ++free;
+  }
+  EXPECT_GT(both, 20);
+  EXPECT_EQ(answer.at("frames_free"), free);
+  EXPECT_EQ(answer.at("frames_missed").get<int>() + answer.at("frames_false").get<int>(),
+            missed + false_ones);
+}
+
+/// The shipped finger without the skin of triangles that `bare` holds of, by their centroid (mm).
+template <typename Bare>
+std::string partly_bare(const Workplace& place, const std::string& name, const Bare& bare) {
+  std::istringstream in(place.read("fingers/index.msh"));
+  std::map<int, std::array<double, 3>> nodes;
+  std::string text, section;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    if (line.starts_with('$')) section = line;
+    if (section == "$Nodes") {
+      int number = 0;
+      std::array<double, 3> p{};
+      if (words >> number >> p[0] >> p[1] >> p[2]) nodes[number] = p;
+    }
+    int number = 0, type = 0, tags = 0, group = 0, entity = 0;
+    std::array<int, 3> corners{};
+    if (section == "$Elements" &&
+        words >> number >> type >> tags >> group >> entity >> corners[0] >> corners[1] >>
+            corners[2] &&
+        type == 2 && group == 1) {
+      std::array<double, 3> centroid{};
+      for (const int corner : corners) {
+        for (std::size_t k = 0; k < 3; ++k) centroid[k] += nodes.at(corner)[k] / 3.0;
+      }
+      if (bare(centroid)) {
+        line =
+            fmt::format("{} 2 2 4 {} {} {} {}", number, entity, corners[0], corners[1], corners[2]);
+      }
+    }
+    text += line + "\n";
+  }
+  place.write("fingers/" + name + ".msh", text);
+  place.write("fingers/" + name + ".toml", place.read("fingers/index.toml"));
+  place.replace_line("fingers/" + name + ".toml", "file", "file = \"" + name + ".msh\"");
+  return place.path("fingers/" + name + ".toml");
+}
+
+void expect_refused(const std::vector<std::string>& words, const std::string& what) {
+  std::vector<std::string> arguments{"evaluate"};
+  arguments.insert(arguments.end(), words.begin(), words.end());
+  const ProgramRun run = run_program(arguments);
+  EXPECT_EQ(run.status, 2);
+  EXPECT_EQ(run.output, "");
+  EXPECT_EQ(std::ranges::count(run.errors, '\n'), 1) << run.errors;
+  EXPECT_THAT(run.errors, HasSubstr(what));
+}
+
+TEST(Evaluate, AWearerWithoutSkinWhereTheModelIsTouchedIsRefused) {
+  const Workplace place;
+  const std::string scene = place.path("scenes/plane.toml");
+  const auto bare_from = [&](const std::string& name, double x_mm) {
+    return partly_bare(place, name, [x_mm](const auto& p) { return p[0] > x_mm; });
+  };
+  const std::string little = bare_from("little", -6.0);
+  expect_refused({scene, "--wearer", little}, little + ": its skin covers");
+  // Where this scene touches there is none, though on most of the pad there is.
+  const std::string proximal = bare_from("proximal", 3.0);
+  expect_refused({scene, "--wearer", proximal}, proximal + ": its skin does not cover where");
+  const std::string pad = partly_bare(place, "pad", [](const auto& p) { return p[2] > -2.0; });
+  const Answer answer = evaluated({scene, "--duration-s", "1.6", "--wearer", pad});
+  EXPECT_GT(mean_of(answer, "iou"), 0.85);
+}
+
 TEST(Evaluate, SaysInOneLineWhatIsWrong) {
   const Workplace place;
   const std::string scene = place.path("scenes/plane.toml");
-  const auto refused = [&](const std::vector<std::string>& words, const std::string& what) {
-    std::vector<std::string> arguments{"evaluate"};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    const ProgramRun run = run_program(arguments);
-    EXPECT_EQ(run.status, 2);
-    EXPECT_EQ(run.output, "");
-    EXPECT_EQ(std::ranges::count(run.errors, '\n'), 1) << run.errors;
-    EXPECT_THAT(run.errors, HasSubstr(what));
-  };
-  refused({scene, "--wearer", SOFTFINGER_SOURCE_DIR "/fingers/index-medium.toml"}, "not connected");
-  refused({scene, "--duration-s", "-1"}, "--duration-s");
+  expect_refused({scene, "--duration-s", "-1"}, "--duration-s");
   place.replace_line("scenes/plane.toml", "device", "");
-  refused({scene}, "no device");
+  expect_refused({scene}, "no device");
 }
 
 }  // namespace

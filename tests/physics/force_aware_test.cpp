@@ -17,7 +17,7 @@
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
 #include "softfinger/objectives/force_aware_matching.hpp"
-#include "softfinger/twin/rendering_measures.hpp"
+#include "softfinger/twin/skin_comparison.hpp"
 
 namespace softfinger {
 namespace {
@@ -192,15 +192,10 @@ std::pair<double, double> errors_on_a_sphere(const ForceAwareOptions& options) {
   for (int frame = 0; frame < 8; ++frame) {
     matching.match(contact, start, contact.friction_coefficient, 1.0 / 30.0, {}, nodes_F);
   }
-  ElementLoads loads(model);
-  std::vector<Stress> wanted(loads.size());
-  std::vector<Stress> felt(loads.size());
-  const std::vector<double> densities(loads.size());
-  loads.stresses(nodes_F, wanted);
-  loads.stresses(matching.twin().positions(), felt);
+  SkinComparison comparison(model, model, SkinComparison::Depth::kTissue);
+  comparison.take_virtual(contact, nodes_F);
   const RenderingMeasures measures =
-      compare({contact, densities, wanted, loads.volumes()},
-              {matching.twin().contact(), densities, felt, loads.volumes()});
+      comparison.compare(matching.twin().contact(), matching.twin().positions());
   return {measures.stress_error, measures.normal_force_error};
 }
 

@@ -14,7 +14,7 @@
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
-#include "softfinger/twin/rendering_measures.hpp"
+#include "softfinger/twin/skin_comparison.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -57,6 +57,7 @@ RenderingMeasures drawn_over_plane(const std::shared_ptr<const Device>& device, 
   Pose X_WFt{Matrix3::Identity(), Vector3(0.0, 0.0, -lowest + 0.5 * mm)};
   simulation.reset(X_WFt);
   Twin twin(model, device);
+  SkinComparison comparison(model, model, SkinComparison::Depth::kSkin);
   MeasureMeans means;
   const double elapsed = kShearTick * kShearStep;
   const int steps = static_cast<int>((0.4 + 3.0 * aside / 12.0) / kShearStep);
@@ -68,7 +69,8 @@ RenderingMeasures drawn_over_plane(const std::shared_ptr<const Device>& device, 
     if (step % kShearTick != 0) continue;
     twin.press(rendered(simulation, elapsed), friction, elapsed);
     if (time > 0.4) {
-      means.add(compare({simulation.contact(), {}, {}, {}}, {twin.contact(), {}, {}, {}}));
+      comparison.take_virtual(simulation.contact(), {});
+      means.add(comparison.compare(twin.contact(), {}));
     }
   }
   return means.mean();

@@ -45,7 +45,7 @@ TEST(LiveTwin, JudgesItsPressAgainstTheContactOffered) {
   contact = reference.contact();
   ASSERT_GT(contact.contact_count, 3);
 
-  LiveTwin twin(model, device);
+  LiveTwin twin(model, model, device);
   EXPECT_FALSE(twin.latest().pressed);
   ASSERT_EQ(twin.latest().skin.in_contact.size(), contact.samples.size());
   twin.start();
@@ -72,9 +72,41 @@ TEST(LiveTwin, JudgesItsPressAgainstTheContactOffered) {
   EXPECT_EQ(twin.latest().normal_force, 0.0);
 }
 
+// A wearer of another mesh feels nearly the same, and is shown where the model's samples are.
+TEST(LiveTwin, ShowsAWearerOfAnyMeshOnTheModelsSamples) {
+  const auto model = FingerModel::load(kProject / "fingers/index.toml");
+  const auto wearer = FingerModel::load(kProject / "fingers/index-medium.toml");
+  const auto device = load_device(kProject / "devices/thimble-3rrs.toml");
+  const TickRecord tick = command(*device, 4 * mm);
+  Twin reference(model, device);
+  reference.press(tick.command.configuration, 0.5, 0.0);
+  const ContactSet& contact = reference.contact();
+  ASSERT_GT(contact.contact_count, 3);
+  LiveTwin twin(model, wearer, device);
+  twin.start();
+  twin.offer(tick, contact);
+  ASSERT_TRUE(next_press(twin));
+  const Snapshot::Twin& press = twin.latest();
+  EXPECT_GT(press.measures.iou, 0.85);
+  EXPECT_LT(press.measures.normal_force_error, 0.15);
+  EXPECT_LT(press.measures.pressure_error, 0.3);
+  ASSERT_EQ(press.skin.positions_F.size(), contact.samples.size());
+  int alike = 0, touching = 0;
+  double apart = 0.0;
+  for (std::size_t i = 0; i < contact.samples.size(); ++i) {
+    const Vector3 shown = press.skin.positions_F[i].cast<double>();
+    apart += (shown - contact.samples[i].position_F).norm();
+    if (!contact.samples[i].in_contact) continue;
+    ++touching;
+    alike += press.skin.in_contact[i] != 0 && press.skin.pressures[i] > 0.0F ? 1 : 0;
+  }
+  EXPECT_GT(alike, touching / 2);
+  EXPECT_LT(apart, 0.3 * mm * static_cast<double>(contact.samples.size()));
+}
+
 TEST(LiveTwin, EndsWithoutEverBeingAsked) {
-  LiveTwin twin(FingerModel::load(kProject / "fingers/index.toml"),
-                load_device(kProject / "devices/thimble-3rrs.toml"));
+  const auto model = FingerModel::load(kProject / "fingers/index.toml");
+  LiveTwin twin(model, model, load_device(kProject / "devices/thimble-3rrs.toml"));
   twin.start();
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "softfinger/base/units.hpp"
@@ -11,42 +12,49 @@
 namespace softfinger {
 namespace {
 
-/// Samples of these areas (mm2) and normal forces (N) along z; those with a force are in contact.
-ContactSet contact_of(const std::vector<double>& areas, const std::vector<double>& forces) {
-  ContactSet set;
+/// A side whose places, a millimetre apart along x, have these areas (mm2) and bear these normal
+/// forces (N) along z; those with a force are in contact.
+struct Places {
+  ContactSums sums;
+  std::vector<double> areas, pressures;
+  std::vector<std::uint8_t> touched;
+};
+
+Places places_of(const std::vector<double>& areas, const std::vector<double>& forces) {
+  Places side;
+  ContactSums& sums = side.sums;
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    ContactSample sample;
-    sample.rest_area = sample.area = areas[i] * mm2;
-    sample.normal_force = forces[i];
-    sample.in_contact = forces[i] > 0.0;
-    sample.position_F = Vector3(static_cast<double>(i) * mm, 0.0, 0.0);
-    set.samples.push_back(sample);
-    if (!sample.in_contact) continue;
-    ++set.contact_count;
-    set.contact_area += sample.area;
-    set.normal_force += forces[i];
-    set.centroid_F += forces[i] * sample.position_F;
+    const double area = areas[i] * mm2;
+    side.areas.push_back(area);
+    side.pressures.push_back(forces[i] / area);
+    side.touched.push_back(forces[i] > 0.0 ? 1 : 0);
+    if (!(forces[i] > 0.0)) continue;
+    ++sums.contact_count;
+    sums.contact_area += area;
+    sums.normal_force += forces[i];
+    sums.centroid_F += forces[i] * Vector3(static_cast<double>(i) * mm, 0.0, 0.0);
   }
-  if (set.normal_force > 0.0) set.centroid_F /= set.normal_force;
-  set.mean_normal_F = Vector3::UnitZ();
-  return set;
+  if (sums.normal_force > 0.0) sums.centroid_F /= sums.normal_force;
+  sums.mean_normal_F = Vector3::UnitZ();
+  return side;
 }
 
-RenderingMeasures compare_contacts(const ContactSet& v, const ContactSet& t) {
+/// With the same tissue, of two cells, in every case.
+RenderingMeasures compare_contacts(const Places& v, const Places& t) {
   const std::vector<double> v_energy{1.0, 2.0};
   const std::vector<double> t_energy{1.0, 4.0};
   const std::vector<double> volumes{3.0, 1.0};
-  const std::vector<Stress> v_stress{{1.0, 0.0, 0.0, 2.0, 0.0, 0.0},
-                                     {0.0, 3.0, 0.0, 0.0, 0.0, 0.0}};
-  const std::vector<Stress> t_stress{{1.0, 0.0, 0.0, 1.0, 0.0, 0.0},
-                                     {0.0, 3.0, 2.0, 0.0, 0.0, 0.0}};
-  return compare({v, v_energy, v_stress, volumes}, {t, t_energy, t_stress, volumes});
+  // By component: xx, yy, zz, yz, zx, xy.
+  const std::vector<double> v_stress{1, 0, 0, 3, 0, 0, 2, 0, 0, 0, 0, 0};
+  const std::vector<double> t_stress{1, 0, 0, 3, 0, 2, 1, 0, 0, 0, 0, 0};
+  return compare({v.sums, v.touched, v.pressures, v_energy, v_stress},
+                 {t.sums, t.touched, t.pressures, t_energy, t_stress}, {v.areas, v.areas, volumes});
 }
 
 TEST(RenderingMeasures, AreThoseOfAWorkedExample) {
-  const ContactSet v = contact_of({1, 2, 3, 4}, {0.2, 0.4, 0.0, 0.0});
-  ContactSet t = contact_of({1, 2, 3, 4}, {0.0, 0.4, 0.3, 0.0});
-  t.mean_normal_F = Vector3(std::sin(0.1), 0.0, std::cos(0.1));
+  const Places v = places_of({1, 2, 3, 4}, {0.2, 0.4, 0.0, 0.0});
+  Places t = places_of({1, 2, 3, 4}, {0.0, 0.4, 0.3, 0.0});
+  t.sums.mean_normal_F = Vector3(std::sin(0.1), 0.0, std::cos(0.1));
   const RenderingMeasures m = compare_contacts(v, t);
   EXPECT_EQ(m.kind, FrameKind::kBoth);
   EXPECT_NEAR(m.iou, 2.0 / 6.0, 1e-12);  // common: 2 mm2, either: 1 + 2 + 3
@@ -64,30 +72,30 @@ TEST(RenderingMeasures, AreThoseOfAWorkedExample) {
 }
 
 TEST(RenderingMeasures, TangentialForcesAreComparedAsVectors) {
-  ContactSet v = contact_of({1, 2}, {0.2, 0.4});
-  ContactSet t = v;
-  v.tangential_force_F = Vector3(0.3, 0.0, 0.0);
-  t.tangential_force_F = Vector3(0.0, 0.4, 0.0);
-  v.slip_ratio = 1.0;
-  t.slip_ratio = 0.25;
+  Places v = places_of({1, 2}, {0.2, 0.4});
+  Places t = v;
+  v.sums.tangential_force_F = Vector3(0.3, 0.0, 0.0);
+  t.sums.tangential_force_F = Vector3(0.0, 0.4, 0.0);
+  v.sums.slip_ratio = 1.0;
+  t.sums.slip_ratio = 0.25;
   const RenderingMeasures m = compare_contacts(v, t);
   EXPECT_NEAR(m.tangential_force_error, 0.5 / 0.6, 1e-12);
   EXPECT_NEAR(m.slip_ratio_error, 0.75, 1e-12);
   // The other way round they are the same, as long as the normal forces are.
   EXPECT_EQ(compare_contacts(t, v).tangential_force_error, m.tangential_force_error);
   // Against a least force, as the normal one.
-  v.normal_force = 0.01;
+  v.sums.normal_force = 0.01;
   EXPECT_NEAR(compare_contacts(v, t).tangential_force_error, 0.5 / 0.05, 1e-12);
 }
 
 TEST(RenderingMeasures, NoFrameIsFreeInWhichASideBearsForce) {
-  const ContactSet free = contact_of({1, 2}, {0.0, 0.0});
+  const Places free = places_of({1, 2}, {0.0, 0.0});
   for (double ContactSums::*force : {&ContactSums::normal_force, &ContactSums::normal_force_sum,
                                      &ContactSums::tangential_force}) {
-    ContactSet bearing = free;  // but its contact set is empty
-    bearing.*force = 0.009;
+    Places bearing = free;  // but its contact set is empty
+    bearing.sums.*force = 0.009;
     EXPECT_EQ(compare_contacts(bearing, free).kind, FrameKind::kFree);
-    bearing.*force = 0.011;
+    bearing.sums.*force = 0.011;
     const RenderingMeasures missed = compare_contacts(bearing, free);
     EXPECT_EQ(missed.kind, FrameKind::kMissed);
     EXPECT_EQ(missed.iou, 0.0);
@@ -102,10 +110,12 @@ TEST(RenderingMeasures, NoFrameIsFreeInWhichASideBearsForce) {
 }
 
 TEST(RenderingMeasures, OfASideWithItselfAreZero) {
-  const ContactSet v = contact_of({1, 2, 3}, {0.2, 0.4, 0.0});
+  const Places v = places_of({1, 2, 3}, {0.2, 0.4, 0.0});
   const std::vector<double> energy{1.0, 2.0};
-  const std::vector<Stress> stress(2, Stress{1.0, 2.0, 3.0, 4.0, 5.0, 6.0});
-  const RenderingMeasures m = compare({v, energy, stress, energy}, {v, energy, stress, energy});
+  std::vector<double> stress(12);
+  std::iota(stress.begin(), stress.end(), 1.0);
+  const LaidSide side{v.sums, v.touched, v.pressures, energy, stress};
+  const RenderingMeasures m = compare(side, side, {v.areas, v.areas, energy});
   EXPECT_EQ(m.iou, 1.0);
   for (const MeasureName& name : measure_names()) {
     if (name.name != "iou") {
@@ -115,14 +125,14 @@ TEST(RenderingMeasures, OfASideWithItselfAreZero) {
 }
 
 TEST(RenderingMeasures, SmallForcesAreMeasuredAgainstALeastForce) {
-  const ContactSet v = contact_of({1}, {0.01});
-  const ContactSet t = contact_of({1}, {0.02});
+  const Places v = places_of({1}, {0.01});
+  const Places t = places_of({1}, {0.02});
   EXPECT_NEAR(compare_contacts(v, t).normal_force_error, 0.01 / 0.05, 1e-12);
 }
 
 TEST(RenderingMeasures, TellWhichSideTouches) {
-  const ContactSet touching = contact_of({1, 2}, {0.2, 0.0});
-  const ContactSet free = contact_of({1, 2}, {0.0, 0.0});
+  const Places touching = places_of({1, 2}, {0.2, 0.0});
+  const Places free = places_of({1, 2}, {0.0, 0.0});
   MeasureMeans means;
   const RenderingMeasures none = compare_contacts(free, free);
   EXPECT_EQ(none.kind, FrameKind::kFree);

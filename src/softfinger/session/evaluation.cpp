@@ -7,33 +7,17 @@
 #include <memory>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/finger/element_loads.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/session/scene_load.hpp"
+#include "softfinger/twin/skin_comparison.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
 namespace {
 
-/// What the tissue of one finger bears.
-class Loads {
- public:
-  explicit Loads(const std::shared_ptr<const FingerModel>& model)
-      : loads_(model), densities_(loads_.size()), stresses_(loads_.size()) {}
-
-  void take(std::span<const Vector3> positions_F) {
-    loads_.energy_densities(positions_F, densities_);
-    loads_.stresses(positions_F, stresses_);
-  }
-  [[nodiscard]] TouchedSkin skin(const ContactSet& contact) const {
-    return {contact, densities_, stresses_, loads_.volumes()};
-  }
-
- private:
-  ElementLoads loads_;
-  std::vector<double> densities_;
-  std::vector<Stress> stresses_;
-};
+/// Of a contact so much may lie off the wearer's skin.
+constexpr double kBare = 0.05;
 
 /// What judges one finger's device.
 class Judge {
@@ -41,7 +25,9 @@ class Judge {
   Judge(const std::shared_ptr<const FingerModel>& model,
         const std::shared_ptr<const FingerModel>& wearer,
         const std::shared_ptr<const Device>& device)
-      : model_(model), wearer_(wearer), twin_(wearer, device), lagged_(wearer, device) {
+      : comparison_(model, wearer, SkinComparison::Depth::kTissue),
+        twin_(wearer, device),
+        lagged_(wearer, device) {
     nodes_F_.resize(model->mesh.nodes.size());
     servo_q_ = device->home();
   }
@@ -57,11 +43,10 @@ class Judge {
     frame.virtual_force = loop.contact().normal_force;
     frame.virtual_force_sum = loop.contact().normal_force_sum;
     frame.virtual_tangential_F = loop.contact().tangential_force_F;
-    if (loop.contact().contact_count > 0) {
-      transform(loop.simulation().bone_pose().inverse(), loop.simulation().positions(), nodes_F_);
-      model_.take(nodes_F_);
-    }
-    frame.commanded = press(twin_, tick.command.configuration, friction, elapsed, loop, answer);
+    transform(loop.simulation().bone_pose().inverse(), loop.simulation().positions(), nodes_F_);
+    comparison_.take_virtual(loop.contact(), nodes_F_);
+    notice_bare(tick.time);
+    frame.commanded = press(twin_, tick.command.configuration, friction, elapsed, answer);
     frame.twin_force = twin_.contact().normal_force;
     frame.twin_force_sum = twin_.contact().normal_force_sum;
     frame.twin_tangential_F = twin_.contact().tangential_force_F;
@@ -71,7 +56,7 @@ class Judge {
       // Between two commands the joints may stand for no pose of the workspace; the last one stays.
       Configuration q;
       if (device.device().forward_kinematics(joints, q)) servo_q_ = q;
-      frame.lagged = press(lagged_, servo_q_, friction, elapsed, loop, answer);
+      frame.lagged = press(lagged_, servo_q_, friction, elapsed, answer);
       answer.lagged.add(*frame.lagged);
     } else {
       answer.has_lagged = false;
@@ -79,21 +64,37 @@ class Judge {
     answer.frames.push_back(frame);
   }
 
- private:
-  RenderingMeasures press(Twin& twin, const Configuration& q, double friction, double elapsed,
-                          const FingerLoop& loop, Evaluation& answer) {
-    if (!twin.press(q, friction, elapsed).converged) ++answer.unconverged;
-    if (loop.contact().contact_count > 0 && twin.contact().contact_count > 0) {
-      wearer_.take(twin.positions());
-    }
-    return compare(model_.skin(loop.contact()), wearer_.skin(twin.contact()));
+  /// Throws where the virtual contact was where the wearer has no skin.
+  void check_cover(const FingerModel& model, const FingerModel& wearer) const {
+    const auto& [touched, bare] = worst_.cover;
+    if (bare == 0.0) return;
+    throw InputError(fmt::format(
+        "{}: its skin does not cover where {} is touched: {:.1f} of {:.1f} mm2 at {:.2f} s lie off "
+        "it; a wearer's group skin has to reach as far as the contact",
+        wearer.file.string(), model.file.string(), bare / mm2, touched / mm2, worst_.time));
   }
 
-  Loads model_, wearer_;
+ private:
+  RenderingMeasures press(Twin& twin, const Configuration& q, double friction, double elapsed,
+                          Evaluation& answer) {
+    if (!twin.press(q, friction, elapsed).converged) ++answer.unconverged;
+    return comparison_.compare(twin.contact(), twin.positions());
+  }
+  void notice_bare(double time) {
+    const SkinComparison::Cover& cover = comparison_.cover();
+    const bool is_bare = cover.bare > kBare * cover.touched;
+    if (is_bare && cover.bare > worst_.cover.bare) worst_ = {time, cover};
+  }
+
+  SkinComparison comparison_;
   Twin twin_, lagged_;
   std::vector<Vector3> nodes_F_;
   Configuration servo_q_;
   double time_ = 0.0;
+  struct {
+    double time = 0.0;  ///< s
+    SkinComparison::Cover cover;
+  } worst_;  ///< of the frames with too much contact off the wearer's skin
 };
 
 }  // namespace
@@ -123,6 +124,9 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
     judges[finger].judge(chain.loop(), chain.device(), answer);
   };
   answer.run = run_headless(setup, run, stop, observer, std::move(hooks));
+  for (std::size_t i = 0; setup->wearer && i < judges.size(); ++i) {
+    judges[i].check_cover(*setup->models[i], *setup->wearer);
+  }
   return answer;
 }
 

@@ -41,8 +41,8 @@ struct Evaluation {
 
 /// Runs a scene with emulated devices and presses a second finger, the twin, with each command:
 /// what the wearer would feel, against what the virtual finger touches at the step whose match
-/// produced the command. Throws InputError where a finger has no device, or the wearer's mesh is
-/// not connected as the model's; OperationError where `stop` becomes true while the scene loads.
+/// produced the command. Throws InputError where a finger has no device, or the wearer's skin does
+/// not cover what is touched; OperationError where `stop` becomes true while the scene loads.
 [[nodiscard]] Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& stop,
                                   const RunObserver& observer = {});
 

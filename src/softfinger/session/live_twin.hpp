@@ -8,6 +8,7 @@
 #include "softfinger/recording/record.hpp"
 #include "softfinger/session/live_feed.hpp"
 #include "softfinger/threads/mailbox.hpp"
+#include "softfinger/twin/skin_comparison.hpp"
 #include "softfinger/twin/twin.hpp"
 
 namespace softfinger {
@@ -17,7 +18,9 @@ namespace softfinger {
 /// alone: nothing of it comes back to the loop, and commands it is too slow for are skipped.
 class LiveTwin {
  public:
+  /// `wearer` may be any finger; what it feels is shown on the model's samples.
   LiveTwin(const std::shared_ptr<const FingerModel>& model,
+           const std::shared_ptr<const FingerModel>& wearer,
            const std::shared_ptr<const Device>& device);
   /// Ends as end() does.
   ~LiveTwin();
@@ -45,8 +48,13 @@ class LiveTwin {
   void serve();
   void press(const Offer& offer);
 
+  /// The wearer's skin at the places of the model's samples.
+  void show(const ContactSet& contact, Snapshot::Skin& skin) const;
+
   Twin twin_;
-  double time_ = 0.0;  ///< s, of the last press
+  SkinComparison comparison_;
+  std::vector<SkinPlace> shown_;  ///< the wearer's, one per sample of the model
+  double time_ = 0.0;             ///< s, of the last press
   Mailbox<Offer> offers_;
   Mailbox<Snapshot::Twin> presses_;
   std::atomic<std::uint32_t> doorbell_{0};

@@ -9,14 +9,19 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/stop_check.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
+#include "softfinger/twin/skin_comparison.hpp"
 
 namespace softfinger {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Part of a model's pad that a wearer's skin has to cover; with less it is not the same finger's.
+constexpr double kLeastPad = 0.5;
 
 /// Calls set(finger, value) for each "[NAME=]VALUE".
 template <typename Set>
@@ -73,15 +78,14 @@ std::string content_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-void check_connectivity(const FingerModel& wearer, const FingerModel& model) {
-  if (wearer.mesh.tetrahedra == model.mesh.tetrahedra &&
-      wearer.sample_nodes == model.sample_nodes && wearer.node_is_rigid == model.node_is_rigid) {
-    return;
-  }
-  throw InputError(
-      fmt::format("{}: its mesh is not connected as that of {}; a wearer may have another [size], "
-                  "other constants or moved nodes, but the same elements and groups",
-                  wearer.file.string(), model.file.string()));
+/// What the model's pad feels the wearer's must have the skin to feel.
+void check_pad(const FingerModel& wearer, const FingerModel& model) {
+  const PadCover cover = pad_cover(model, wearer);
+  if (cover.covered >= kLeastPad * cover.pad) return;
+  throw InputError(fmt::format(
+      "{}: its skin covers {:.0f} of the {:.0f} mm2 of the pad of {}, sizes aside; its group skin "
+      "has to reach over the pad, which faces -z",
+      wearer.file.string(), cover.covered / mm2, cover.pad / mm2, model.file.string()));
 }
 
 /// A misspelt name would leave a finger as it is in silence.
@@ -138,7 +142,7 @@ std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
   }
   if (options.wearer) {
     setup->wearer = FingerModel::load(*options.wearer);
-    for (const auto& model : setup->models) check_connectivity(*setup->wearer, *model);
+    for (const auto& model : setup->models) check_pad(*setup->wearer, *model);
   }
   return setup;
 }

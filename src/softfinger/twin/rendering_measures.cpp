@@ -11,16 +11,16 @@ namespace {
 constexpr double kLeastForce = 0.05;  // N; errors of smaller forces are measured against it
 constexpr double kBorne = 0.01;  // N; skin that bears more is touched, whatever its contact set
 
-double pressure(const ContactSample& sample) {
-  return sample.area > 0.0 ? sample.normal_force / sample.area : 0.0;
-}
-
 /// sqrt(sum w (t - v)^2 / sum w v^2); undefined where v is zero throughout.
 class RelativeError {
  public:
-  void add(double weight, double reference, double value) {
-    difference_ += weight * (value - reference) * (value - reference);
-    reference_ += weight * reference * reference;
+  void add(double factor, std::span<const double> weights, std::span<const double> reference,
+           std::span<const double> values) {
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      const double off = values[k] - reference[k];
+      difference_ += factor * weights[k] * off * off;
+      reference_ += factor * weights[k] * reference[k] * reference[k];
+    }
   }
   [[nodiscard]] double value() const {
     return reference_ > 0.0 ? std::sqrt(difference_ / reference_) : RenderingMeasures::kUndefined;
@@ -30,15 +30,21 @@ class RelativeError {
   double difference_ = 0.0, reference_ = 0.0;
 };
 
-/// Whether a side touches. Friction alone may bear: skin that is drawn off still holds on.
-bool touches(const ContactSet& side) {
-  return side.contact_count > 0 || side.normal_force > kBorne || side.normal_force_sum > kBorne ||
-         side.tangential_force > kBorne;
-}
-
 /// value / of; undefined where `of` is zero.
 double ratio(double value, double of) {
   return of > 0.0 ? value / of : RenderingMeasures::kUndefined;
+}
+
+/// Area of both over area of either.
+double overlap(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b,
+               std::span<const double> areas) {
+  double common = 0.0;
+  double either = 0.0;
+  for (std::size_t k = 0; k < areas.size(); ++k) {
+    if (a[k] != 0 && b[k] != 0) common += areas[k];
+    if (a[k] != 0 || b[k] != 0) either += areas[k];
+  }
+  return ratio(common, either);
 }
 
 double angle_between(const Vector3& a, const Vector3& b) {
@@ -47,30 +53,26 @@ double angle_between(const Vector3& a, const Vector3& b) {
 
 }  // namespace
 
-RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& twin) {
-  const ContactSet& v = virtual_side.contact;
-  const ContactSet& t = twin.contact;
+bool touches(const ContactSums& side) {
+  return side.contact_count > 0 || side.normal_force > kBorne || side.normal_force_sum > kBorne ||
+         side.tangential_force > kBorne;
+}
+
+RenderingMeasures compare(const LaidSide& virtual_side, const LaidSide& twin,
+                          const PlaceWeights& weights) {
+  const ContactSums& v = virtual_side.sums;
+  const ContactSums& t = twin.sums;
   RenderingMeasures result;
   const bool v_touches = touches(v);
   const bool t_touches = touches(t);
   if (!v_touches && !t_touches) return result;
-  double common = 0.0;
-  double either = 0.0;
-  RelativeError pressures;
-  for (std::size_t i = 0; i < v.samples.size(); ++i) {
-    const ContactSample& a = v.samples[i];
-    const ContactSample& b = t.samples[i];
-    common += std::min(a.touched(), b.touched()) * a.rest_area;
-    either += std::max(a.touched(), b.touched()) * a.rest_area;
-    pressures.add(a.rest_area, pressure(a), pressure(b));
-  }
   if (!v_touches || !t_touches) {
     result.kind = v_touches ? FrameKind::kMissed : FrameKind::kFalse;
     result.iou = 0.0;
     return result;
   }
-  result.iou = ratio(common, either);
   result.kind = FrameKind::kBoth;
+  result.iou = overlap(virtual_side.touched, twin.touched, weights.skin);
   if (v.contact_count > 0 && t.contact_count > 0) {
     result.centroid_shift = (t.centroid_F - v.centroid_F).norm();
     result.normal_angle = angle_between(v.mean_normal_F, t.mean_normal_F);
@@ -82,20 +84,20 @@ RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& tw
       (t.tangential_force_F - v.tangential_force_F).norm() / std::max(v.normal_force, kLeastForce);
   result.slip_ratio_error = std::abs(t.slip_ratio - v.slip_ratio);
   result.contact_area_error = ratio(std::abs(t.contact_area - v.contact_area), v.contact_area);
+  RelativeError pressures;
+  pressures.add(1.0, weights.pressures, virtual_side.pressures, twin.pressures);
   result.pressure_error = pressures.value();
   RelativeError energies;
+  energies.add(1.0, weights.tissue, virtual_side.energy_densities, twin.energy_densities);
+  result.strain_energy_density_error = energies.value();
   RelativeError stresses;
-  for (std::size_t e = 0; e < virtual_side.energy_densities.size(); ++e) {
-    energies.add(virtual_side.volumes[e], virtual_side.energy_densities[e],
-                 twin.energy_densities[e]);
-    for (std::size_t c = 0; c < 6; ++c) {
-      // Shear stands twice in the tensor.
-      const double weight = (c < 3 ? 1.0 : 2.0) * virtual_side.volumes[e];
-      stresses.add(weight, virtual_side.stresses[e][c], twin.stresses[e][c]);
-    }
+  const std::size_t cells = weights.tissue.size();
+  for (std::size_t c = 0; c < 6; ++c) {
+    // Shear stands twice in the tensor.
+    stresses.add(c < 3 ? 1.0 : 2.0, weights.tissue, virtual_side.stresses.subspan(c * cells, cells),
+                 twin.stresses.subspan(c * cells, cells));
   }
   result.stress_error = stresses.value();
-  result.strain_energy_density_error = energies.value();
   return result;
 }
 

@@ -1,16 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <string_view>
 
-#include "softfinger/contact/contact_set.hpp"
-#include "softfinger/finger/element_loads.hpp"
+#include "softfinger/contact/contact_sums.hpp"
 
 namespace softfinger {
 
-/// Which of the two sides touches in a frame: has a contact set, or bears more than 0.01 N.
+/// Which of the two sides touches in a frame.
 enum class FrameKind {
   kBoth,
   kFree,    ///< neither
@@ -24,7 +24,7 @@ enum class FrameKind {
 struct RenderingMeasures {
   static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
   FrameKind kind = FrameKind::kFree;
-  double iou = kUndefined;                 ///< of the contact sets, by rest area, 0 to 1
+  double iou = kUndefined;                 ///< of the skin in contact, by rest area, 0 to 1
   double centroid_shift = kUndefined;      ///< of the force-weighted centroids, m
   double normal_angle = kUndefined;        ///< between mean normals, rad
   double normal_force_error = kUndefined;  ///< |f_twin - f_virtual| / max(f_virtual, 0.05 N)
@@ -34,21 +34,32 @@ struct RenderingMeasures {
   double slip_ratio_error = kUndefined;    ///< |s_twin - s_virtual|, see ContactSums::slip_ratio
   double contact_area_error = kUndefined;  ///< |a_twin - a_virtual| / a_virtual, deformed areas
   double pressure_error = kUndefined;      ///< sqrt(sum a (p_t - p_v)^2 / sum a p_v^2)
-  double strain_energy_density_error = kUndefined;  ///< likewise over elements by rest volume
+  double strain_energy_density_error = kUndefined;  ///< likewise in the tissue by rest volume
   double stress_error = kUndefined;                 ///< likewise, all components of the stress
 };
 
-/// One side of a frame. The sides have the same samples and elements; densities in J/m^3,
-/// stresses in Pa, with the rest volumes (m^3) of the side that sets the weights.
-struct TouchedSkin {
-  const ContactSet& contact;
-  std::span<const double> energy_densities;
-  std::span<const Stress> stresses;
-  std::span<const double> volumes;
+/// Whether a side of a frame touches: it has a contact set, or bears more than 0.01 N. Friction
+/// alone may bear: skin that is drawn off still holds on.
+[[nodiscard]] bool touches(const ContactSums& side);
+
+/// One side of a frame, laid on places that both sides have in common.
+struct LaidSide {
+  const ContactSums& sums;
+  std::span<const std::uint8_t> touched;     ///< by place on the skin: in contact
+  std::span<const double> pressures;         ///< by cell along the skin, Pa
+  std::span<const double> energy_densities;  ///< by cell of the tissue, J/m^3
+  std::span<const double> stresses;          ///< likewise, Pa, component by component of Stress
 };
 
-/// Weights (areas, volumes) are the virtual side's.
-[[nodiscard]] RenderingMeasures compare(const TouchedSkin& virtual_side, const TouchedSkin& twin);
+/// How much each of these places counts; the tissue's may be none.
+struct PlaceWeights {
+  std::span<const double> skin;       ///< m^2
+  std::span<const double> pressures;  ///< m^2
+  std::span<const double> tissue;     ///< m^3
+};
+
+[[nodiscard]] RenderingMeasures compare(const LaidSide& virtual_side, const LaidSide& twin,
+                                        const PlaceWeights& weights);
 
 /// Every measure by its name in files, with what one unit there is in SI.
 struct MeasureName {
