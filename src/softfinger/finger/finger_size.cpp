@@ -19,6 +19,12 @@ Vector3 skin_extent(const FingerModel& model) {
   return box.sizes();
 }
 
+Vector3 mesh_extent(const FingerModel& model) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& node : model.mesh.nodes) box.extend(node);
+  return box.sizes();
+}
+
 }  // namespace
 
 FingerSize read_finger_size(const ConfigTable& table) {
@@ -33,7 +39,7 @@ FingerSize finger_size(const FingerModel& model) {
 }
 
 Vector3 size_ratio(const FingerModel& from, const FingerModel& to) {
-  return skin_extent(to).cwiseQuotient(skin_extent(from));
+  return mesh_extent(to).cwiseQuotient(mesh_extent(from));
 }
 
 void resize(FingerModel& model, const FingerSize& size) {

@@ -24,7 +24,8 @@ struct FingerSize {
 /// Those of a model; all three.
 [[nodiscard]] FingerSize finger_size(const FingerModel& model);
 
-/// By how much `to` is larger than `from` along x, y and z.
+/// By how much `to` is larger than `from` along x, y and z: by the boxes of their whole meshes,
+/// since the skin of one may reach further round than the other's.
 [[nodiscard]] Vector3 size_ratio(const FingerModel& from, const FingerModel& to);
 
 /// Scales `model`'s nodes about F's origin along x, y and z; `model` has its samples.
