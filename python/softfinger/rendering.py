@@ -40,12 +40,12 @@ class Command:
     @property
     def tick(self) -> int:
         """Counts the device's ticks from 0; -1 before the first."""
-        return self._field("tick", "=q")
+        return int(self._field("tick", "=q"))
 
     @property
     def time(self) -> float:
         """Of that tick, s, on the caller's clock."""
-        return self._field("time_s", "=d")
+        return float(self._field("time_s", "=d"))
 
     @property
     def state(self) -> str:
@@ -55,7 +55,7 @@ class Command:
     @property
     def deviation(self) -> float:
         """Contact surface deviation E of the match, m^2; 0 where nothing is touched."""
-        return self._field("deviation_m2", "=d")
+        return float(self._field("deviation_m2", "=d"))
 
     @property
     def configuration(self) -> Floats:
@@ -75,17 +75,17 @@ class Command:
     @property
     def stopped(self) -> bool:
         """Rendering.stop() or somebody else stopped the device."""
-        return self._field("stopped", "=i") != 0
+        return bool(self._field("stopped", "=i"))
 
     @property
     def stop_confirmed(self) -> bool:
         """And it is a fact: who leads the servos has led them away."""
-        return self._field("stop_confirmed", "=i") != 0
+        return bool(self._field("stop_confirmed", "=i"))
 
     @property
     def stops(self) -> int:
         """How often the device was stopped so far."""
-        return self._field("stops", "=I")
+        return int(self._field("stops", "=I"))
 
     def __repr__(self) -> str:
         return f"Command(tick={self.tick}, state={self.state!r}, configuration={self.configuration})"
@@ -127,7 +127,8 @@ def matrix_of(position: ArrayLike, quaternion_wxyz: ArrayLike) -> Floats:
 
 def fingers(scene: Path) -> list[str]:
     """Names of the fingers of a scene file, in its order. They share nothing: make a Rendering for each."""
-    count, error, names = ctypes.c_size_t(1), _library.ErrorText(), []
+    count, error = ctypes.c_size_t(1), _library.ErrorText()
+    names: list[str] = []
     while len(names) < count.value:
         name = ctypes.create_string_buffer(256)
         error.check(library.sf_scene_finger(
@@ -194,7 +195,7 @@ class Rendering:
         self._matrix_address = ctypes.c_void_p(self._matrix.ctypes.data)
         self._pose = _library.Pose(size=ctypes.sizeof(_library.Pose))
         self._pose_address = ctypes.byref(self._pose)
-        self._pose_numbers = np.frombuffer(self._pose, np.float64, 7, _library.Pose.position_m.offset)
+        self._pose_numbers = np.frombuffer(memoryview(self._pose), np.float64, 7, _library.Pose.position_m.offset)
         self._command = _library.Command(size=ctypes.sizeof(_library.Command))
         self._command_address = ctypes.c_void_p(ctypes.addressof(self._command))
         self._info = _library.Info(size=ctypes.sizeof(_library.Info))
@@ -281,7 +282,7 @@ class Rendering:
         status = library.sf_rendering_release(self._handle)
         if status != _library.FAILED:
             self._check(status)
-        return status == _library.DONE
+        return bool(status == _library.DONE)
 
     def snapshot(self) -> Snapshot:
         """The finger after the last step."""
@@ -309,12 +310,12 @@ class Rendering:
     @property
     def simulation_rate(self) -> float:
         """Steps a second, Hz."""
-        return self._info.simulation_rate_Hz
+        return float(self._info.simulation_rate_Hz)
 
     @property
     def device_rate(self) -> float:
         """Commands a second, Hz; 0 without a device."""
-        return self._info.device_rate_Hz
+        return float(self._info.device_rate_Hz)
 
     @property
     def configuration_names(self) -> list[str]:
@@ -343,7 +344,7 @@ class Rendering:
         return contact
 
     def _array(self, read: Callable[..., int], shape: tuple[int, ...], kind: type) -> NDArray[Any]:
-        values = np.empty(shape, kind)
+        values: NDArray[Any] = np.empty(shape, kind)
         self._check(read(self._handle, values.ctypes.data, shape[0], None))
         return _read_only(values)
 
