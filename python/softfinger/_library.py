@@ -196,6 +196,7 @@ for _name, _arguments in {
     "sf_rendering_lost": [c_void_p, c_double, c_void_p],
     "sf_rendering_stop": [c_void_p],
     "sf_rendering_release": [c_void_p],
+    "sf_rendering_take_message": [c_void_p, c_char_p, *_SIZES],
     "sf_rendering_info": [c_void_p, POINTER(Info)],
     "sf_rendering_contact": [c_void_p, POINTER(Contact)],
     "sf_rendering_poses": [c_void_p, POINTER(Pose), POINTER(Pose)],

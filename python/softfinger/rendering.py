@@ -284,6 +284,19 @@ class Rendering:
             self._check(status)
         return bool(status == _library.DONE)
 
+    def messages(self) -> list[str]:
+        """Lines that a person should read of the device, each told once.
+
+        What its file asks them to know, that its port is gone or back, that it was stopped and by whom.
+        """
+        lines: list[str] = []
+        while True:
+            text = ctypes.create_string_buffer(2048)
+            self._check(library.sf_rendering_take_message(self._handle, text, len(text), None))
+            if not text.value:
+                return lines
+            lines.append(text.value.decode(errors="replace"))
+
     def snapshot(self) -> Snapshot:
         """The finger after the last step."""
         contact, count = self._contact(), self._info.sample_count

@@ -225,6 +225,7 @@ struct Rendering::Implementation {
   std::unique_ptr<RecordingWriter> recording;  // null: none
   RenderingCommand command;
   double servo_step = 0.0;  // set point of one step of the wire
+  std::size_t notices_told = 0;
   bool begun = false;
   bool seen = false;      // a valid pose
   double origin = 0.0;    // the caller's time at step 0, s
@@ -257,6 +258,19 @@ bool Rendering::release() noexcept {
   FingerChain& chain = implementation_->chain;
   return chain.has_device() &&
          chain.device().actuator().ask_release(implementation_->command.stops, StopCause::kProgram);
+}
+
+std::optional<std::string> Rendering::take_message() {
+  const std::vector<DeviceNotice>& notices = implementation_->setup->notices.front();
+  if (implementation_->notices_told < notices.size()) {
+    const DeviceNotice& notice = notices[implementation_->notices_told++];
+    return notice.key + ": " + notice.text;
+  }
+  FingerChain& chain = implementation_->chain;
+  if (!chain.has_device()) return std::nullopt;
+  Actuator& actuator = chain.device().actuator();
+  const auto event = actuator.take_event();
+  return event ? std::optional(actuator.message(*event)) : std::nullopt;
 }
 
 RenderingSnapshot Rendering::snapshot() const {

@@ -109,6 +109,10 @@ class Rendering {
   /// says so. False: nothing is stopped, or it was stopped again.
   bool release() noexcept;
 
+  /// The next line that a person should read of the device, each told once: what its file asks them
+  /// to know, that its port is gone or back, that it was stopped and by whom. Allocates.
+  [[nodiscard]] std::optional<std::string> take_message();
+
   /// The finger after the last step.
   [[nodiscard]] RenderingSnapshot snapshot() const;
   /// The same into one that is kept: from the second time on nothing is allocated.

@@ -158,6 +158,12 @@ SF_API sf_status sf_rendering_stop(sf_rendering *rendering);
    is. SF_FAILED: nothing is stopped, or it was stopped again since. */
 SF_API sf_status sf_rendering_release(sf_rendering *rendering);
 
+/* The next line that a person should read of the device, each told once: what its file asks them to
+   know, that its port is gone or back, that it was stopped and by whom. Empty (*count is 1): nothing
+   more now. Allocates; a line that does not fit is cut. */
+SF_API sf_status sf_rendering_take_message(sf_rendering *rendering, char *text, size_t capacity,
+                                           size_t *count);
+
 SF_API sf_status sf_rendering_info(const sf_rendering *rendering, sf_info *out);
 SF_API sf_status sf_rendering_contact(const sf_rendering *rendering, sf_contact *out);
 /* Tracked and simulated pose after the last step; either may be NULL. In contact F stays behind. */

@@ -8,6 +8,7 @@ import gc
 import json
 import math
 import pathlib
+import re
 import resource
 import sqlite3
 import subprocess
@@ -238,6 +239,15 @@ class WhatItGives(unittest.TestCase):
             self.assertEqual((command.state, command.stops), ("retracting", 1))
             self.assertTrue(rendering.release())
             self.assertFalse(hold(3.0, 4.0).stopped)
+
+    def test_what_people_should_know_of_a_device_is_told_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            device = pathlib.Path(folder, "device.toml")
+            device.write_text(re.sub(r"(?m)^approach_mm = .*", "approach_mm = 12.0", THIMBLE.read_text()))
+            with sf.Rendering(PLANE, device=device) as rendering:
+                lines = rendering.messages()
+                self.assertRegex(lines[0], "^matching.approach_mm: ")
+                self.assertEqual(rendering.messages(), [])
 
     def test_fingers_of_a_scene(self):
         self.assertEqual(sf.fingers(ROOT / "scenes/hand.toml"), ["thumb", "index", "middle", "ring", "pinky"])

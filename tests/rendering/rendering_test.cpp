@@ -341,6 +341,22 @@ TEST(Rendering, AStopNeedsNoCallOfStep) {
   EXPECT_TRUE(rendering.step(at_height(26.5e-3), now()).stop_confirmed);
 }
 
+TEST(Rendering, TellsOnceWhatAPersonShouldKnowOfTheDevice) {
+  const TemporaryDirectory directory;
+  RenderingOptions options;
+  EXPECT_FALSE(Rendering(kScene, options).take_message().has_value());
+  options.device = directory / "hasty.toml";
+  std::ifstream shipped(kScene.parent_path().parent_path() / "devices/thimble-3rrs.toml");
+  std::ofstream hasty(options.device);
+  for (std::string line; std::getline(shipped, line);) {
+    hasty << (line.find("approach_mm") == 0 ? "approach_mm = 12.0" : line) << '\n';
+  }
+  hasty.close();
+  Rendering rendering(kScene, options);
+  EXPECT_THAT(rendering.take_message().value_or(""), testing::HasSubstr("matching.approach_mm: "));
+  EXPECT_FALSE(rendering.take_message().has_value());
+}
+
 TEST(Rendering, ADeviceIsNotOpenedWithoutAGuardUnlessAskedTo) {
   RenderingOptions options;
   options.open_device = true;  // nor is there one beside this test

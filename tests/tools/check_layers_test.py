@@ -17,10 +17,12 @@ TABLE = """# Architecture
 | engine | the loop | all above |
 | viewer | the page | engine, geometry |
 | rendering.hpp (beside the modules) | the door | all but viewer |
+| c_interface | the same from C | rendering.hpp, device |
 | apps/softfinger | the command line | all |
 
 ```house
       | apps/softfinger |
+        | c_interface |
 | viewer | rendering.hpp |   who looks on
           | engine |
           | device |
@@ -53,6 +55,16 @@ class CheckLayers(unittest.TestCase):
             "apps/softfinger/main.cpp":
                 '#include "commands.hpp"\n#include "softfinger/viewer/server.hpp"\n#include "softfinger/rendering.hpp"\n',
         }))
+
+    def test_the_room_above_the_door_goes_through_it_and_owns_its_header(self):
+        header = '#include "softfinger/rendering.hpp"\n#include "softfinger/softfinger.h"\n#include "softfinger/device/device.hpp"\n'
+        device = {"src/softfinger/device/device.cpp": '#include "softfinger/geometry/pose.hpp"\n',
+                  "src/softfinger/engine/loop.cpp": "\n"}
+        self.assertEqual("", self.run_on({"src/softfinger/c_interface/step.cpp": header, **device}))
+        output = self.run_on({"src/softfinger/viewer/page.cpp": '#include "softfinger/softfinger.h"\n'})
+        self.assertIn("viewer/page.cpp:1: viewer may not include c_interface", output)
+        output = self.run_on({"src/softfinger/engine/loop.cpp": '#include "softfinger/rendering.hpp"\n'})
+        self.assertIn("engine may not include the public door", output)
 
     def test_include_against_the_order_is_named_with_its_line(self):
         output = self.run_on({"src/softfinger/geometry/pose.cpp": '\n#include "softfinger/device/device.hpp"\n'})

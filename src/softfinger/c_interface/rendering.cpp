@@ -258,6 +258,16 @@ sf_status sf_rendering_release(sf_rendering* rendering) {
   return use.fail("nothing is stopped, or it was stopped again since the last step");
 }
 
+sf_status sf_rendering_take_message(sf_rendering* rendering, char* text, size_t capacity,
+                                    size_t* count) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use) return SF_BAD_INPUT;
+  return softfinger::guarded({nullptr, 0}, [&] {
+    softfinger::copy_text(use->rendering.take_message().value_or(""), text, capacity, count);
+    return SF_DONE;
+  });
+}
+
 sf_status sf_rendering_info(const sf_rendering* rendering, sf_info* out) {
   return softfinger::with_snapshot(rendering, [&](const RenderingUse& use, const auto& snapshot) {
     if (out == nullptr || out->size < sizeof(sf_info)) {
