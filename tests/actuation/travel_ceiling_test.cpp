@@ -69,6 +69,43 @@ TEST(TravelCeiling, HoldsATipThatWouldGoThroughTheSkin) {
   }
 }
 
+// A plate a millimetre thick that went through the skin, likewise.
+TEST(TravelCeiling, HoldsAThinPlateThatWouldGoThroughTheSkin) {
+  const auto device = device_of("strap-minamizawa");
+  Configuration home = device->home();
+  home[0] = 1.0 * mm;
+  const std::vector<Vector3> skin = {device->surface_pose(home) * Vector3(0.0, 0.0, 2.0 * mm)};
+  const TravelCeiling ceiling(device, skin, {}, {1.5 * mm});
+  const int axis = device->approach_axis();
+  for (const double above : {3.6, 4.5, 6.0}) {
+    Configuration q = home;
+    q[axis] += above * mm;
+    EXPECT_NEAR(ceiling.excess(q), (above - 3.5) * mm, 1e-6) << above;
+    ceiling.lower(q);
+    EXPECT_NEAR(q[axis], home[axis] + 3.5 * mm, 1e-6) << above;
+  }
+}
+
+// Where a linkage does not close it says nothing of where the device is.
+TEST(TravelCeiling, BeginsWhereTheLinkageCloses) {
+  const auto device = device_of("five-bar");
+  const int axis = device->approach_axis();
+  JointAngles joints;
+  int open = 0;
+  for (const double x : {-8.0, -6.0, -3.0, 0.0, 4.0, 8.0}) {
+    Configuration q = device->home();
+    q[1 - axis] = x * mm;
+    Configuration afar = q;
+    afar[axis] = std::min(device->home()[axis], device->retracted()[axis]);
+    if (!device->inverse_kinematics(afar, joints)) ++open;
+    ASSERT_TRUE(device->inverse_kinematics(q, joints)) << x;
+    const TravelCeiling ceiling(device, {{device->surface_pose(q) * Vector3(0.0, 0.0, 2.0 * mm)}},
+                                {}, {0.5 * mm});
+    EXPECT_NEAR(ceiling.travel(q), q[axis] + 2.5 * mm, 1e-6) << x;
+  }
+  EXPECT_GT(open, 0) << "none of these places is out of reach from afar";
+}
+
 TEST_F(ThimbleCeiling, LowersAlongTravelWhatIsAboveOnly) {
   for (const double pitch : {-0.4, -0.1, 0.0, 0.25}) {
     Configuration q = q_of(pitch, 6.0 * mm);

@@ -82,6 +82,23 @@ TEST_P(ForceCeilingOf, KeepsAStifferWearerBelowTheLimit) {
   // It limits, and not more than it has to.
   EXPECT_GT(lowered, 0);
   EXPECT_GE(highest, GetParam().reached * limit);
+  if (device->approach_axis() < 0) return;  // pins have one ceiling for all
+  // A ceiling that is far too low is as useless as one that is too high is dangerous: the device
+  // would hover off the skin, and nobody be told. Where it can touch it may press, aside of home
+  // and turned too.
+  int touching = 0;
+  int soft = 0;
+  for (int k = 0; k < 100; ++k) {
+    Configuration q = random_configuration(random);
+    q[device->approach_axis()] = ceiling.travel(q);
+    if (!device->reachable(q)) continue;
+    ++touching;
+    twin.reset();
+    twin.press(q, 0.0, 0.0);
+    if (twin.contact().normal_force < 0.3 * limit) ++soft;
+  }
+  EXPECT_GT(touching, 25);
+  EXPECT_LE(soft, touching / 10);
 }
 
 // Of some sizes the first vertex to touch touches alone and hardly presses: no end of the search.
@@ -110,6 +127,10 @@ INSTANTIATE_TEST_SUITE_P(Devices, ForceCeilingOf,
                                            LimitedDevice{"thimble-3rrs", 4.7, 0.9},
                                            LimitedDevice{"cable-prattichizzo", 1.5, 0.9},
                                            LimitedDevice{"delta-schorr", 0.5, 0.7},
+                                           LimitedDevice{"five-bar", 2.0, 0.6},
+                                           LimitedDevice{"strap-minamizawa", 4.0, 0.6},
+                                           LimitedDevice{"slip-ball-webster", 3.0, 0.9},
+                                           LimitedDevice{"plate-2dof", 5.0, 0.8},
                                            LimitedDevice{"pins-wagner-6x6", 0.5, 0.85}),
                          [](const auto& each) {
                            std::string name = each.param.file;

@@ -137,7 +137,8 @@ Pressing press(Twin& twin, const Advance& advance, const Configuration& q) {
 /// by.
 double ceiling_at(Twin& twin, Configuration q, const Advance& advance, const Span& span,
                   double max_force, const std::stop_token& stop) {
-  twin.reset();
+  advance.set(span.min, q);
+  twin.reset(q);
   const double tolerance = kAdvanceTolerance / advance.metric;
   const double longest = kMarch / advance.metric;
   const double least = kLeastMarch / advance.metric;

@@ -5,13 +5,17 @@
 #include <cmath>
 #include <utility>
 
+#include "softfinger/base/units.hpp"
+
 namespace softfinger {
 namespace {
 
-/// From where nothing is reached each step is as long as there is room, so that none goes past the
-/// ceiling; where depth grows as the advance does the second is the last.
+/// Each step is as long as there is room, so that none goes past the first touch; where the gap
+/// falls as the advance grows the second is the last.
 constexpr int kSteps = 32;
-constexpr double kDepthTolerance = 1e-7;  // m
+constexpr double kTouching = 1e-7;  // m
+/// Between the places where a linkage is asked whether it closes.
+constexpr double kAsked = 0.5 * mm;
 
 }  // namespace
 
@@ -36,7 +40,9 @@ std::vector<Vector3> TravelCeiling::rest_skin() const {
 }
 
 double TravelCeiling::depth(const Configuration& q) const {
-  return device_->approach_axis() < 0 ? q.maxCoeff() : -device_->least_distance(q, skin_);
+  const int axis = device_->approach_axis();
+  if (axis < 0) return q.maxCoeff();
+  return (q[axis] - first_touch(q)) * device_->axes()[static_cast<std::size_t>(axis)].metric;
 }
 
 double TravelCeiling::limit(const Configuration& q) const {
@@ -80,24 +86,32 @@ void TravelCeiling::lower(Configuration& q, double margin) const {
     return;
   }
   const double over = excess(q) + margin;
-  if (over > 0.0) device_->advance(-(over + kDepthTolerance), q);
+  if (over > 0.0) device_->advance(-(over + kTouching), q);
 }
 
-// A small tip that went through the skin reaches no deeper into it: what counts is where it first
-// gets so deep, coming from afar.
+// From afar, which is where the linkage closes first: aside of home it may not reach so far back.
+double TravelCeiling::first_touch(const Configuration& q) const {
+  const int axis = device_->approach_axis();
+  const double farthest = device_->axes()[static_cast<std::size_t>(axis)].max;
+  Configuration at = q;
+  at[axis] = std::min(device_->home()[axis], device_->retracted()[axis]);
+  JointAngles joints;
+  while (at[axis] < farthest && !device_->inverse_kinematics(at, joints)) {
+    device_->advance(kAsked, at);
+  }
+  for (int i = 0; i < kSteps && at[axis] < farthest; ++i) {
+    const double room = device_->least_distance(at, skin_);
+    if (std::abs(room) < kTouching) break;
+    device_->advance(room, at);
+  }
+  return std::min(at[axis], farthest);
+}
+
 double TravelCeiling::travel(const Configuration& q) const {
   const int axis = device_->approach_axis();
   if (axis < 0) return depths_[0];
-  const double farthest = device_->axes()[static_cast<std::size_t>(axis)].max;
-  const double deepest = limit(q);
-  Configuration at = q;
-  at[axis] = std::min(device_->home()[axis], device_->retracted()[axis]);
-  for (int i = 0; i < kSteps && at[axis] < farthest; ++i) {
-    const double room = deepest - depth(at);
-    if (std::abs(room) < kDepthTolerance) break;
-    device_->advance(room, at);
-  }
-  return at[axis];
+  const ConfigurationAxis& advanced = device_->axes()[static_cast<std::size_t>(axis)];
+  return std::min(first_touch(q) + limit(q) / advanced.metric, advanced.max);
 }
 
 }  // namespace softfinger

@@ -8,10 +8,11 @@
 
 namespace softfinger {
 
-/// How far a device may be advanced towards the finger: up to where, coming from home or from where
-/// it is retracted, it first reaches so deep into the resting skin as a table says over the axes
-/// that do not advance it, linear in between and constant beyond. Pins, which advance one by one,
-/// have one ceiling for all instead. Does not allocate after construction.
+/// How far a device may be advanced towards the finger: so far beyond where, coming from home or
+/// from where it is retracted, it first touches the resting skin as a table says over the axes that
+/// do not advance it, linear in between and constant beyond. Counted by the advance, since what a
+/// thin plate or a small tip reaches into the skin by does not grow for ever. Pins, which advance
+/// one by one, have one ceiling for all instead. Does not allocate after construction.
 class TravelCeiling {
  public:
   /// One axis of the table: component `axis` of q at `count` >= 2 equidistant values, SI.
@@ -28,8 +29,8 @@ class TravelCeiling {
   TravelCeiling(TravelCeiling&&) noexcept = default;
   TravelCeiling& operator=(TravelCeiling&&) noexcept = default;
 
-  /// How deep the device at q reaches into the resting skin, m; negative: as far away. For pins the
-  /// highest one's height.
+  /// How far the device at q is advanced beyond its first touch of the resting skin, m; negative
+  /// before. For pins the highest one's height.
   [[nodiscard]] double depth(const Configuration& q) const;
   /// How far q is above the ceiling, m; negative below.
   [[nodiscard]] double excess(const Configuration& q) const;
@@ -46,6 +47,8 @@ class TravelCeiling {
 
  private:
   [[nodiscard]] double limit(const Configuration& q) const;
+  /// The advance of it, other axes as in q; SI.
+  [[nodiscard]] double first_touch(const Configuration& q) const;
 
   std::shared_ptr<const Device> device_;
   std::vector<double> x_, y_, z_;

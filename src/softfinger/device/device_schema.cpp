@@ -56,7 +56,10 @@ std::string with_words(std::string text, const std::string& word, const std::str
 
 /// Schema of the files that are like this example.
 Json example_schema(const std::string& name, const std::string& example) {
-  const std::string text = fmt::format("kind = \"{}\"\n{}{}", name, example, kForceSensor);
+  const std::string bare = fmt::format("kind = \"{}\"\n{}{}", name, example, kForceSensor);
+  const bool linear = read_keys(ConfigFile("device.toml", bare)).joint_limits.linear;
+  const std::string text =
+      fmt::format("{}[statics]\nbacklash_{} = 0.1\n", bare, linear ? "mm" : "deg");
   const ConfigFile file("device.toml", text);
   const DeviceSettings settings = read_keys(file);
   Json schema = Json::parse(file.schema("softfinger device file, " + name));

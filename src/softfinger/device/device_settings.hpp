@@ -9,6 +9,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/configuration.hpp"
 #include "softfinger/device/device_objectives.hpp"
+#include "softfinger/device/motor_statics.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/motors/joint_limits.hpp"
 #include "softfinger/motors/transport_settings.hpp"
@@ -70,6 +71,7 @@ struct DeviceSettings {
   double following_error = 0.0;
   double press_time = 0.0;  ///< longest without a pause, s; 0: any
   MatchingSettings matching;
+  std::optional<MotorStatics> statics;  ///< none: motors are where they are sent, whatever presses
   std::optional<TransportSettings> transport;
   std::optional<ForceSensorSettings> force_sensor;
   std::string as_read;  ///< the device file as JSON, defaults filled in

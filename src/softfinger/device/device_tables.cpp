@@ -55,6 +55,21 @@ ForceSensorSettings read_force_sensor(const ConfigTable& table) {
   return sensor;
 }
 
+MotorStatics read_statics(const ConfigTable& table, bool linear) {
+  const auto number = [&](const char* turning, const char* sliding) {
+    return table.optional_number(linear ? sliding : turning, Range::at_least(0.0)).value_or(0.0);
+  };
+  MotorStatics statics;
+  statics.holding = number("torque_N_mm", "force_N");
+  statics.compliance = number("compliance_deg_per_N_mm", "compliance_mm_per_N");
+  statics.backlash = number("backlash_deg", "backlash_mm");
+  if (!(statics.holding > 0.0 || statics.compliance > 0.0 || statics.backlash > 0.0)) {
+    table.fail("", fmt::format("says nothing; give {}, compliance or backlash, or leave it out",
+                               linear ? "force_N" : "torque_N_mm"));
+  }
+  return statics;
+}
+
 constexpr double kLongestPress = 120.0;  ///< s, where the file says nothing
 /// Of the joints' range; what loads, friction and slack of servos make is less.
 constexpr double kFollowingError = 0.2;
@@ -139,6 +154,9 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
     settings.transport = read_transport(*transport, settings.joint_limits);
   }
   read_supervision(root.table_or_empty("limits"), settings);
+  if (const auto statics = root.optional_table("statics")) {
+    settings.statics = read_statics(*statics, joints.linear);
+  }
   if (const auto sensor = root.optional_table("force_sensor")) {
     settings.force_sensor = read_force_sensor(*sensor);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -12,6 +13,7 @@
 #include "softfinger/session/scene_load.hpp"
 #include "softfinger/twin/skin_comparison.hpp"
 #include "softfinger/twin/twin.hpp"
+#include "softfinger/twin/yielding_twin.hpp"
 
 namespace softfinger {
 namespace {
@@ -30,6 +32,7 @@ class Judge {
         lagged_(wearer, device) {
     nodes_F_.resize(model->mesh.nodes.size());
     servo_q_ = device->home();
+    if (device->settings().statics) loaded_.emplace(wearer, device);
   }
 
   void judge(const FingerLoop& loop, const DeviceLoop& device, Evaluation& answer) {
@@ -61,6 +64,11 @@ class Judge {
     } else {
       answer.has_lagged = false;
     }
+    if (loaded_) {
+      judge_loaded(tick.command.configuration, friction, elapsed, frame, answer);
+    } else {
+      answer.has_loaded = false;
+    }
     answer.frames.push_back(frame);
   }
 
@@ -80,6 +88,16 @@ class Judge {
     if (!twin.press(q, friction, elapsed).converged) ++answer.unconverged;
     return comparison_.compare(twin.contact(), twin.positions());
   }
+  void judge_loaded(const Configuration& q, double friction, double elapsed, EvaluatedFrame& frame,
+                    Evaluation& answer) {
+    const YieldingSummary summary = loaded_->press(q, friction, elapsed);
+    if (!summary.twin.converged || !summary.balanced) ++answer.unconverged;
+    frame.loaded = comparison_.compare(loaded_->twin().contact(), loaded_->twin().positions());
+    frame.motor_torque = summary.torque;
+    frame.motors_give_way = summary.gives_way;
+    if (summary.gives_way) ++answer.not_held;
+    answer.loaded.add(*frame.loaded);
+  }
   void notice_bare(double time) {
     const SkinComparison::Cover& cover = comparison_.cover();
     const bool is_bare = cover.bare > kBare * cover.touched;
@@ -88,6 +106,7 @@ class Judge {
 
   SkinComparison comparison_;
   Twin twin_, lagged_;
+  std::optional<YieldingTwin> loaded_;
   std::vector<Vector3> nodes_F_;
   Configuration servo_q_;
   double time_ = 0.0;
@@ -109,6 +128,7 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
   std::vector<Judge> judges;
   Evaluation answer;
   answer.has_lagged = true;
+  answer.has_loaded = true;
   for (std::size_t i = 0; i < setup->models.size(); ++i) {
     const std::string& name = setup->scene.fingers[i].name;
     if (!setup->devices[i]) {
@@ -118,6 +138,7 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
     judges.emplace_back(setup->models[i], setup->wearer ? setup->wearer : setup->models[i],
                         setup->devices[i]);
     answer.fingers.push_back(name);
+    answer.linear_motors.push_back(setup->devices[i]->joint_limits().linear);
   }
   SceneRun::Hooks hooks;
   hooks.on_tick = [&](std::size_t finger, const FingerChain& chain) {

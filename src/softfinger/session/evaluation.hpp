@@ -28,12 +28,20 @@ struct EvaluatedFrame {
   RenderingMeasures commanded;                     ///< twin pressed by the commanded configuration
   /// Twin pressed where the servos are at this time; empty for a device without servos.
   std::optional<RenderingMeasures> lagged;
+  /// Twin pressed where the motors, sent to the command, hold it; empty for a device whose file
+  /// says nothing of their statics.
+  std::optional<RenderingMeasures> loaded;
+  double motor_torque = 0.0;     ///< the greatest there, N m, or N of linear motors
+  bool motors_give_way = false;  ///< they cannot hold the command
 };
 
 struct Evaluation {
   std::vector<EvaluatedFrame> frames;
-  MeasureMeans commanded, lagged;
+  MeasureMeans commanded, lagged, loaded;
   bool has_lagged = false;           ///< every device has servos
+  bool has_loaded = false;           ///< every device's file tells the statics of its motors
+  std::vector<bool> linear_motors;   ///< of each finger's device
+  std::uint64_t not_held = 0;        ///< frames whose command the motors cannot hold
   std::uint64_t unconverged = 0;     ///< presses of the twin that did not come to rest
   std::vector<std::string> fingers;  ///< names, in the order of EvaluatedFrame::finger
   RunSummary run;

@@ -51,7 +51,7 @@ struct Twin::Implementation {
         rubbed(pushed.size()) {
     touching.reserve(pieces.size() * (wearer->sample_nodes.size() + FeaturePoints::kMost));
     for (std::size_t k = 0; k < pieces.size(); ++k) obstacles[k].shape = &pieces[k].shape;
-    reset();
+    reset(device->home());
   }
 
   std::shared_ptr<const FingerModel> wearer;
@@ -85,7 +85,7 @@ struct Twin::Implementation {
   std::vector<TouchingPair> touching;  ///< at the last attempt
   bool shifts_known = false;           ///< at the last attempt
 
-  void reset();
+  void reset(const Configuration& at);
   void place();
   void keep_poses();
   void begin(std::span<const Vector3> seen_positions);
@@ -94,6 +94,7 @@ struct Twin::Implementation {
   void start(bool was_foreseen);
   void keep();
   [[nodiscard]] bool forces_and_derivatives(TwinForces& forces);
+  [[nodiscard]] bool load_and_derivative(DeviceLoad& load);
   void find_touching(bool with_curvature);
   void drag_by(int k);
   void add_push(int k, bool rubbing, std::span<const double> shift, std::span<double> push) const;
@@ -110,7 +111,7 @@ struct Twin::Implementation {
   [[nodiscard]] Vector3 motion_of_point(std::size_t i, std::span<const double> shift) const;
 };
 
-void Twin::Implementation::reset() {
+void Twin::Implementation::reset(const Configuration& at) {
   kept_positions = wearer->mesh.nodes;
   positions = kept_positions;
   std::fill(kept_anchors.begin(), kept_anchors.end(), FrictionAnchor{});
@@ -124,7 +125,7 @@ void Twin::Implementation::reset() {
   shifts_known = false;
   friction_coefficient = 0.0;
   elapsed = 0.0;
-  q = device->home();
+  q = at;
   kept_q = q;
   place();
   keep_poses();
@@ -363,6 +364,30 @@ bool Twin::Implementation::forces_and_derivatives(TwinForces& forces) {
   return true;
 }
 
+bool Twin::Implementation::load_and_derivative(DeviceLoad& load) {
+  const int dof = device->degrees_of_freedom();
+  load.load.setZero(dof);
+  load.by_q.setZero(dof, dof);
+  TwinForces forces;
+  const bool stable = forces_and_derivatives(forces);
+  if (!(forces.normal.norm() > 0.0)) return stable;
+  if (!stable) motions.at(q);
+  for (const TouchingPair& pair : touching) {
+    const Vector3& point = potential.contact_positions()[pair.point];
+    const auto motion = [&](int k) {
+      return motions(pair.piece, k).at(point, pair.response.outward);
+    };
+    for (int k = 0; k < dof; ++k) load.load[k] += motion(k).dot(pair.response.gradient);
+    for (int l = 0; stable && l < dof; ++l) {
+      const ForceRates rates = force_rates(pair, l, shifts[static_cast<std::size_t>(l)]);
+      for (int k = 0; k < dof; ++k) {
+        load.by_q(k, l) -= motion(k).dot(rates.normal + rates.tangential);
+      }
+    }
+  }
+  return stable;
+}
+
 Twin::Twin(std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device)
     : implementation_(std::make_unique<Implementation>(std::move(wearer), std::move(device))) {}
 Twin::~Twin() = default;
@@ -370,7 +395,8 @@ Twin::Twin(Twin&&) noexcept = default;
 Twin& Twin::operator=(Twin&&) noexcept = default;
 
 void Twin::heed(const std::stop_token& stop) { implementation_->stop = stop; }
-void Twin::reset() { implementation_->reset(); }
+void Twin::reset() { reset(device().home()); }
+void Twin::reset(const Configuration& q) { implementation_->reset(q); }
 
 TwinSummary Twin::press(const Configuration& q, double friction_coefficient, double elapsed) {
   Implementation& self = *implementation_;
@@ -415,6 +441,10 @@ bool Twin::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
   force = forces.normal;
   by_q = forces.normal_by_q;
   return stable;
+}
+
+bool Twin::load_and_derivative(DeviceLoad& load) {
+  return implementation_->load_and_derivative(load);
 }
 
 Vector3 Twin::node_motion(std::size_t node, int k) const {

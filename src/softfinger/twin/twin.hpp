@@ -27,6 +27,13 @@ struct TwinForces {
   SurfaceJacobian normal_by_q, tangential_by_q;
 };
 
+/// What the skin presses the device with, component by component of q, N m by rad or N by m: load
+/// . dq is the work that it does on the device; and the derivative of that by q.
+struct DeviceLoad {
+  Eigen::VectorXd load;
+  Eigen::MatrixXd by_q;
+};
+
 /// A second finger in F: bone held at F's origin, skin at quasi-static equilibrium against the
 /// device's solid, so that its contact is what the device makes the wearer feel. The way there
 /// counts where there is friction or relaxation: each frame starts from the last one kept.
@@ -43,6 +50,9 @@ class Twin {
   void heed(const std::stop_token& stop);
   /// Rest shape, nothing touches, the device at its home.
   void reset();
+  /// The same with the device at q, off the skin: for a search that begins there. What turned far
+  /// in one attempt would be taken to have swept through the skin.
+  void reset(const Configuration& q);
   /// Moves the device to q in one frame, in as many parts as friction needs, `elapsed` s after the
   /// last one (relaxing skin only). `friction_coefficient` of device on skin, >= 0.
   TwinSummary press(const Configuration& q, double friction_coefficient, double elapsed);
@@ -64,6 +74,10 @@ class Twin {
   [[nodiscard]] bool forces_and_derivatives(TwinForces& forces);
   /// The normal force of it alone.
   [[nodiscard]] bool force_and_derivative(Vector3& force, SurfaceJacobian& by_q);
+
+  /// The same as what the device has to bear. The derivative leaves out that the directions in
+  /// which its points move turn with q, and is 0 where false comes back.
+  [[nodiscard]] bool load_and_derivative(DeviceLoad& load);
 
   /// How node `node` moves by component k of q, m by rad or m: after forces_and_derivatives(), zero
   /// where that found no contact.

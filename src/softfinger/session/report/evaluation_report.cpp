@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "softfinger/base/units.hpp"
 #include "softfinger/session/report/run_report.hpp"
 #include "softfinger/twin/perception.hpp"
 
@@ -36,6 +37,13 @@ Json frame_json(const EvaluatedFrame& frame, const Evaluation& evaluation) {
   result["virtual_tangential_N"] = vector_json(frame.virtual_tangential_F);
   result["twin_tangential_N"] = vector_json(frame.twin_tangential_F);
   result["lagged"] = frame.lagged ? measures_json(*frame.lagged) : Json(nullptr);
+  result["loaded"] = frame.loaded ? measures_json(*frame.loaded) : Json(nullptr);
+  if (frame.loaded) {
+    const bool linear = evaluation.linear_motors[frame.finger];
+    result[linear ? "motor_force_N" : "motor_torque_N_mm"] =
+        frame.motor_torque / (linear ? 1.0 : mm);
+    result["motors_hold"] = !frame.motors_give_way;
+  }
   return result;
 }
 
@@ -81,6 +89,9 @@ Json evaluation_report(const Evaluation& evaluation) {
   result["mean"] = measures_json(evaluation.commanded.mean());
   result["lagged_mean"] =
       evaluation.has_lagged ? measures_json(evaluation.lagged.mean()) : Json(nullptr);
+  result["loaded_mean"] =
+      evaluation.has_loaded ? measures_json(evaluation.loaded.mean()) : Json(nullptr);
+  result["frames_not_held"] = evaluation.has_loaded ? Json(evaluation.not_held) : Json(nullptr);
   result["frames_free"] = evaluation.commanded.frames(FrameKind::kFree);
   result["frames_missed"] = evaluation.commanded.frames(FrameKind::kMissed);
   result["frames_false"] = evaluation.commanded.frames(FrameKind::kFalse);
@@ -102,18 +113,20 @@ std::string evaluation_report_text(const Evaluation& evaluation) {
                   means.frames(FrameKind::kMissed), means.frames(FrameKind::kFalse));
   const RenderingMeasures commanded = means.mean();
   const RenderingMeasures lagged = evaluation.lagged.mean();
+  const RenderingMeasures loaded = evaluation.loaded.mean();
   const auto cell = [](double value, double unit) {
     return std::isnan(value) ? std::string("-") : fmt::format("{:.3g}", value / unit);
   };
-  text += fmt::format("  {:<28} {:>9} {:>9} {:>12}\n", "mean of", "commanded", "at servos",
-                      "felt from");
+  text += fmt::format("  {:<28} {:>9} {:>9} {:>10} {:>12}\n", "mean of", "commanded", "at servos",
+                      "under load", "felt from");
   std::string sources;
   for (const MeasureName& name : measure_names()) {
     const double value = commanded.*name.member;
     const PerceptionThreshold* threshold = perception_threshold(name.name);
     text += fmt::format(
-        "  {:<28} {:>9} {:>9} {:>12}", name.name, cell(value, name.unit),
+        "  {:<28} {:>9} {:>9} {:>10} {:>12}", name.name, cell(value, name.unit),
         evaluation.has_lagged ? cell(lagged.*name.member, name.unit) : std::string("-"),
+        evaluation.has_loaded ? cell(loaded.*name.member, name.unit) : std::string("-"),
         threshold != nullptr ? cell(threshold->threshold, name.unit) : std::string("-"));
     if (threshold != nullptr && !std::isnan(value)) {
       const Noticed count = count_noticed(evaluation, name, threshold->threshold);
@@ -123,6 +136,10 @@ std::string evaluation_report_text(const Evaluation& evaluation) {
       sources += fmt::format("  {}: {} ({})\n", name.name, threshold->what, threshold->source);
     }
     text += "\n";
+  }
+  if (evaluation.not_held > 0) {
+    text += fmt::format("  in {} of {} frames the motors cannot hold what is commanded\n",
+                        evaluation.not_held, evaluation.frames.size());
   }
   if (evaluation.unconverged > 0) {
     text += fmt::format("  {} presses of the twin did not come to rest\n", evaluation.unconverged);
