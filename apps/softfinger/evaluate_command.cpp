@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "progress_bar.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/name_table.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/evaluation.hpp"
 #include "softfinger/session/report/evaluation_report.hpp"
@@ -26,24 +27,20 @@ struct EvaluateFlags {
   bool json = false;
 };
 
-std::vector<std::string> objective_names() {
-  std::vector<std::string> names;
-  for (const ObjectiveKind& kind : objective_kinds()) names.emplace_back(kind.name);
-  return names;
+/// Those that it had before among them.
+std::vector<std::string> objective_words() {
+  std::vector<std::string> words = names_of(objective_kinds());
+  for (const FormerObjective& former : kFormerObjectives) words.emplace_back(former.name);
+  return words;
 }
 
 std::string objective_help() {
-  std::vector<std::string> ours, baselines;
+  std::vector<std::string> kinds;
   for (const ObjectiveKind& kind : objective_kinds()) {
-    if (kind.for_devices) {
-      ours.emplace_back(kind.name);
-    } else {
-      baselines.push_back(fmt::format("{} ({})", kind.name, kind.words));
-    }
+    kinds.push_back(fmt::format("{} ({})", kind.name, kind.words));
   }
-  return fmt::format(
-      "what matching aims at, instead of the device file's: {}; or, to compare with, {}",
-      fmt::join(ours, ", "), fmt::join(baselines, " or "));
+  return fmt::format("what the device is led by, instead of what its file says: {}",
+                     fmt::join(kinds, ", "));
 }
 
 void evaluate_scene(EvaluateFlags flags) {
@@ -100,7 +97,7 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--person", flags->person,
                       "person file: sizes of the fingers, and where tracked bodies sit on them");
   command->add_option("--objective", flags->objective, objective_help())
-      ->check(CLI::IsMember(objective_names()));
+      ->check(CLI::IsMember(objective_words()));
   command->add_option("--duration-s", flags->duration_s, "end after this time, s");
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] { evaluate_scene(*flags); });

@@ -17,8 +17,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// The shipped file with `from` replaced by `to`, loaded; what it says when it is refused.
-std::string refusal(const std::string& from, const std::string& to) {
+/// The shipped file with `from` replaced by `to`, loaded.
+std::shared_ptr<const Device> loaded(const std::string& from, const std::string& to) {
   std::ifstream shipped(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
   std::stringstream text;
   text << shipped.rdbuf();
@@ -29,8 +29,13 @@ std::string refusal(const std::string& from, const std::string& to) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
                                      ("device_under_test_" + std::to_string(getpid()) + ".toml");
   std::ofstream(file) << content;
+  return load_device(file);
+}
+
+/// What it says when it is refused.
+std::string refusal(const std::string& from, const std::string& to) {
   try {
-    static_cast<void>(load_device(file));
+    static_cast<void>(loaded(from, to));
   } catch (const InputError& error) {
     const std::string message = error.what();
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
@@ -70,7 +75,37 @@ TEST(DeviceFile, RefusesWithFileLineAndKey) {
   EXPECT_THAT(refusal("joint_deg = [-30.0, 75.0]", "joint_deg = [75.0, -30.0]"),
               HasSubstr("joint_deg"));
   EXPECT_THAT(refusal("on = \"distal\"", "on = \"middle\""), HasSubstr("distal"));
-  EXPECT_THAT(refusal("objective = \"surface\"", "objective = \"fun\""), HasSubstr("objective"));
+  EXPECT_THAT(refusal("objective = \"surface_and_force\"", "objective = \"fun\""),
+              HasSubstr("objective"));
+  EXPECT_THAT(refusal("objective", "turn_on_skin_deg_per_s = 0.0\nobjective"),
+              HasSubstr("turn_on_skin_deg_per_s"));
+}
+
+TEST(DeviceFile, KnowsEveryObjectiveAndWhatOneWasCalled) {
+  const auto named = [](const std::string& name) {
+    return loaded("objective = \"surface_and_force\"", "objective = \"" + name + "\"")
+        ->settings()
+        .matching.objective;
+  };
+  for (const std::string_view name : kDeviceObjectives) EXPECT_EQ(named(std::string(name)), name);
+  EXPECT_EQ(named("contact_plane"), "plane");
+}
+
+TEST(DeviceFile, SaysHowFastItGivesBackWhatMeansNothing) {
+  const EasingRates shipped = thimble().settings().matching.easing;
+  EXPECT_DOUBLE_EQ(shipped.turn_on_skin, 36.0 * deg);
+  EXPECT_DOUBLE_EQ(shipped.move_off_skin, 30.0 * mm);
+  const EasingRates given = loaded("objective",
+                                   "turn_on_skin_deg_per_s = 1\nturn_off_skin_deg_per_s = 2\n"
+                                   "move_off_skin_mm_per_s = 3\nturn_by_force_deg_per_s = 4\n"
+                                   "move_by_force_mm_per_s = 5\nobjective")
+                                ->settings()
+                                .matching.easing;
+  EXPECT_DOUBLE_EQ(given.turn_on_skin, 1.0 * deg);
+  EXPECT_DOUBLE_EQ(given.turn_off_skin, 2.0 * deg);
+  EXPECT_DOUBLE_EQ(given.move_off_skin, 3.0 * mm);
+  EXPECT_DOUBLE_EQ(given.turn_by_force, 4.0 * deg);
+  EXPECT_DOUBLE_EQ(given.move_by_force, 5.0 * mm);
 }
 
 TEST(DeviceFile, RefusesAHomeOutOfTheWorkspace) {

@@ -125,7 +125,7 @@ TEST_F(FingerChainOf, HandedOverTicksAreThoseTakenHere) {
   FingerChain here(options());
   const Rows rows = by_hand(here);
   FingerChain chain(options());
-  TickHandover handover(*options().model, chain.device().wants_nodes());
+  TickHandover handover(*options().model);
   Mailbox<std::pair<std::int64_t, std::uint64_t>> feedback;
   Rows live;
   std::thread device([&] {

@@ -7,6 +7,9 @@
 #include <span>
 
 #include "pad.hpp"
+#include "softfinger/matching/contact_plane.hpp"
+#include "softfinger/matching/levenberg_marquardt.hpp"
+#include "softfinger/matching/packed_samples.hpp"
 #include "softfinger/matching/surface_following.hpp"
 
 // Sanitizers bring their own malloc.
@@ -51,6 +54,8 @@ TEST(Allocation, SolvesAndTicksDoNotAllocate) {
     if (device->settings().transport && device->settings().transport->kind != "maestro") continue;
     ContactSurfaceMatching matching(device, 120);
     SurfaceFollowing rendering(device, 120);
+    LevenbergMarquardt published(*device);
+    PackedSamples packed(120);
     const long before = allocations;
     int touched = 0;
     // Mechanisms take long where little closes.
@@ -62,6 +67,11 @@ TEST(Allocation, SolvesAndTicksDoNotAllocate) {
         options.limits = limits;
         touched += matching.solve(pad.view(), options).iterations;
       }
+    }
+    for (const Pad& pad : std::span(pads).first(tried)) {
+      const SurfaceSamples samples = packed.pack(pad.view(), {}, 0.2 * mm);
+      touched += published.minimise(samples, device->home()).iterations;
+      touched += on_plane(*device, {pad.points[0], Vector3::UnitZ()}).size() > 0 ? 1 : 0;
     }
     for (const ContactSet& contact : std::span(contacts).first(tried))
       rendering.tick(contact, 1.0 / 30.0);

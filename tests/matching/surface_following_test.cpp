@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "pad.hpp"
+#include "softfinger/matching/skin_points.hpp"
 
 namespace softfinger {
 namespace {
@@ -33,6 +38,21 @@ ContactSet plane_contact(const Pad& rest, const Vector3& normal, double height) 
     }
   }
   return contact;
+}
+
+/// The thimble, with this much of a turn on the skin, rad/s.
+std::shared_ptr<const Device> device_with_turn_on_skin(double rate) {
+  std::ifstream shipped(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+  std::stringstream text;
+  text << shipped.rdbuf();
+  std::string content = text.str();
+  const std::string table = "[matching]\n";
+  content.insert(content.find(table) + table.size(),
+                 "turn_on_skin_deg_per_s = " + std::to_string(rate / deg) + "\n");
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
+                                     ("turn_on_skin_" + std::to_string(getpid()) + ".toml");
+  std::ofstream(file) << content;
+  return load_device(file);
 }
 
 Vector3 tilted_normal(double tilt_deg, double azimuth_deg) {
@@ -210,6 +230,43 @@ TEST(SurfaceFollowing, SameInputSameBits) {
   a.reset();
   const ContactSet contact = plane_contact(rest, Vector3::UnitZ(), 1.0 * mm);
   EXPECT_EQ(a.tick(contact, kTick).configuration, b.tick(contact, kTick).configuration);
+}
+
+/// How far a thimble has turned on the skin, a time after the plane that it touches leaned over at
+/// once, deg; at most what it still lacks.
+double turned_after(double time, double tick_rate, int samples, double turn_on_skin) {
+  std::mt19937 random(13);
+  const Pad rest = resting_pad(samples, random);
+  const auto device = device_with_turn_on_skin(turn_on_skin);
+  SurfaceFollowing rendering(device, rest.size());
+  ContactSurfaceMatching matching(device, rest.size() + 64);
+  SkinPoints points(rest.size());
+  for (int i = 0; i < 60; ++i) {
+    rendering.tick(plane_contact(rest, Vector3::UnitZ(), -1.2 * mm), 1.0 / tick_rate);
+  }
+  const ContactSet turned = plane_contact(rest, tilted_normal(10.0, 0.0), -1.2 * mm);
+  EXPECT_GT(turned.contact_count, 8);
+  for (int i = 0; i < std::lround(time * tick_rate); ++i) {
+    const RenderedSurface& rendered = rendering.tick(turned, 1.0 / tick_rate);
+    EXPECT_NEAR(rendered.deviation,
+                matching.deviation(points.take(turned), {}, rendered.configuration),
+                1e-12 * rendered.deviation + 1e-20);
+  }
+  return rendering.latest().configuration[0] / deg;
+}
+
+// So many degrees a second, whatever the mesh and however often the device ticks; and E is that of
+// what is rendered, not of what would be.
+TEST(SurfaceFollowing, TurnsOnTheSkinAtOneRateOnAnyMeshAndAtAnyTickRate) {
+  for (const double rate : {36.0, 18.0}) {
+    for (const double ticks : {30.0, 60.0, 300.0}) {
+      for (const int samples : {60, 120, 480}) {
+        EXPECT_NEAR(turned_after(0.1, ticks, samples, rate * deg), 0.1 * rate, 1e-6)
+            << ticks << " Hz, " << samples << " samples";
+      }
+    }
+  }
+  EXPECT_NEAR(turned_after(1.0, 30.0, 120, 36.0 * deg), 10.0, 0.5) << "and no further";
 }
 
 // A plane comes, presses and goes, a tenth of a millimetre a tick: no device jumps, none leaves its

@@ -25,7 +25,6 @@ const ObjectiveKind& level_objective() {
   static const ObjectiveKind kKind{
       .name = "level",
       .words = "travel alone",
-      .for_devices = false,
       .make = [](const std::shared_ptr<const FingerModel>& model,
                  const std::shared_ptr<const Device>& device) -> std::unique_ptr<Objective> {
         return std::make_unique<LevelObjective>(model, device);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -7,7 +8,20 @@ namespace softfinger {
 
 /// What `[matching] objective` of a device file may say, the first where it says nothing. What they
 /// are stands in objectives/objective_kinds.cpp, which does not compile where this differs from it.
-inline constexpr std::array<std::string_view, 3> kDeviceObjectives{"surface", "surface_and_force",
-                                                                   "stress"};
+/// Recordings know them by their place here: new ones come last.
+inline constexpr std::array<std::string_view, 5> kDeviceObjectives{"surface", "surface_and_force",
+                                                                   "stress", "published", "plane"};
+
+/// A name that files and flags had before, and what is meant by it.
+struct FormerObjective {
+  std::string_view name, now;
+};
+inline constexpr std::array kFormerObjectives{FormerObjective{"contact_plane", "plane"}};
+
+/// `name`, or what it is called now.
+constexpr std::string_view present_objective(std::string_view name) {
+  const auto* const former = std::ranges::find(kFormerObjectives, name, &FormerObjective::name);
+  return former == kFormerObjectives.end() ? name : former->now;
+}
 
 }  // namespace softfinger

@@ -38,11 +38,22 @@ struct ConfigurationAxis {
   }
 };
 
+/// How fast a rendering gives back what means nothing to the wearer, beside the object's own motion
+/// and whatever the motors do, SI: the same on any mesh and at any rate of the device's ticks.
+struct EasingRates {
+  double turn_on_skin = 36.0 * deg;
+  double turn_off_skin = 75.0 * deg;
+  double move_off_skin = 30.0 * mm;
+  double turn_by_force = 90.0 * deg;  ///< of what the twin's force adds to the surface's answer
+  double move_by_force = 30.0 * mm;
+};
+
 /// `[matching]` of a device file.
 struct MatchingSettings {
   double separation_tolerance = 2e-4;  ///< eps, m
   double approach = 3e-3;              ///< least gap below which the device follows the skin, m
   std::string objective{kDeviceObjectives.front()};
+  EasingRates easing;
 };
 
 /// `[force_sensor]` of a device file: what tells the force on the wearer's finger.

@@ -38,13 +38,31 @@ Configuration read_configuration(const ConfigTable& table, const DeviceSettings&
   return q;
 }
 
+/// Former names among them.
+std::vector<std::string> objective_words() {
+  std::vector<std::string> words;
+  words.reserve(kDeviceObjectives.size() + kFormerObjectives.size());
+  for (const std::string_view name : kDeviceObjectives) words.emplace_back(name);
+  for (const FormerObjective& former : kFormerObjectives) words.emplace_back(former.name);
+  return words;
+}
+
 MatchingSettings read_matching(const ConfigTable& table) {
   MatchingSettings matching;
   matching.separation_tolerance =
       table.number("separation_tolerance_mm", Range::at_least(0.0), matching.separation_tolerance);
   matching.approach = table.number("approach_mm", Range::at_least(0.0), matching.approach);
-  matching.objective = table.choice(
-      "objective", {kDeviceObjectives.begin(), kDeviceObjectives.end()}, matching.objective);
+  matching.objective =
+      present_objective(table.choice("objective", objective_words(), matching.objective));
+  EasingRates& easing = matching.easing;
+  const auto read = [&](std::string_view key, double& rate) {
+    rate = table.number(key, Range::positive(), rate);
+  };
+  read("turn_on_skin_deg_per_s", easing.turn_on_skin);
+  read("turn_off_skin_deg_per_s", easing.turn_off_skin);
+  read("move_off_skin_mm_per_s", easing.move_off_skin);
+  read("turn_by_force_deg_per_s", easing.turn_by_force);
+  read("move_by_force_mm_per_s", easing.move_by_force);
   return matching;
 }
 

@@ -8,27 +8,24 @@ namespace softfinger {
 namespace {
 
 /// A mailbox draft has to have its full size before the loop starts.
-HandedTick largest(const FingerModel& model, bool with_nodes) {
+HandedTick largest(const FingerModel& model) {
   HandedTick handed;
   handed.contact.samples.resize(model.sample_nodes.size());
-  if (with_nodes) handed.nodes_W.resize(model.mesh.nodes.size());
+  handed.nodes_W.resize(model.mesh.nodes.size());
   return handed;
 }
 
 }  // namespace
 
-TickHandover::TickHandover(const FingerModel& model, bool with_nodes)
-    : with_nodes_(with_nodes), mailbox_(largest(model, with_nodes)) {}
+TickHandover::TickHandover(const FingerModel& model) : mailbox_(largest(model)) {}
 
 void TickHandover::hand_over(const TickInput& input, const VirtualFinger& finger) {
   last_ = input;
   HandedTick& draft = mailbox_.draft();
   draft.input = input;
   draft.contact = finger.contact;
-  if (with_nodes_) {
-    std::copy(finger.nodes_W.begin(), finger.nodes_W.end(), draft.nodes_W.begin());
-    draft.X_WF = finger.X_WF;
-  }
+  std::copy(finger.nodes_W.begin(), finger.nodes_W.end(), draft.nodes_W.begin());
+  draft.X_WF = finger.X_WF;
   mailbox_.publish();
   ring();
 }

@@ -13,7 +13,7 @@ namespace softfinger {
 struct HandedTick {
   TickInput input;
   ContactSet contact;
-  std::vector<Vector3> nodes_W;  ///< empty: not wanted
+  std::vector<Vector3> nodes_W;
   Pose X_WF;
 
   [[nodiscard]] VirtualFinger finger() const { return {contact, nodes_W, X_WF}; }
@@ -23,8 +23,8 @@ struct HandedTick {
 /// alone, whatever the device is busy with.
 class TickHandover {
  public:
-  /// Of a finger of this model. `with_nodes`: the device loop wants them.
-  TickHandover(const FingerModel& model, bool with_nodes);
+  /// Of a finger of this model.
+  explicit TickHandover(const FingerModel& model);
 
   /// Thread of the steps; wait-free, allocates nothing.
   void hand_over(const TickInput& input, const VirtualFinger& finger);
@@ -38,7 +38,6 @@ class TickHandover {
  private:
   void ring();
 
-  bool with_nodes_;
   TickInput last_;
   Mailbox<HandedTick> mailbox_;
   std::atomic<std::uint32_t> doorbell_{0};

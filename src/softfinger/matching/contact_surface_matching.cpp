@@ -317,6 +317,18 @@ double ContactSurfaceMatching::deviation(const ContactPoints& points,
   return device().deviation(q, implementation_->pack(points, options));
 }
 
+MatchingResult ContactSurfaceMatching::answer(const ContactPoints& points,
+                                              const MatchingOptions& options,
+                                              const Configuration& q) {
+  Implementation& self = *implementation_;
+  MatchingResult result;
+  result.configuration =
+      options.limits == MatchingLimits::kClamp ? clamped_to_limits(*self.device, q) : q;
+  result.deviation = deviation(points, options, result.configuration);
+  self.finish(result, options.limits);
+  return result;
+}
+
 Configuration ContactSurfaceMatching::advanced(const ContactPoints& points,
                                                const MatchingOptions& options,
                                                const Configuration& q) {

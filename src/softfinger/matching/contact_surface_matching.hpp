@@ -73,6 +73,10 @@ class ContactSurfaceMatching {
   /// E at q, m^2. Does not allocate.
   [[nodiscard]] double deviation(const ContactPoints& points, const MatchingOptions& options,
                                  const Configuration& q);
+  /// What q comes to, wherever it is from: brought into the workspace where limits are kClamp, with
+  /// its joints, the limits it is at and E there, but no iterations. Does not allocate.
+  [[nodiscard]] MatchingResult answer(const ContactPoints& points, const MatchingOptions& options,
+                                      const Configuration& q);
   /// q advanced, nothing else changed, to where E is least; q itself where the device does not
   /// advance or nothing is in contact. Does not allocate.
   [[nodiscard]] Configuration advanced(const ContactPoints& points, const MatchingOptions& options,

@@ -13,8 +13,6 @@ namespace {
 
 constexpr int kTicksOnSkin = 2;      // without contact, before the device leaves the skin
 constexpr double kTurn = 6.0 * deg;  // a nearest normal that turns more in one tick is a jump
-// So few contacts leave the match room to turn; its turns are then held back.
-constexpr int kFewContacts = 8;
 
 double shrunk(double value, double by) {
   return value > by ? value - by : (value < -by ? value + by : 0.0);
@@ -24,10 +22,10 @@ double shrunk(double value, double by) {
 
 struct SurfaceFollowing::Implementation {
   Implementation(std::shared_ptr<const Device> the_device, int capacity,
-                 const MatchingOptions& the_options, const RenderingRates& the_rates)
+                 const MatchingOptions& the_options)
       : device(the_device),
         options(the_options),
-        rates(the_rates),
+        rates(device->settings().matching.easing),
         matching(std::move(the_device), capacity + static_cast<int>(ContactSet::kMostFeatures)),
         skin(*device, capacity),
         points(capacity) {
@@ -36,7 +34,7 @@ struct SurfaceFollowing::Implementation {
 
   std::shared_ptr<const Device> device;
   MatchingOptions options;
-  RenderingRates rates;
+  EasingRates rates;
   ContactSurfaceMatching matching;
   SkinClearance skin;
   SkinPoints points;
@@ -46,8 +44,6 @@ struct SurfaceFollowing::Implementation {
   Configuration matched;           ///< last match, the next one's start
   Configuration followed, motion;  ///< see follow()
   bool following = false;
-  bool catching_up = false;  ///< rendered is not yet the match
-  int contact_count = 0;     ///< at the last tick
   // Off the skin the device is led by its orientation and its gap to the skin.
   Configuration air_target;  ///< orientation asked for at the last tick
   Configuration air_easing;  ///< orientation rendered minus asked for, shrinking
@@ -74,8 +70,6 @@ void SurfaceFollowing::Implementation::reset() {
   followed = device->home();
   motion = none;
   following = false;
-  catching_up = false;
-  contact_count = 0;
   air_target = device->home();
   air_easing = none;
   gap_easing = 0.0;
@@ -113,19 +107,11 @@ void SurfaceFollowing::Implementation::touch(const ContactSet& contact, double e
   matched = result.configuration;
   rendered.iterations = result.iterations;
   rendered.termination = result.termination;
-  const bool first = rendered.state != RenderingState::kTouching;
-  const bool few = contact.contact_count <= kFewContacts || contact_count <= kFewContacts;
-  contact_count = contact.contact_count;
   rendered.state = RenderingState::kTouching;
-  if (!device->advances() || device->pin_field() != nullptr || !(first || catching_up || few)) {
-    catching_up = false;
-    render(matched, matched);
-    rendered.deviation = result.deviation;
-    return;
-  }
   render(eased_on_skin(view, elapsed), matched);
-  rendered.deviation =
-      catching_up ? matching.deviation(view, options, rendered.configuration) : result.deviation;
+  rendered.deviation = rendered.configuration == matched
+                           ? result.deviation
+                           : matching.deviation(view, options, rendered.configuration);
 }
 
 /// The match, turned no further from what was rendered than the object turned against the bone and
@@ -133,7 +119,7 @@ void SurfaceFollowing::Implementation::touch(const ContactSet& contact, double e
 /// may turn as far as its gap is wide.
 Configuration SurfaceFollowing::Implementation::eased_on_skin(const ContactPoints& view,
                                                               double elapsed) {
-  catching_up = false;
+  if (!device->advances()) return matched;
   const double air = std::max(0.0, skin.gap(rendered.configuration));
   Configuration wanted = matched;
   for (int k = 0; k < matched.size(); ++k) {
@@ -143,9 +129,8 @@ Configuration SurfaceFollowing::Implementation::eased_on_skin(const ContactPoint
         rates.turn_on_skin * elapsed + air / device->axes()[static_cast<std::size_t>(k)].metric;
     wanted[k] = std::clamp(matched[k], from + std::min(0.0, motion[k]) - room,
                            from + std::max(0.0, motion[k]) + room);
-    catching_up = catching_up || wanted[k] != matched[k];
   }
-  return catching_up ? matching.advanced(view, options, wanted) : wanted;
+  return wanted == matched ? matched : matching.advanced(view, options, wanted);
 }
 
 /// How the object moved against the bone since the last tick, as a device that faces its nearest
@@ -216,11 +201,11 @@ void SurfaceFollowing::Implementation::stay_off(const ContactSet& contact, Rende
     }
     const bool on_skin = arrived_here || state == RenderingState::kLingering;
     const double rate =
-        !turns(k) ? rates.gap_in_air : (on_skin ? rates.turn_on_skin : rates.turn_in_air);
+        !turns(k) ? rates.move_off_skin : (on_skin ? rates.turn_on_skin : rates.turn_off_skin);
     air_easing[k] = shrunk(air_easing[k], rate * elapsed);
   }
   if (before != state) gap_easing = skin.gap(rendered.configuration) - gap;
-  gap_easing = shrunk(gap_easing, rates.gap_in_air * elapsed);
+  gap_easing = shrunk(gap_easing, rates.move_off_skin * elapsed);
   // It comes no nearer than it stands or is asked to, and presses nothing.
   const double standing = std::max(0.0, skin.gap(rendered.configuration));
   gap_easing = std::max(gap_easing, std::min(0.0, standing - gap));
@@ -242,9 +227,8 @@ void SurfaceFollowing::Implementation::stay_off(const ContactSet& contact, Rende
 }
 
 SurfaceFollowing::SurfaceFollowing(std::shared_ptr<const Device> device, int capacity,
-                                   MatchingOptions options, RenderingRates rates)
-    : implementation_(
-          std::make_unique<Implementation>(std::move(device), capacity, options, rates)) {}
+                                   MatchingOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(device), capacity, options)) {}
 SurfaceFollowing::~SurfaceFollowing() = default;
 SurfaceFollowing::SurfaceFollowing(SurfaceFollowing&&) noexcept = default;
 SurfaceFollowing& SurfaceFollowing::operator=(SurfaceFollowing&&) noexcept = default;

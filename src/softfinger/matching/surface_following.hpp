@@ -19,26 +19,19 @@ struct RenderedSurface {
   Termination termination = Termination::kConverged;
 };
 
-/// How fast changes of no meaning are given back: those of a contact set of few samples that comes
-/// and goes, and those between approach, touch, release and home. Beside them the device moves with
-/// the object, as fast as its motors do: nothing here delays a touch or a release.
-struct RenderingRates {
-  double turn_on_skin = 0.63;  ///< rad/s
-  double turn_in_air = 1.31;   ///< rad/s
-  double gap_in_air = 30e-3;   ///< m/s
-};
-
 /// The running loop's device behaviour, one tick at a time: in contact the match; without contact
 /// but with an object nearer than the device's approach distance, the same least gap to the skin,
 /// facing along the object's nearest normal; else home, or the nearest to home that clears the
-/// skin. Turns on the skin are eased while few samples touch, the device then being as far advanced
-/// as E is least; off the skin gap and orientation are. The device presses only while something
-/// touches, and leaves the skin only after two ticks without contact. tick() does not allocate.
+/// skin. Changes of no meaning, those of a contact set that comes and goes and those between
+/// approach, touch, release and home, are given back as fast as the device's EasingRates say: turns
+/// on the skin, the device then being as far advanced as E is least, gap and orientation off it.
+/// Nothing delays a touch or a release. The device presses only while something touches, and leaves
+/// the skin only after two ticks without contact. tick() does not allocate.
 class SurfaceFollowing {
  public:
   /// `capacity`: number of skin samples; features have room besides.
-  SurfaceFollowing(std::shared_ptr<const Device> device, int capacity, MatchingOptions options = {},
-                   RenderingRates rates = {});
+  SurfaceFollowing(std::shared_ptr<const Device> device, int capacity,
+                   MatchingOptions options = {});
   ~SurfaceFollowing();
   SurfaceFollowing(SurfaceFollowing&&) noexcept;
   SurfaceFollowing& operator=(SurfaceFollowing&&) noexcept;

@@ -276,6 +276,10 @@ void ForceAwareMatching::follow(const Configuration& went) {
   self.twin.end_frame(went);
 }
 
+double ForceAwareMatching::deviation(const Configuration& q) const {
+  return implementation_->device->deviation(q, implementation_->samples);
+}
+
 const Twin& ForceAwareMatching::twin() const { return implementation_->twin; }
 
 }  // namespace softfinger

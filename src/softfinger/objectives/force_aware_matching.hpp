@@ -82,6 +82,8 @@ class ForceAwareMatching {
   /// Where the device went in this frame: where its limits led it elsewhere, friction and
   /// relaxation of the twin follow there. Without it, it is taken to have gone to the match.
   void follow(const Configuration& went);
+  /// E at q of the samples of the last match, m^2.
+  [[nodiscard]] double deviation(const Configuration& q) const;
   [[nodiscard]] const Twin& twin() const;
 
  private:

@@ -11,7 +11,7 @@ namespace softfinger {
 /// The virtual finger at a device tick. Views.
 struct VirtualFinger {
   const ContactSet& contact;
-  std::span<const Vector3> nodes_W;  ///< all, m; may be empty for who wants_nodes() not
+  std::span<const Vector3> nodes_W;  ///< all, m
   const Pose& X_WF;
 };
 
@@ -29,8 +29,6 @@ class Objective {
   virtual const RenderedSurface& tick(const VirtualFinger& finger, double elapsed) = 0;
   /// After a tick: where the device went for the model, limits in the way included. As tick().
   virtual void follow(const Configuration& went) { static_cast<void>(went); }
-  /// Whether tick() looks at the finger's nodes.
-  [[nodiscard]] virtual bool wants_nodes() const { return false; }
 };
 
 }  // namespace softfinger

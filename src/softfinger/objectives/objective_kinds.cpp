@@ -1,10 +1,15 @@
 #include "softfinger/objectives/objective_kinds.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <vector>
 
 #include "softfinger/device/device_objectives.hpp"
-#include "softfinger/objectives/contact_plane.hpp"
+#include "softfinger/matching/contact_plane.hpp"
+#include "softfinger/objectives/plane.hpp"
 #include "softfinger/objectives/published.hpp"
 #include "softfinger/objectives/stress.hpp"
 #include "softfinger/objectives/surface.hpp"
@@ -20,42 +25,55 @@ std::unique_ptr<Objective> make(const std::shared_ptr<const FingerModel>& model,
 }
 
 constexpr std::array kKinds{
-    ObjectiveKind{"surface", "contact surface", true, make<SurfaceObjective>},
-    ObjectiveKind{"surface_and_force", "contact surface and force", true,
-                  make<SurfaceAndForceObjective>},
-    ObjectiveKind{"stress", "stress below the skin", true, make<StressObjective>},
-    ObjectiveKind{"published", "Perez et al. 2015", false, make<PublishedObjective>},
-    ObjectiveKind{"contact_plane", "a plane at the contact's centroid", false,
-                  make<ContactPlaneObjective>},
+    ObjectiveKind{"surface", "contact surface", make<SurfaceObjective>},
+    ObjectiveKind{"surface_and_force", "contact surface and force", make<SurfaceAndForceObjective>},
+    ObjectiveKind{"stress", "stress below the skin", make<StressObjective>},
+    ObjectiveKind{"published", "contact surface as published", make<PublishedObjective>},
+    ObjectiveKind{"plane", "plane at the contact's centroid", make<PlaneObjective>,
+                  "a length in its configuration, to move the surface along", takes_plane},
 };
 
 /// Device files are read below this table.
-constexpr bool device_files_know_the_table() {
-  const auto named = [](std::string_view name) {
-    return std::find(kDeviceObjectives.begin(), kDeviceObjectives.end(), name) !=
-           kDeviceObjectives.end();
-  };
-  std::size_t count = 0;
-  for (const ObjectiveKind& kind : kKinds) {
-    if (kind.for_devices != named(kind.name)) return false;
-    count += kind.for_devices ? 1 : 0;
-  }
-  return count == kDeviceObjectives.size();
+static_assert(std::ranges::equal(kKinds, kDeviceObjectives, {}, &ObjectiveKind::name));
+
+bool has(const Device& device, const ObjectiveKind& kind) {
+  return kind.fits == nullptr || kind.fits(device);
 }
-static_assert(device_files_know_the_table());
 
 }  // namespace
 
 std::span<const ObjectiveKind> objective_kinds() { return kKinds; }
 
 const ObjectiveKind* objective_kind(std::string_view name) {
-  const auto* const found = std::find_if(
-      kKinds.begin(), kKinds.end(), [&](const ObjectiveKind& kind) { return kind.name == name; });
+  const auto* const found =
+      std::ranges::find(kKinds, present_objective(name), &ObjectiveKind::name);
   return found == kKinds.end() ? nullptr : found;
 }
 
 const ObjectiveKind& objective_kind(const Device& device) {
   return *objective_kind(device.settings().matching.objective);
+}
+
+double number_of(const ObjectiveKind& kind) {
+  const auto* const found = std::ranges::find(kKinds, kind.name, &ObjectiveKind::name);
+  return found == kKinds.end() ? std::numeric_limits<double>::quiet_NaN()
+                               : static_cast<double>(found - kKinds.begin());
+}
+
+const ObjectiveKind* objective_numbered(double number) {
+  if (!(number >= 0.0 && number < static_cast<double>(kKinds.size()))) return nullptr;
+  const auto place = static_cast<std::size_t>(number);
+  return static_cast<double>(place) == number ? &kKinds[place] : nullptr;
+}
+
+std::string why_not(const ObjectiveKind& kind, const Device& device) {
+  if (has(device, kind)) return {};
+  std::vector<std::string_view> others;
+  for (const ObjectiveKind& other : kKinds) {
+    if (has(device, other)) others.push_back(other.name);
+  }
+  return fmt::format("\"{}\" needs {}, and this device has none; it can have {}", kind.name,
+                     kind.needs, fmt::join(others, ", "));
 }
 
 }  // namespace softfinger

@@ -18,7 +18,6 @@ class StressObjective final : public Objective {
 
   const RenderedSurface& tick(const VirtualFinger& finger, double elapsed) override;
   void follow(const Configuration& went) override { correction_.follow(went); }
-  [[nodiscard]] bool wants_nodes() const override { return true; }
 
  private:
   SurfaceFollowing surface_;

@@ -5,9 +5,8 @@
 namespace softfinger {
 
 SurfaceObjective::SurfaceObjective(const std::shared_ptr<const FingerModel>& model,
-                                   std::shared_ptr<const Device> device,
-                                   const MatchingOptions& options)
-    : surface_(std::move(device), static_cast<int>(model->sample_nodes.size()), options) {}
+                                   std::shared_ptr<const Device> device)
+    : surface_(std::move(device), static_cast<int>(model->sample_nodes.size())) {}
 
 const RenderedSurface& SurfaceObjective::tick(const VirtualFinger& finger, double elapsed) {
   return surface_.tick(finger.contact, elapsed);

@@ -8,10 +8,10 @@
 namespace softfinger {
 
 /// "surface": contact surface matching, tick by tick.
-class SurfaceObjective : public Objective {
+class SurfaceObjective final : public Objective {
  public:
   SurfaceObjective(const std::shared_ptr<const FingerModel>& model,
-                   std::shared_ptr<const Device> device, const MatchingOptions& options = {});
+                   std::shared_ptr<const Device> device);
 
   const RenderedSurface& tick(const VirtualFinger& finger, double elapsed) override;
 

@@ -2,17 +2,9 @@
 
 #include <algorithm>
 
-#include "softfinger/base/units.hpp"
 #include "softfinger/matching/limit_clamp.hpp"
 
 namespace softfinger {
-namespace {
-
-// The most that the device moves beside the surface's own motion.
-constexpr double kTurnRate = 90.0 * deg;   // rad/s
-constexpr double kLengthRate = 30.0 * mm;  // m/s
-
-}  // namespace
 
 TwinCorrection::TwinCorrection(const std::shared_ptr<const FingerModel>& model,
                                std::shared_ptr<const Device> device, MatchingOptions matching,
@@ -36,11 +28,12 @@ const RenderedSurface& TwinCorrection::tick(const ContactSet& contact,
                                             const RenderedSurface& surface, double elapsed) {
   const ForceAwareResult& matched = force_.match(
       contact, surface.configuration, contact.friction_coefficient, elapsed, matching_, nodes_F);
+  const EasingRates& rates = device_->settings().matching.easing;
   // As near the match as is possible from where it was and from where the surface takes it: a
   // surface that jumps between two answers as good takes nobody along who stays.
   for (int k = 0; k < correction_.size(); ++k) {
     const bool angle = device_->axes()[static_cast<std::size_t>(k)].angular;
-    const double room = (angle ? kTurnRate : kLengthRate) * elapsed;
+    const double room = (angle ? rates.turn_by_force : rates.move_by_force) * elapsed;
     const double stay = rendered_.configuration[k];
     const double go = surface.configuration[k] + correction_[k];
     correction_[k] =
@@ -58,7 +51,9 @@ const RenderedSurface& TwinCorrection::tick(const ContactSet& contact,
       device_->reachable(wanted) ? wanted : last_reachable(*device_, surface.configuration, wanted);
   static_cast<void>(device_->inverse_kinematics(rendered_.configuration, rendered_.joints));
   if (contact.contact_count > 0) {
-    rendered_.deviation = matched.deviation;
+    rendered_.deviation = rendered_.configuration == matched.configuration
+                              ? matched.deviation
+                              : force_.deviation(rendered_.configuration);
     rendered_.iterations += matched.iterations;
   }
   return rendered_;

@@ -13,7 +13,8 @@ namespace softfinger {
 /// SurfaceFollowing wants, put right by what the twin feels. Off the skin the correction is given
 /// back at a bounded rate, at the gap to the skin that SurfaceFollowing wants, so that neither
 /// touch nor release, nor a twin that loses contact, makes the device jump, and nothing is pressed
-/// where nothing touches. tick() does not allocate.
+/// where nothing touches. Beside SurfaceFollowing's own motion the device moves as fast as its
+/// EasingRates say. tick() does not allocate.
 class TwinCorrection {
  public:
   TwinCorrection(const std::shared_ptr<const FingerModel>& model,

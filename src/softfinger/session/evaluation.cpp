@@ -135,6 +135,13 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
       throw InputError(fmt::format("{}: finger {} has no device to judge; give it one, or --device",
                                    setup->scene.file.string(), name));
     }
+    if (run.objective != nullptr) {
+      const std::string why = why_not(*run.objective, *setup->devices[i]);
+      if (!why.empty()) {
+        throw InputError(
+            fmt::format("--objective: {}: {}", setup->scene.fingers[i].device->string(), why));
+      }
+    }
     judges.emplace_back(setup->models[i], setup->wearer ? setup->wearer : setup->models[i],
                         setup->devices[i]);
     answer.fingers.push_back(name);

@@ -9,7 +9,7 @@ namespace softfinger {
 
 LiveDevice::LiveDevice(FingerChain& chain, const FingerModel& model, std::unique_ptr<LiveTwin> twin)
     : chain_(chain),
-      handover_(model, chain.device().wants_nodes()),
+      handover_(model),
       feedback_(initial_feedback(chain.device())),
       twin_(std::move(twin)) {}
 

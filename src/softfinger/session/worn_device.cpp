@@ -15,6 +15,7 @@
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/finger/bone.hpp"
 #include "softfinger/finger/rest_skin.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 
 namespace softfinger {
 namespace {
@@ -248,6 +249,11 @@ void check_force_sensor(const fs::path& file, const Device& device) {
          "finger; name it by [matching] approach, or leave the table out");
 }
 
+void check_objective(const fs::path& file, const Device& device) {
+  const std::string why = why_not(objective_kind(device), device);
+  if (!why.empty()) refuse(file, "matching", "objective", why);
+}
+
 }  // namespace
 
 WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::stop_token& stop) {
@@ -266,6 +272,7 @@ WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::s
   const Device& device = *worn.device;
   check_bone(file, device, finger);
   check_force_sensor(file, device);
+  check_objective(file, device);
   RestingGap gap(device, skin);
   check_advance(file, device, gap);
   check_rest(file, device, finger, gap);
