@@ -4,6 +4,7 @@
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
 #include "recorded_run.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/replay.hpp"
 
 namespace softfinger {
@@ -69,6 +70,80 @@ TEST(LiveRun, PausesRestartsAndChangesScene) {
   const ReplayResult paused = replay({.recording = directory / "live.db", .scene = {}});
   EXPECT_TRUE(paused.agree) << *paused.first_difference << " " << paused.difference;
   EXPECT_TRUE(replay({.recording = directory / "live-2.db", .scene = {}}).agree);
+}
+
+// The page changes what leads the device: from one tick on, in a pause too, and a replay does the
+// same at the same tick. It outlasts a restart, not another scene.
+TEST(LiveRun, AnObjectiveChangesWhileItRunsAndReplaysToTheBit) {
+  const ScenesWithoutForceLimit scenes;
+  const TemporaryDirectory directory;
+  RunOptions options;
+  options.scene = scenes.scene("sphere");
+  options.recording = directory / "live.db";
+  options.twin = false;
+  LiveSession session(options, false);
+  std::atomic<bool> stop{false};
+  const auto number = [](const char* name) {
+    return static_cast<int>(number_of(*objective_kind(name)));
+  };
+  const int own = static_cast<int>(number_of(objective_kind(*load_setup(options)->devices[0])));
+  std::thread viewer([&] {
+    const auto wait = [&](const auto& condition) {
+      for (int i = 0; i < 6000; ++i) {
+        session.refresh();
+        if (condition(session.latest())) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      return false;
+    };
+    const auto ask = [&](const std::string& objective, std::size_t finger = 0) {
+      LiveRequest request;
+      request.kind = LiveRequest::Kind::kObjective;
+      request.finger = finger;
+      request.objective = objective;
+      session.request(request);
+    };
+    const auto led_by = [](int objective) {
+      return [=](const Snapshot& s) {
+        return s.fingers[0].tick >= 0 && s.fingers[0].objective == objective;
+      };
+    };
+    const std::vector<int>& choice = session.description()->fingers[0].objectives;
+    EXPECT_EQ(choice.size(), session.description()->objectives.size());
+    EXPECT_TRUE(wait(led_by(own)));
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.fingers[0].contact_count > 3; }));
+    for (const char* objective : {"stress", "plane", "published"}) {
+      ask(objective);
+      EXPECT_TRUE(wait(led_by(number(objective)))) << objective;
+    }
+    ask("fun");
+    ask("plane", 7);
+    session.request({LiveRequest::Kind::kPause, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.paused; }));
+    ask("plane");
+    EXPECT_TRUE(wait(led_by(number("plane"))));
+    session.request({LiveRequest::Kind::kResume, ""});
+    session.request({LiveRequest::Kind::kRestart, ""});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.generation == 2 && s.step > 200; }));
+    EXPECT_TRUE(wait(led_by(number("plane"))));
+    session.request({LiveRequest::Kind::kScene, "plane"});
+    EXPECT_TRUE(wait([](const Snapshot& s) { return s.generation == 3 && s.step > 200; }));
+    EXPECT_TRUE(wait(led_by(own)));
+    stop = true;
+  });
+  session.run(stop);
+  viewer.join();
+  std::vector<double> led;
+  for (const TickRecord& tick : ticks_of(directory / "live.db")) {
+    if (led.empty() || led.back() != tick.objective) led.push_back(tick.objective);
+  }
+  EXPECT_THAT(led, testing::ElementsAre(own, number("stress"), number("plane"), number("published"),
+                                        number("plane")));
+  for (const char* recording : {"live.db", "live-2.db"}) {
+    const ReplayResult result = replay({.recording = directory / recording, .scene = {}});
+    EXPECT_TRUE(result.agree) << recording << ": " << *result.first_difference << " "
+                              << result.difference;
+  }
 }
 
 TEST(LiveRun, TrackingThatIsLostInAPauseRetractsTheDevice) {

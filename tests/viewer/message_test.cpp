@@ -74,6 +74,24 @@ TEST(PageRequest, RefusesPosesThatAreNone) {
   EXPECT_TRUE(refused("0", somewhere, upright, R"(,"more":1)"));
 }
 
+TEST(PageRequest, ReadsAnObjective) {
+  const auto request = parse_page_request(
+      R"({"request":"objective","finger":1,"objective":"surface_and_force"})", kScenes);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->kind, LiveRequest::Kind::kObjective);
+  EXPECT_EQ(request->finger, 1U);
+  EXPECT_EQ(request->objective, "surface_and_force");
+  for (const std::string& rest :
+       {std::string(R"("finger":1)"), std::string(R"("objective":"plane")"),
+        std::string(R"("finger":64,"objective":"plane")"),
+        std::string(R"("finger":-1,"objective":"plane")"),
+        std::string(R"("finger":1,"objective":4)"), std::string(R"("finger":1,"objective":"")"),
+        std::string(R"("finger":1,"objective":"plane","more":1)"),
+        R"("finger":1,"objective":")" + std::string(65, 'x') + '"'}) {
+    EXPECT_FALSE(parse_page_request(R"({"request":"objective",)" + rest + "}", kScenes)) << rest;
+  }
+}
+
 TEST(PageRequest, ReadsARegistration) {
   const auto plain = parse_page_request(R"({"request":"register","finger":2})", kScenes);
   ASSERT_TRUE(plain);
@@ -149,6 +167,15 @@ TEST(SceneMessage, TellsWhatIsWrongWithADevice) {
   EXPECT_EQ(json["notices"][1]["finger"], 4);
   EXPECT_EQ(json["notices"][1]["kind"], "approach");
   EXPECT_EQ(json["notices"][1]["text"], feed.description()->notices[1].text);
+}
+
+TEST(SceneMessage, NamesWhatLeadsADevice) {
+  SyntheticFeed feed;
+  const auto json = nlohmann::json::parse(scene_message(*feed.description()));
+  const auto& finger = json["fingers"][0];
+  ASSERT_EQ(finger["objectives"], nlohmann::json::parse("[0,1]"));
+  EXPECT_EQ(json["objectives"][1]["name"], "surface_and_force");
+  EXPECT_EQ(json["objectives"][1]["words"], "contact surface and force");
 }
 
 // The page has no names of its own.
@@ -257,6 +284,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.pieces[1].ball_radius = 12 * mm;
   finger.device_state = "rendering";
   finger.force_limited = true;
+  finger.objective = 3;
   finger.twin.pressed = true;
   finger.twin.skin = finger.skin;
   finger.twin.skin.in_contact = {1, 0, 0, 0, 0};
@@ -313,7 +341,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 16), 2U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 20), 5U);
   EXPECT_EQ(read_at<std::uint32_t>(message, counts + 24), 2U);
-  EXPECT_EQ(read_at<std::uint32_t>(message, counts + 28), 1U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, counts + 28), 1U + 256U * 3U);
   EXPECT_EQ(std::memcmp(message.data() + counts + 32, "rendering\0\0\0\0\0\0\0", 16), 0);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 8), 3.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, samples + 60), 2.0F);  // kPa

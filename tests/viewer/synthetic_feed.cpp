@@ -63,6 +63,7 @@ SceneDescription::Finger make_finger(const std::string& name) {
   finger.device_kind = "platform_3rrs";
   finger.device_kind_words = "3-RRS thimble";
   finger.configuration_names = {"pitch_deg", "roll_deg", "travel_mm"};
+  finger.objectives = {0, 1};
   finger.disk_radius = 8 * mm;
   finger.legs = 3;
   finger.pieces = {RoundedCylinder{8 * mm, 1 * mm, 0.5 * mm}};
@@ -186,6 +187,8 @@ void SyntheticFeed::start_scene(const std::string& name) {
   scene->scene_name = name;
   scene->scene_names = {"corner", "cylinder", "edge", "hand", "plane", "relief", "sphere"};
   scene->duration = 12.0;
+  scene->objectives = {{"surface", "contact surface"},
+                       {"surface_and_force", "contact surface and force"}};
   X_WO_ = {};
   if (name == "sphere") {
     scene->objects.push_back({"ball", Ball{20 * mm}});
@@ -342,6 +345,12 @@ void SyntheticFeed::request(const LiveRequest& request) {
       break;
     case LiveRequest::Kind::kScene:
       start_scene(request.scene);
+      break;
+    case LiveRequest::Kind::kObjective:
+      for (std::size_t k = 0; k < description_->objectives.size(); ++k) {
+        if (description_->objectives[k].name != request.objective) continue;
+        snapshot_.fingers.at(request.finger).objective = static_cast<int>(k);
+      }
       break;
     case LiveRequest::Kind::kRegister:
       registration_ = {.phase = RegistrationState::Phase::kRunning,

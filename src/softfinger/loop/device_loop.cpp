@@ -23,11 +23,10 @@ void note_way_here(const TrackedPose& tracked, double time, TickInput& input) {
 DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>& device,
                        const std::shared_ptr<const FingerModel>& model,
                        const DeviceLoopOptions& options)
-    : device_(device),
-      objective_((options.objective != nullptr ? *options.objective : objective_kind(*device))
-                     .make(model, device)),
-      stands_(device->home()),
-      actuator_(device, options.actuator) {
+    : device_(device), model_(model), stands_(device->home()), actuator_(device, options.actuator) {
+  lead_by(options.objective != nullptr ? *options.objective : objective_kind(*device));
+  leads_.refresh();
+  record_.objective = number_of(*leads_.latest().kind);
   if (ForceLimiter::needed(*device)) limiter_ = std::make_unique<ForceLimiter>(*model, device);
   if (const auto& sensor = device->settings().force_sensor) {
     offset_ = std::make_unique<TravelOffset>(model, device);
@@ -45,11 +44,18 @@ DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>&
   device->clamped_joints(device->home(), record_.command.joints);
 }
 
+void DeviceLoop::lead_by(const ObjectiveKind& kind) {
+  leads_.draft() = {&kind, kind.make(model_, device_)};
+  leads_.publish();
+}
+
 const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& finger) {
   const double cpu_began = thread_cpu_time();
   const ContactSet& contact = finger.contact;
   const double elapsed = std::max(0.0, input.time - record_.time);
-  const RenderedSurface& surface = objective_->tick(finger, elapsed);
+  leads_.refresh();
+  const Lead& lead = leads_.latest();
+  const RenderedSurface& surface = lead.objective->tick(finger, elapsed);
   Configuration corrected = surface.configuration;
   if (offset_) {
     if (reading_.configuration.size() > 0) {
@@ -70,6 +76,7 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
   // Once a tick: what is recorded is what is done.
   record_.emergency = input.emergency || actuator_.stop_latch().is_stopped();
   record_.reading = reading_;
+  record_.objective = number_of(*lead.kind);
   record_.wanted = surface.configuration;
   record_.deviation = surface.deviation;
   record_.iterations = surface.iterations;
@@ -91,7 +98,7 @@ void DeviceLoop::follow() {
   const double cpu_began = thread_cpu_time();
   const Configuration& went = record_.command.configuration;
   if (limiter_) limiter_->follow(went);
-  objective_->follow(offset_ ? offset_->felt(went) : went);
+  leads_.latest().objective->follow(offset_ ? offset_->felt(went) : went);
   record_.cpu_time += thread_cpu_time() - cpu_began;
 }
 

@@ -12,6 +12,7 @@
 #include "softfinger/loop/travel_offset.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/recording/record.hpp"
+#include "softfinger/threads/mailbox.hpp"
 #include "softfinger/tracking/tracker.hpp"
 
 namespace softfinger {
@@ -54,7 +55,9 @@ class DeviceLoop {
   const TickRecord& tick(const TickInput& input, const VirtualFinger& finger);
   /// Before a tick that is replayed.
   void replay_reading(const ForceReading& reading) { reading_ = reading; }
-  [[nodiscard]] bool wants_nodes() const { return objective_->wants_nodes(); }
+  /// From the next tick on the device is led by this, which begins where nothing is known of the
+  /// past. One thread, not of the loop: it makes, and forgets, objectives.
+  void lead_by(const ObjectiveKind& kind);
   /// The last tick; tick -1 before the first.
   [[nodiscard]] const TickRecord& record() const { return record_; }
   [[nodiscard]] const Device& device() const { return *device_; }
@@ -62,12 +65,19 @@ class DeviceLoop {
   [[nodiscard]] const Actuator& actuator() const { return actuator_; }
 
  private:
+  /// What leads the device. The mailbox keeps the one that is in use away from who makes others.
+  struct Lead {
+    const ObjectiveKind* kind = nullptr;
+    std::unique_ptr<Objective> objective;
+  };
+
   void measure(double friction_coefficient, double elapsed);
   void follow();
   void note_latency(const TickInput& input);
 
   std::shared_ptr<const Device> device_;
-  std::unique_ptr<Objective> objective_;
+  std::shared_ptr<const FingerModel> model_;
+  Mailbox<Lead> leads_;
   std::unique_ptr<TravelOffset> offset_;         ///< null: force is not measured
   std::unique_ptr<ForceLimiter> limiter_;        ///< null: no limit that hangs on the way
   std::unique_ptr<EmulatedForceSensor> sensor_;  ///< null: none

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "softfinger/actuation/actuator.hpp"
@@ -82,6 +83,9 @@ struct TickRecord {
   bool emergency = false;  ///< the device was to retract
   /// What the device's force sensor said last, an input of the tick; no configuration: nothing.
   ForceReading reading;
+  /// By which objective the device is led, an input of the tick: its place among
+  /// kDeviceObjectives; NaN: the device file's.
+  double objective = std::numeric_limits<double>::quiet_NaN();
   // What the tick computed; compared bit by bit by a replay.
   Configuration wanted;    ///< q of the match; rad and m
   double deviation = 0.0;  ///< E at the match's q, m^2

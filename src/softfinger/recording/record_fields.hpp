@@ -167,6 +167,8 @@ struct TickFields {
           {.columns = "cpu_s", .csv = {CsvFile::kTiming, "match_ms", 2}}),
       tick_field<&TickRecord::latency>(
           {.columns = "latency_s", .csv = {CsvFile::kTiming, "latency_ms", 2}}),
+      tick_field<&TickRecord::objective>(
+          {.columns = "objective", .part = RecordPart::kTick, .newer = true}),
   };
 };
 inline constexpr TickFields kTickFields;

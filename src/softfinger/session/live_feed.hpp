@@ -37,8 +37,10 @@ struct SceneDescription {
     std::string device_kind_words;                   ///< what people call it
     bool cables = false;                             ///< its linkage is of cables
     std::vector<std::string> configuration_names;    ///< with unit: pitch_deg, ...
-    bool linear_joints = false;                      ///< joints are lengths
-    double disk_radius = 0.0;                        ///< of devices that have one
+    /// Places in SceneDescription::objectives of those that the device can have.
+    std::vector<int> objectives;
+    bool linear_joints = false;  ///< joints are lengths
+    double disk_radius = 0.0;    ///< of devices that have one
     int legs = 0;
     std::vector<Shape> pieces;  ///< of the device's solid, at home
     double cap_radius = 0.0;    ///< see Device
@@ -57,6 +59,11 @@ struct SceneDescription {
     std::string kind;        ///< one word for what it is about, e.g. force_limit, approach
     std::string text;        ///< one line
   };
+  /// What a device can be led by.
+  struct LeadingObjective {
+    std::string name;
+    std::string words;  ///< what people call it
+  };
   std::uint64_t generation = 0;          ///< grows with each scene or restart
   std::string scene_name;                ///< file stem, e.g. "sphere"
   std::vector<std::string> scene_names;  ///< what the page may choose from
@@ -64,6 +71,7 @@ struct SceneDescription {
   std::vector<Object> objects;
   std::vector<Finger> fingers;
   std::vector<Notice> notices;
+  std::vector<LeadingObjective> objectives;  ///< all there are
 };
 
 /// Whether devices of a run are stopped: as asked, and as a fact.
@@ -105,6 +113,7 @@ struct Snapshot {
     Configuration actual;         ///< q where the servos say they are; empty: they do not
     JointAngles joints;           ///< commanded; rad, or m for linear ones
     std::int64_t tick = -1;       ///< of the commanded q; -1: none yet
+    int objective = 0;            ///< that led to it: its place in SceneDescription::objectives
     StageTimes stages;            ///< of that tick
     Pose X_FP;                    ///< platform of the commanded q
     /// Per leg: base joint, knee, platform joint; m, in F; commanded.
@@ -139,6 +148,7 @@ struct LiveRequest {
     kResume,
     kRestart,
     kScene,
+    kObjective,  ///< of one finger's device
     kPose,
     kStop,     ///< the devices; latched
     kRelease,  ///< asks to, from the stop that a snapshot told of
@@ -150,7 +160,8 @@ struct LiveRequest {
   std::string scene;                   ///< for kScene: one of SceneDescription::scene_names
   std::uint64_t generation = 0;        ///< for kRelease: of that snapshot
   std::uint32_t stops = 0;             ///< for kRelease: of that snapshot
-  std::size_t finger = 0;              ///< for kPose, kRegister: which of the scene's
+  std::string objective;               ///< for kObjective: its name
+  std::size_t finger = 0;              ///< for kObjective, kPose, kRegister: which of the scene's
   Pose X_WFt;                          ///< for kPose: where the person wants it
   FingerSize measured;                 ///< for kRegister
   std::optional<double> table_height;  ///< for kRegister: z of W, m; see RegistrationTask

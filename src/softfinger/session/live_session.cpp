@@ -197,6 +197,9 @@ std::shared_ptr<const RunSetup> LiveSession::obey_requests() {
           begin_loading(options_.scene.parent_path() / (request.scene + ".toml"));
         }
         break;
+      case LiveRequest::Kind::kObjective:
+        lead(request);
+        break;
       case LiveRequest::Kind::kReload:
         begin_loading(setup_->scene.file);
         break;
@@ -209,6 +212,14 @@ std::shared_ptr<const RunSetup> LiveSession::obey_requests() {
     }
   }
   return nullptr;
+}
+
+/// As the page may ask: of a finger with a device that can have it.
+void LiveSession::lead(const LiveRequest& request) {
+  const ObjectiveKind* const kind = objective_kind(request.objective);
+  if (kind == nullptr || request.finger >= setup_->devices.size()) return;
+  const Device* const device = setup_->devices[request.finger].get();
+  if (device != nullptr && why_not(*kind, *device).empty()) run_->lead_by(request.finger, *kind);
 }
 
 bool LiveSession::has_scene(const std::string& name) const {

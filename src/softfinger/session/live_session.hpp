@@ -72,6 +72,7 @@ class LiveSession final : public LiveFeed {
   bool wants_another_scene();
   void release(const LiveRequest& request);
   void begin_registration(const LiveRequest& request);
+  void lead(const LiveRequest& request);
   [[nodiscard]] bool has_scene(const std::string& name) const;
   void begin_loading(const std::filesystem::path& scene);
   /// The scene that was loaded; null: none, or not yet, or it cannot be, which is told.

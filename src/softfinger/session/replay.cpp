@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/recorded_files.hpp"
 #include "softfinger/session/run_setup.hpp"
@@ -52,6 +54,7 @@ class Replayer {
     Finger& finger = finger_of(recorded);
     if (!finger.chain->has_device()) return "device tick";
     finger.chain->device().replay_reading(recorded.reading);
+    lead(finger.chain->device(), recorded);
     TickInput input = finger.chain->tick_input(std::chrono::steady_clock::now());
     input.step = recorded.step;
     input.time = recorded.time;
@@ -82,6 +85,20 @@ class Replayer {
     std::unique_ptr<FingerChain> chain;
     std::map<std::int64_t, std::uint64_t> tick_hashes;
   };
+
+  /// By what led then; a recording that does not say it was led by what the device file says.
+  static void lead(DeviceLoop& device, const TickRecord& recorded) {
+    if (std::isnan(recorded.objective) || recorded.objective == device.record().objective) return;
+    const ObjectiveKind* const kind = objective_numbered(recorded.objective);
+    if (kind == nullptr || !why_not(*kind, device.device()).empty()) {
+      throw InputError(
+          fmt::format("the recording has objective {} at device tick {}, which {}; replay it with "
+                      "the program that made it",
+                      recorded.objective, recorded.tick,
+                      kind == nullptr ? "is none of this program's" : "its device cannot have"));
+    }
+    device.lead_by(*kind);
+  }
 
   template <typename Record>
   Finger& finger_of(const Record& record) {

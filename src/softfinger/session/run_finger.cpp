@@ -29,6 +29,12 @@ Actuator* RunFinger::actuator() const {
   return chain->has_device() ? &chain->device().actuator() : nullptr;
 }
 
+void RunFinger::lead_by(const ObjectiveKind& kind) {
+  if (!chain->has_device()) return;
+  led_by = &kind;
+  chain->device().lead_by(kind);
+}
+
 void RunFinger::close() {
   live.reset();
   tracker.close();

@@ -25,6 +25,9 @@ struct RunFinger {
   /// Null: no device.
   [[nodiscard]] Actuator* actuator() const;
 
+  /// From the next tick on the device is led by this. One thread; nothing without a device.
+  void lead_by(const ObjectiveKind& kind);
+
   std::size_t number;  ///< of the scene's fingers
   RunTracker tracker;
   std::unique_ptr<FingerChain> chain;           ///< null until open()
@@ -33,6 +36,8 @@ struct RunFinger {
   TrackedPose tracked;                          ///< that pose
   /// Of a pause: since when its tracking is lost.
   std::optional<std::chrono::steady_clock::time_point> lost_in_pause;
+  /// Asked for while it runs; null: what the run began with. Session's thread.
+  const ObjectiveKind* led_by = nullptr;
   FingerSummary summary;  ///< simulation thread
 };
 

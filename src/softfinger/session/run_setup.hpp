@@ -41,7 +41,7 @@ struct RunOptions : SetupOptions {
   PoseConditioning conditioning;     ///< of all tracked poses
   std::optional<double> duration;    ///< s; empty: until the trackers end
   bool as_fast_as_possible = false;  ///< headless only: not paced by the wall clock
-  /// Instead of the device files' (null); recordings do not know of it.
+  /// Instead of the device files' (null).
   const ObjectiveKind* objective = nullptr;
   /// Of every device: its port, its guard, whether it may be absent. The run knows the rest.
   ActuatorOptions actuator;

@@ -159,12 +159,19 @@ DevicesStopped SceneRun::stopped() const noexcept {
   return stopped;
 }
 
-void SceneRun::continue_after(const SceneRun& before) noexcept {
+void SceneRun::lead_by(std::size_t finger, const ObjectiveKind& kind) {
+  fingers_[finger]->lead_by(kind);
+}
+
+void SceneRun::continue_after(const SceneRun& before) {
   paused_.store(before.paused());
   // What came since the last look of the run before is for this one.
   stop_signals_seen_.store(before.stop_signals_seen_.load());
   release_signals_seen_.store(before.release_signals_seen_.load());
   if (before.stopped().asked) stop_devices(StopCause::kEarlier);
+  for (std::size_t i = 0; setup_ == before.setup_ && i < fingers_.size(); ++i) {
+    if (const ObjectiveKind* const kind = before.fingers_[i]->led_by) lead_by(i, *kind);
+  }
 }
 
 void SceneRun::obey_signals() noexcept {

@@ -56,9 +56,12 @@ class SceneRun {
   [[nodiscard]] bool paused() const noexcept { return paused_.load(); }
   /// Every device retracts at once, also in a pause, and stays so until it is released. Any thread.
   void stop_devices(StopCause cause) noexcept;
+  /// Live only: this finger's device is led by that from its next tick on, which its record says.
+  /// The thread that owns the run.
+  void lead_by(std::size_t finger, const ObjectiveKind& kind);
   /// Paused, and stopped, where the run before it was: neither a restart nor another scene resumes,
-  /// or releases. Before start().
-  void continue_after(const SceneRun& before) noexcept;
+  /// or releases; and led, where it is the same scene, by what was asked for. Before start().
+  void continue_after(const SceneRun& before);
   /// Asks to release them. Says nothing, and does nothing, where devices were stopped again since
   /// stops() was `stops`. Any thread.
   bool ask_release(StopLatch::Number stops, StopCause by) noexcept;

@@ -1,9 +1,11 @@
 #include "softfinger/session/scene_snapshot.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "softfinger/device/kinds/device_kinds.hpp"
+#include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/tracking/make_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 
@@ -66,6 +68,9 @@ void read_device(const DeviceLoop& device, DeviceFeedback& feedback) {
 SceneDescription describe(const RunSetup& setup) {
   SceneDescription description;
   description.scene_name = setup.scene.file.stem().string();
+  for (const ObjectiveKind& kind : objective_kinds()) {
+    description.objectives.push_back({std::string(kind.name), std::string(kind.words)});
+  }
   for (const VirtualObject& object : setup.scene.objects) {
     description.objects.push_back({object.name, object.shape});
   }
@@ -94,6 +99,10 @@ SceneDescription describe(const RunSetup& setup) {
       finger.cables = kind.cables;
       for (const ConfigurationAxis& axis : device->axes()) {
         finger.configuration_names.push_back(axis.name);
+      }
+      for (const ObjectiveKind& objective : objective_kinds()) {
+        if (!why_not(objective, *device).empty()) continue;
+        finger.objectives.push_back(static_cast<int>(number_of(objective)));
       }
       finger.linear_joints = device->joint_limits().linear;
       finger.disk_radius = device->disk_radius();
@@ -161,6 +170,8 @@ void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback) {
   snapshot.actual = feedback.actual;
   snapshot.joints = feedback.tick.command.joints;
   snapshot.tick = feedback.tick.tick;
+  const double objective = feedback.tick.objective;
+  snapshot.objective = std::isnan(objective) ? 0 : static_cast<int>(objective);
   snapshot.stages = feedback.tick.stages;
   snapshot.X_FP = feedback.X_FP;
   const std::size_t points = std::min(snapshot.linkage_F.size(), feedback.linkage_F.size());

@@ -14,6 +14,7 @@ namespace {
 constexpr double kFarthest = 1.0;           // m, of a coordinate
 constexpr double kUnitTolerance = 0.01;     // of a quaternion's length
 constexpr std::uint64_t kMostFingers = 64;  // of any scene
+constexpr std::size_t kLongestName = 64;    // of any objective
 
 /// The `count` finite numbers of `key`; empty where it has anything else.
 template <std::size_t count>
@@ -59,6 +60,19 @@ std::optional<LiveRequest> register_request(const nlohmann::json& json) {
   constexpr double kHighest = RegistrationTask::kHighestTable;
   read("table_mm", -kHighest, kHighest, request.table_height);
   if (!sound || json.size() != known) return {};
+  return request;
+}
+
+/// The session knows which objectives there are, and which the device can have.
+std::optional<LiveRequest> objective_request(const nlohmann::json& json) {
+  const auto finger = finger_of(json);
+  const auto name = json.find("objective");
+  if (json.size() != 3 || !finger || name == json.end() || !name->is_string()) return {};
+  LiveRequest request;
+  request.kind = LiveRequest::Kind::kObjective;
+  request.finger = *finger;
+  request.objective = name->get<std::string>();
+  if (request.objective.empty() || request.objective.size() > kLongestName) return {};
   return request;
 }
 
@@ -115,6 +129,7 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
     choice.scene = name;
     return choice;
   }
+  if (word == "objective") return objective_request(json);
   if (word == "pose") return pose_request(json);
   if (word == "register") return register_request(json);
   if (word == "release") return release_request(json);

@@ -12,6 +12,7 @@ namespace softfinger {
 /// Reads a message of the page, strictly: {"request": "pause" | "resume" | "restart" | "stop"},
 /// {"request": "release", "generation": N, "stops": N} with what the newest snapshot said,
 /// {"request": "scene", "scene": NAME} with NAME one of `scene_names`, or
+/// {"request": "objective", "finger": INDEX, "objective": NAME} with 1 to 64 bytes of NAME, or
 /// {"request": "pose", "finger": INDEX, "position_mm": [x, y, z], "quaternion": [w, x, y, z]} with
 /// X_WFt within a metre of the origin and a quaternion of length 1 within 1 %, or
 /// {"request": "register", "finger": INDEX} with any of "length_mm", "breadth_mm", "depth_mm" (1 to

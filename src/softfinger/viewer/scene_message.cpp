@@ -130,6 +130,7 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"device_kind_words", finger.device_kind_words},
           {"cables", finger.cables},
           {"configuration_names", finger.configuration_names},
+          {"objectives", finger.objectives},
           {"joint_unit", finger.linear_joints ? "mm" : "deg"},
           {"disk_radius_mm", finger.disk_radius / mm},
           {"legs", finger.legs},
@@ -153,6 +154,7 @@ std::string scene_message(const SceneDescription& scene) {
                   {"objects", Json::array()},
                   {"fingers", Json::array()},
                   {"notices", Json::array()},
+                  {"objectives", Json::array()},
                   {"device_states", device_states_json()},
                   {"latency_stages", latency_stages_json()}};
   for (const auto& object : scene.objects) {
@@ -162,6 +164,9 @@ std::string scene_message(const SceneDescription& scene) {
   for (const auto& notice : scene.notices) {
     message["notices"].push_back(
         {{"finger", notice.finger}, {"kind", notice.kind}, {"text", notice.text}});
+  }
+  for (const auto& objective : scene.objectives) {
+    message["objectives"].push_back({{"name", objective.name}, {"words", objective.words}});
   }
   // Names come from files and may hold broken UTF-8; that must not end the viewer.
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);

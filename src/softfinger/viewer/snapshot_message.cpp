@@ -92,7 +92,7 @@ void write_finger(const Snapshot::Finger& finger, const SceneDescription::Finger
   out.count(finger.pieces.size());
   out.count(twin_samples);
   out.count(static_cast<std::size_t>(finger.actual.size()));
-  out.put(finger.force_limited ? 1U : 0U);
+  out.put((finger.force_limited ? 1U : 0U) | static_cast<std::uint32_t>(finger.objective) << 8U);
   out.text(std::string_view(finger.device_state).substr(0, 15), 16);
 
   write_skin(finger.skin, samples, out);

@@ -32,7 +32,8 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x39534653;  ///< "SFS9"
 ///       u32 samples n         u32 configuration m       u32 joints j           u32 points l
 ///       u32 pieces k          u32 samples t of the twin; 0: not pressed
 ///       u32 actual a: m, or 0 where the servos do not say where they are
-///       u32 flags of the device: 1 held back by its limit of force
+///       u32 flags of the device: 1 held back by its limit of force;
+///           from 256 on the place of what leads it among the scene's objectives
 ///       16 bytes device_state, zero-padded
 ///       f32 positions_mm[3 n] in F    f32 pressures_kPa[n]    u8 in_contact[n], zero-padded to 4
 ///       f32 configuration[m], f32 actual[a] in the units of their names

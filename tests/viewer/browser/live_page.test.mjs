@@ -107,6 +107,21 @@ test("the workspace shows where the device is", async () => {
   assert.ok(teal > 100, `${teal} teal pixels`);
 });
 
+test("says what leads the device, and changes it", async () => {
+  const choice = page.locator("#objective");
+  const names = await choice.locator("option").evaluateAll((options) => options.map(({ value }) => value));
+  assert.ok(names.includes("surface") && names.includes("surface_and_force"), String(names));
+  for (const name of [...names.slice(1), names[0]]) {
+    await choice.selectOption(name);
+    await page.waitForFunction((wanted) => document.body.dataset.objective === wanted, name);
+  }
+  // Keys of the list are its own.
+  const state = await data("state");
+  await choice.press("ArrowDown");
+  assert.equal(await data("state"), state);
+  await page.waitForFunction((first) => document.body.dataset.objective !== first, names[0]);
+});
+
 test("latency by stage is behind the title of the computing times", { skip: isFake }, async () => {
   await page.evaluate(() => document.querySelector("#plot-step .turn").click());
   await page.waitForFunction(() =>

@@ -42,6 +42,7 @@ export class Hand {
     }
     window.addEventListener("keydown", (event) => {
       const key = event.key.toLowerCase();
+      if (event.target instanceof HTMLSelectElement) return; // its own keys
       if (!this.active || event.ctrlKey || event.metaKey || event.altKey) return;
       if (!(key in kSlides) && !(key in kTurns)) return;
       this.held.add(key);

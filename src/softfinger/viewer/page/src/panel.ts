@@ -1,5 +1,6 @@
 import { type DeviceMarks, noticeLines, showWarning } from "./device_marks";
 import { commonState, contactCount, HandTable, stateOf, toneOf } from "./hand_table";
+import { ObjectiveChoice } from "./objective_choice";
 import { RadioGroup } from "./radio_group";
 import { kHand, type Shown } from "./shown";
 import { Stopping } from "./stopping";
@@ -26,6 +27,7 @@ export class Panel {
   private readonly fingers: RadioGroup;
   private readonly table: HandTable;
   private readonly stopping: Stopping;
+  private readonly objective: ObjectiveChoice;
 
   constructor(
     private readonly marks: DeviceMarks,
@@ -47,12 +49,14 @@ export class Panel {
     });
     element("pause").onclick = () => this.togglePause();
     this.stopping = new Stopping(actions);
+    this.objective = new ObjectiveChoice((request) => actions.send(request));
     element("restart").onclick = () => actions.send({ request: "restart" });
     element("reset-view").onclick = () => actions.resetView();
     window.addEventListener("keydown", (event) => {
       // Nothing keeps this key from stopping, and it never releases.
       if (event.key === "Escape") return this.stopping.stop();
       if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+      if (event.target instanceof HTMLSelectElement) return; // its own keys
       // Space presses a button, but for one that is chosen already.
       const button = event.target instanceof HTMLButtonElement ? event.target : null;
       if (button && event.key === " " && button.getAttribute("aria-checked") !== "true") return;
@@ -124,6 +128,7 @@ export class Panel {
     element("device-notices").replaceChildren(...(whole ? [] : noticeLines(notices, () => "")));
     element("device-limited").hidden = true;
     this.table.begin(scene, this.marks);
+    this.objective.begin(scene, whole ? -1 : shown);
   }
 
   /** Called for every snapshot received, drawn or not. */
@@ -188,6 +193,7 @@ export class Panel {
     element("normal").textContent = finger.normal_force_N.toFixed(2);
     element("normal-sum").textContent = finger.normal_force_sum_N.toFixed(2);
     element("slip").textContent = contacts > 0 ? finger.slip_ratio.toFixed(2) : "–";
+    this.objective.show(finger);
     element("deviation").textContent = finger.deviation_mm2.toFixed(3);
     element("joints").textContent =
       jointText(finger.joint_values, this.scene?.fingers[number]?.joint_unit ?? "deg");

@@ -35,6 +35,7 @@ export interface FingerDescription {
   device_kind_words: string; // what people call it
   cables: boolean; // its linkage is of cables
   configuration_names: string[];
+  objectives: number[]; // places in Scene.objectives of those that the device can have
   joint_unit: "deg" | "mm";
   disk_radius_mm: number;
   legs: number;
@@ -56,8 +57,15 @@ export interface Scene {
   objects: { name: string; shape: Shape }[];
   fingers: FingerDescription[];
   notices: Notice[];
+  objectives: Objective[];
   device_states: DeviceState[]; // the most urgent first
   latency_stages: LatencyStage[];
+}
+
+/** What a device can be led by. */
+export interface Objective {
+  name: string;
+  words: string;
 }
 
 /** What a device may be doing, and how much that asks of a person. */
@@ -151,6 +159,7 @@ export interface FingerSnapshot extends Skin, ContactSums {
   device_said_ms: number; // how long ago who leads the servos last showed life; NaN: nobody does
   device_state: string;
   force_limited: boolean; // the device would advance further but for its limit of force
+  objective: number; // that leads the device: its place in Scene.objectives
   configuration: Float32Array; // in the units of configuration_names
   actual: Float32Array; // the same as the servos say; empty: they do not
   joint_values: Float32Array; // in joint_unit
@@ -247,6 +256,7 @@ export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null 
     const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
     return {
       X_WFt, X_WF, X_FP, ...sums, deviation_mm2, tick, stages_ms, device_said_ms, device_state, force_limited: (flags & 1) !== 0,
+      objective: flags >>> 8,
       ...touched, configuration, actual,
       joint_values, linkage_mm, pieces, twin,
     };
@@ -271,4 +281,5 @@ export type Request =
   | { request: "register"; finger: number; length_mm?: number; breadth_mm?: number; depth_mm?: number; table_mm?: number }
   | { request: "cancel_registration" }
   | { request: "scene"; scene: string }
+  | { request: "objective"; finger: number; objective: string } // a name
   | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] }; // w, x, y, z
