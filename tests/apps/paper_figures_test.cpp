@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -64,9 +65,26 @@ struct Frame {
   Vector3 centroid_F;
 };
 
+/// Who explores: a finger's mesh, and what leads its device.
+struct Explorer {
+  const char* name;
+  const char* finger;
+  const char* objective;  ///< empty: as the device is shipped
+};
+
+std::ostream& operator<<(std::ostream& out, const Explorer& explorer) {
+  return out << explorer.name;
+}
+
 class Exploration {
  public:
-  explicit Exploration(const std::string& scene, bool with_samples = false) {
+  Exploration(const Explorer& explorer, const std::string& scene, bool with_samples = false) {
+    workplace_.replace_line("scenes/" + scene + ".toml", "model",
+                            "model = \"../fingers/" + std::string(explorer.finger) + ".toml\"");
+    if (*explorer.objective != '\0') {
+      workplace_.replace_line("devices/thimble-3rrs.toml", "objective",
+                              "objective = \"" + std::string(explorer.objective) + "\"");
+    }
     const std::string recording = workplace_.path(scene + ".sqlite");
     folder_ = workplace_.path(scene);
     std::vector<std::string> run{"run",        workplace_.path("scenes/" + scene + ".toml"),
@@ -136,8 +154,17 @@ double quantile(std::vector<double> values, double q) {
   return values.at(static_cast<std::size_t>(q * static_cast<double>(values.size() - 1)));
 }
 
-TEST(PaperFigures, OnThePlaneThePlatformIsThePlaneAndTravelGrowsWithDepth) {
-  const Exploration plane("plane");
+class PaperFigures : public testing::TestWithParam<Explorer> {};
+
+INSTANTIATE_TEST_SUITE_P(Explorers, PaperFigures,
+                         testing::Values(Explorer{"shipped_S", "index", ""},
+                                         Explorer{"shipped_M", "index-medium", ""},
+                                         Explorer{"published_S", "index", "published"},
+                                         Explorer{"published_M", "index-medium", "published"}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(PaperFigures, OnThePlaneThePlatformIsThePlaneAndTravelGrowsWithDepth) {
+  const Exploration plane(GetParam(), "plane");
   int touching = 0;
   const Frame* before = nullptr;
   for (const Frame& frame : plane.frames()) {
@@ -160,8 +187,8 @@ TEST(PaperFigures, OnThePlaneThePlatformIsThePlaneAndTravelGrowsWithDepth) {
   EXPECT_GT(touching, 100);
 }
 
-TEST(PaperFigures, BetweenTouchAndReleaseOnThePlaneTheDeviceMovesSmoothly) {
-  const Exploration plane("plane");
+TEST_P(PaperFigures, BetweenTouchAndReleaseOnThePlaneTheDeviceMovesSmoothly) {
+  const Exploration plane(GetParam(), "plane");
   const Frame* before = nullptr;
   for (const Frame& frame : plane.frames()) {
     if (before != nullptr && before->touches && frame.touches) {
@@ -178,8 +205,8 @@ TEST(PaperFigures, BetweenTouchAndReleaseOnThePlaneTheDeviceMovesSmoothly) {
   }
 }
 
-TEST(PaperFigures, OnTheSphereThePlatformFacesTheSphereUnderTheContact) {
-  const Exploration sphere("sphere");
+TEST_P(PaperFigures, OnTheSphereThePlatformFacesTheSphereUnderTheContact) {
+  const Exploration sphere(GetParam(), "sphere");
   std::vector<double> angles;
   for (const Frame& frame : sphere.frames()) {
     if (!frame.touches) continue;
@@ -192,8 +219,8 @@ TEST(PaperFigures, OnTheSphereThePlatformFacesTheSphereUnderTheContact) {
   EXPECT_LT(quantile(angles, 0.5), 5.0);
 }
 
-TEST(PaperFigures, OnTheEdgeThePlatformTipsToTheFreeSideAndSparesTheSkinBeyond) {
-  const Exploration edge("edge", true);
+TEST_P(PaperFigures, OnTheEdgeThePlatformTipsToTheFreeSideAndSparesTheSkinBeyond) {
+  const Exploration edge(GetParam(), "edge", true);
   const auto samples = edge.samples();
   std::vector<double> tips;
   int frames = 0;

@@ -214,7 +214,7 @@ TEST_F(FingerChainOf, FinishRetractsTheDevice) {
 TEST(TickHandover, GivesTheNewestAloneAndNothingAfterItsEnd) {
   const auto model =
       FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml");
-  TickHandover handover(*model, false);
+  TickHandover handover(*model);
   ContactSet contact;
   EXPECT_EQ(handover.last().step, 0);
   for (const std::int64_t step : {5, 6}) {

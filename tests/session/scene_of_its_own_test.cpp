@@ -42,7 +42,7 @@ class SceneOfItsOwn : public testing::Test {
                                                 const std::string& more) {
     std::ifstream in(file);
     std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::string plain = "objective = \"surface\"";
+    const std::string plain = "objective = \"surface_and_force\"";
     text.replace(text.find(plain), plain.size(), "objective = \"" + objective + "\"");
     return text + more;
   }
