@@ -161,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(Explorers, PaperFigures,
                                          Explorer{"shipped_M", "index-medium", ""},
                                          Explorer{"published_S", "index", "published"},
                                          Explorer{"published_M", "index-medium", "published"}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& one) { return one.param.name; });
 
 TEST_P(PaperFigures, OnThePlaneThePlatformIsThePlaneAndTravelGrowsWithDepth) {
   const Exploration plane(GetParam(), "plane");

@@ -279,6 +279,7 @@ void SceneRun::keep_devices_alive(std::int64_t step) {
     }
     const auto lost = now - finger->lost_in_pause.value_or(now);
     if (lost < std::chrono::duration<double>(kHoldTime)) finger->live->hand_over_again();
+    finger->live->take_feedback();
   }
 }
 
