@@ -74,7 +74,8 @@ TEST(TravelCeiling, HoldsAThinPlateThatWouldGoThroughTheSkin) {
   const auto device = device_of("strap-minamizawa");
   Configuration home = device->home();
   home[0] = 1.0 * mm;
-  const std::vector<Vector3> skin = {device->surface_pose(home) * Vector3(0.0, 0.0, 2.0 * mm)};
+  // Its frame is in its middle, half a millimetre below the side that touches.
+  const std::vector<Vector3> skin = {device->surface_pose(home) * Vector3(0.0, 0.0, 2.5 * mm)};
   const TravelCeiling ceiling(device, skin, {}, {1.5 * mm});
   const int axis = device->approach_axis();
   for (const double above : {3.6, 4.5, 6.0}) {
@@ -99,9 +100,19 @@ TEST(TravelCeiling, BeginsWhereTheLinkageCloses) {
     afar[axis] = std::min(device->home()[axis], device->retracted()[axis]);
     if (!device->inverse_kinematics(afar, joints)) ++open;
     ASSERT_TRUE(device->inverse_kinematics(q, joints)) << x;
-    const TravelCeiling ceiling(device, {{device->surface_pose(q) * Vector3(0.0, 0.0, 2.0 * mm)}},
-                                {}, {0.5 * mm});
-    EXPECT_NEAR(ceiling.travel(q), q[axis] + 2.5 * mm, 1e-6) << x;
+    // A point straight above the tip.
+    std::vector<SolidPiece> tip(static_cast<std::size_t>(device->solid_piece_count()));
+    device->solid_pieces(q, tip);
+    const Vector3 point = tip.front().X_FS.translation + Vector3(0.0, 0.0, 10.0 * mm);
+    const double px = point.x(), py = point.y(), pz = point.z();
+    SurfaceSamples skin;
+    skin.x = {&px, 1};
+    skin.y = {&py, 1};
+    skin.z = {&pz, 1};
+    const double gap = device->least_distance(q, skin);
+    ASSERT_GT(gap, 2.0 * mm) << x;
+    const TravelCeiling ceiling(device, std::vector{point}, {}, {0.5 * mm});
+    EXPECT_NEAR(ceiling.travel(q), q[axis] + gap + 0.5 * mm, 1e-6) << x;
   }
   EXPECT_GT(open, 0) << "none of these places is out of reach from afar";
 }

@@ -153,10 +153,5 @@ TEST_F(WornDevice, IsNoLongerLookedAtWhereNobodyWantsIt) {
   }
 }
 
-TEST_F(WornDevice, ALimitThatKeepsItOffTheSkinIsRefused) {
-  expect_refused(device("thimble-3rrs", "max_force_N = [0-9.]+", "max_force_N = 0.0001"),
-                 "limits.max_force_N", "it would never press; raise it");
-}
-
 }  // namespace
 }  // namespace softfinger

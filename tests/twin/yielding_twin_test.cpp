@@ -81,16 +81,17 @@ TEST(YieldingTwin, LoadAlongAnAdvanceIsTheNormalForce) {
   EXPECT_LT(load.by_q(2, 2), 0.0) << "pressed further, it is pressed back harder";
 }
 
-// The derivative against differences, for a device that tilts, one that moves aside, and pins.
+// The derivative against differences, for a device that tilts, one that moves aside, and one that
+// grows.
 TEST(YieldingTwin, LoadGrowsAsItsDerivativeSays) {
   const auto model = std::make_shared<FingerModel>(*index_finger());
   model->feature_contact = false;  // which is seen from where the skin was
-  for (const char* name : {"thimble-3rrs", "shear-tactor-gleeson", "pins-sarakoglou-4x4"}) {
+  for (const char* name : {"thimble-3rrs", "shear-tactor-gleeson", "membrane"}) {
     const auto device = load_device(kProject / "devices" / (std::string(name) + ".toml"));
     Twin twin(model, device);
-    // Pins come from nearer.
-    const Configuration q =
-        device->approach_axis() < 0 ? advanced(*device, 2.4 * mm) : advanced(*device, 4.4 * mm);
+    // The membrane rests nearer.
+    const double way = std::string(name) == "membrane" ? 2.0 * mm : 4.4 * mm;
+    const Configuration q = advanced(*device, way);
     const auto load_at = [&](const Configuration& at) {
       DeviceLoad load;
       twin.reset();
@@ -108,8 +109,8 @@ TEST(YieldingTwin, LoadGrowsAsItsDerivativeSays) {
       ahead[k] += h;
       behind[k] -= h;
       const Eigen::VectorXd slope = (load_at(ahead).load - load_at(behind).load) / (2.0 * h);
-      // Turning directions are left out of it: a few parts in a hundred.
-      EXPECT_LT((slope - here.by_q.col(k)).norm(), 0.05 * here.by_q.norm()) << name << " " << k;
+      // That directions turn is left out of it: some parts in a hundred.
+      EXPECT_LT((slope - here.by_q.col(k)).norm(), 0.1 * here.by_q.norm()) << name << " " << k;
     }
   }
 }

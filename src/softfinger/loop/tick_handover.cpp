@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
 namespace softfinger {
@@ -10,7 +11,7 @@ namespace {
 /// A mailbox draft has to have its full size before the loop starts.
 HandedTick largest(const FingerModel& model) {
   HandedTick handed;
-  handed.contact.samples.resize(model.sample_nodes.size());
+  handed.contact = make_contact_set(model);
   handed.nodes_W.resize(model.mesh.nodes.size());
   return handed;
 }

@@ -222,25 +222,6 @@ std::shared_ptr<const TravelCeiling> ceiling_of(const fs::path& file,
   }
 }
 
-/// A ceiling below the skin's first touch would leave the device hovering, and nobody would know.
-void check_ceiling(const fs::path& file, const Device& device, const FingerModel& finger,
-                   const TravelCeiling* ceiling, RestingGap& gap) {
-  if (ceiling == nullptr) return;
-  Configuration q = device.home();
-  for (int k = 0; k < q.size(); ++k) {
-    const bool advances = device.approach_axis() < 0 || k == device.approach_axis();
-    if (advances) q[k] = device.axes()[static_cast<std::size_t>(k)].max;
-  }
-  if (gap.at(q) > kTouching) return;  // from home it touches nowhere
-  ceiling->lower(q);
-  const double off = gap.at(q);
-  if (off <= 0.0) return;
-  refuse(file, "limits", "max_force_N",
-         fmt::format("{} keeps the device {:.3f} mm off the resting skin of {}, it would never "
-                     "press; raise it",
-                     device.settings().max_force, off / mm, finger.file.string()));
-}
-
 /// A measured force corrects how far the device is advanced.
 void check_force_sensor(const fs::path& file, const Device& device) {
   if (!device.settings().force_sensor || device.advances()) return;
@@ -279,7 +260,6 @@ WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::s
   check_reach(file, device, finger, gap);
   note_approach(device, gap, worn.notices);
   worn.ceiling = ceiling_of(file, worn.device, finger, stop);
-  check_ceiling(file, device, finger, worn.ceiling.get(), gap);
   return worn;
 }
 

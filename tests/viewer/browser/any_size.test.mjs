@@ -192,7 +192,7 @@ test("Tab comes to every control, in the order of the page", async () => {
     ...Array(5).fill("hand-fingers")]);
   await showFinger("thumb");
   assert.deepEqual(await tabStops(), ["scenes hand", "fingers thumb", "pause", "restart", "register", "stop", "virtual-view",
-    "reset-view", "rendered-view", "plot-step"]);
+    "reset-view", "rendered-view", "objective", "plot-step"]);
 });
 
 test("arrow keys move through scenes and fingers, and keep the focus", async () => {
