@@ -27,9 +27,9 @@ void Supervision::sent(double time, const JointAngles& joints) {
 }
 
 std::uint32_t Supervision::seen(double time, const JointAngles& joints) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Stretch all{time, JointAngles::Constant(joints.size(), kInfinity),
-              JointAngles::Constant(joints.size(), -kInfinity)};
+  constexpr double kBeyond = std::numeric_limits<double>::infinity();
+  Stretch all{time, JointAngles::Constant(joints.size(), kBeyond),
+              JointAngles::Constant(joints.size(), -kBeyond)};
   for (const Stretch& stretch : stretches_) {
     if (stretch.least.size() != joints.size()) continue;
     all.begin = std::min(all.begin, stretch.begin);
