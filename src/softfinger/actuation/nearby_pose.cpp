@@ -7,6 +7,7 @@ namespace {
 
 /// Of a configuration, rad or m.
 constexpr double kDifference = 1e-6;
+constexpr int kNewtonSteps = 2;
 
 }  // namespace
 
@@ -35,7 +36,10 @@ bool nearby_pose(const Device& device, const JointAngles& joints, const Configur
     return true;
   };
   q = near;
-  return step_closer() && step_closer() && q.allFinite();
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    if (!step_closer()) return false;
+  }
+  return q.allFinite();
 }
 
 }  // namespace softfinger
