@@ -83,7 +83,8 @@ void add_elements(const FingerModel& model, const ElementLoads& loads, const Vec
       }
     }
     const int parts = std::max(1, static_cast<int>(std::ceil(longest / kTissueSpacing)));
-    const double volume = loads.volumes()[e] / (parts * (parts + 1) * (parts + 2) / 6);
+    const int points = parts * (parts + 1) * (parts + 2) / 6;
+    const double volume = loads.volumes()[e] / points;
     for (int i = 0; i < parts; ++i) {
       for (int j = 0; i + j < parts; ++j) {
         for (int k = 0; i + j + k < parts; ++k) {
