@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "softfinger/geometry/nearest_on_triangle.hpp"
+
 namespace softfinger {
 namespace {
 
@@ -29,39 +31,6 @@ double longest_side(const Corners& corners) {
     longest = std::max(longest, (corners[(k + 1) % 3] - corners[k]).norm());
   }
   return longest;
-}
-
-/// Of the place nearest to p, by the Voronoi regions of vertices, sides and face (Ericson,
-/// "Real-Time Collision Detection", 2005, section 5.1.5).
-Weights nearest_weights(const Corners& corners, const Vector3& p) {
-  const Vector3 ab = corners[1] - corners[0];
-  const Vector3 ac = corners[2] - corners[0];
-  const Vector3 ap = p - corners[0];
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return {1.0, 0.0, 0.0};
-  const Vector3 bp = p - corners[1];
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return {0.0, 1.0, 0.0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-    const double part = d1 / (d1 - d3);
-    return {1.0 - part, part, 0.0};
-  }
-  const Vector3 cp = p - corners[2];
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return {0.0, 0.0, 1.0};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-    const double part = d2 / (d2 - d6);
-    return {1.0 - part, 0.0, part};
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 >= d3 && d5 >= d6) {
-    const double part = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0.0, 1.0 - part, part};
-  }
-  const double sum = va + vb + vc;
-  return {va / sum, vb / sum, vc / sum};
 }
 
 }  // namespace
@@ -109,11 +78,11 @@ SkinPlace RestingSkin::nearest(const Vector3& p_F) const {
     const double reach = around_[t].radius + least;
     if ((p_F - around_[t].centre).squaredNorm() >= reach * reach) continue;
     const Corners corners = corners_of(model_, t);
-    const Weights weights = nearest_weights(corners, p_F);
-    const double distance = (p_F - at(corners, weights)).norm();
+    const NearestOnTriangle found = nearest_on_triangle(corners[0], corners[1], corners[2], p_F);
+    const double distance = (p_F - found.point).norm();
     if (distance >= least) continue;
     least = distance;
-    best = {static_cast<int>(t), weights};
+    best = {static_cast<int>(t), found.weights};
   }
   return best;
 }

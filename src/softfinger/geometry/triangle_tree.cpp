@@ -22,41 +22,10 @@ bool TriangleTree::Node::meets(const Eigen::AlignedBox3d& box) const {
   return true;
 }
 
-/// By the Voronoi regions of vertices, edges and face (Ericson, Real-Time Collision Detection,
-/// 2005, section 5.1.5).
 TriangleTree::Candidate TriangleTree::closest_on(const Leaf& leaf, const Vector3& p) {
-  const Vector3 ab = leaf.b - leaf.a;
-  const Vector3 ac = leaf.c - leaf.a;
-  const auto found = [&](const Vector3& point, Feature feature, int k) -> Candidate {
-    return {point, (p - point).squaredNorm(), leaf.triangle, feature, k};
-  };
-  const Vector3 ap = p - leaf.a;
-  const double d1 = ab.dot(ap);
-  const double d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return found(leaf.a, Feature::kVertex, 0);
-  const Vector3 bp = p - leaf.b;
-  const double d3 = ab.dot(bp);
-  const double d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return found(leaf.b, Feature::kVertex, 1);
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-    return found(leaf.a + d1 / (d1 - d3) * ab, Feature::kEdge, 0);
-  }
-  const Vector3 cp = p - leaf.c;
-  const double d5 = ab.dot(cp);
-  const double d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return found(leaf.c, Feature::kVertex, 2);
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-    return found(leaf.a + d2 / (d2 - d6) * ac, Feature::kEdge, 2);
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    return found(leaf.b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (leaf.c - leaf.b), Feature::kEdge,
-                 1);
-  }
-  const double scale = 1.0 / (va + vb + vc);
-  return found(leaf.a + vb * scale * ab + vc * scale * ac, Feature::kFace, 0);
+  const NearestOnTriangle nearest = nearest_on_triangle(leaf.a, leaf.b, leaf.c, p);
+  return {nearest.point, (p - nearest.point).squaredNorm(), leaf.triangle, nearest.feature,
+          nearest.k};
 }
 
 Vector3 TriangleTree::pseudo_normal(const Candidate& candidate) const {

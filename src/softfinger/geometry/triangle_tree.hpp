@@ -7,6 +7,7 @@
 
 #include "softfinger/base/stop_check.hpp"
 #include "softfinger/geometry/closed_surface.hpp"
+#include "softfinger/geometry/nearest_on_triangle.hpp"
 
 namespace softfinger {
 
@@ -69,7 +70,7 @@ class TriangleTree {
     Vector3 a, b, c;
     int triangle;
   };
-  enum class Feature : std::uint8_t { kFace, kEdge, kVertex };
+  using Feature = NearestOnTriangle::Feature;
   struct Candidate {
     Vector3 point;
     double squared_distance;
