@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "progress_bar.hpp"
 #include "softfinger/base/error.hpp"
-#include "softfinger/base/name_table.hpp"
+#include "softfinger/device/device_objectives.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/evaluation.hpp"
 #include "softfinger/session/report/evaluation_report.hpp"
@@ -26,13 +26,6 @@ struct EvaluateFlags {
   std::string wearer, person, objective;
   bool json = false;
 };
-
-/// Those that it had before among them.
-std::vector<std::string> objective_words() {
-  std::vector<std::string> words = names_of(objective_kinds());
-  for (const FormerObjective& former : kFormerObjectives) words.emplace_back(former.name);
-  return words;
-}
 
 std::string objective_help() {
   std::vector<std::string> kinds;

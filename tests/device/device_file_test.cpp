@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
 #include "thimble.hpp"
 
 namespace softfinger {
@@ -174,6 +175,23 @@ TEST(DeviceFile, WorkspaceEndsAtASingularity) {
     }
   }
   EXPECT_TRUE(ended);
+}
+
+TEST(DeviceFile, MotorStaticsAreReadInTheirUnits) {
+  const auto device = loaded("torque_N_mm = 78.0", "torque_N_mm = 50.0");
+  ASSERT_TRUE(device->settings().statics.has_value());
+  const MotorStatics& statics = *device->settings().statics;
+  EXPECT_NEAR(statics.holding, 0.05, 1e-15);
+  EXPECT_NEAR(statics.compliance, 0.02 * deg / 1e-3, 1e-12);
+  EXPECT_NEAR(statics.backlash, 0.5 * deg, 1e-15);
+}
+
+TEST(DeviceFile, MotorStaticsThatAreNoneAreRefused) {
+  const std::string torque = "torque_N_mm = 78.0";
+  EXPECT_THAT(refusal(torque, "torque_N_mm = -1.0"), HasSubstr("statics.torque_N_mm"));
+  EXPECT_THAT(refusal(torque, "force_N = 3.0"), HasSubstr("force_N"));
+  EXPECT_THAT(refusal("torque_N_mm = 78.0\ncompliance_deg_per_N_mm = 0.02\nbacklash_deg = 0.5", ""),
+              AllOf(HasSubstr("statics"), HasSubstr("says nothing; give torque_N_mm")));
 }
 
 }  // namespace

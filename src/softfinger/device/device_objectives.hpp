@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace softfinger {
 
@@ -17,6 +19,15 @@ struct FormerObjective {
   std::string_view name, now;
 };
 inline constexpr std::array kFormerObjectives{FormerObjective{"contact_plane", "plane"}};
+
+/// All names that files and flags may use, former ones among them.
+[[nodiscard]] inline std::vector<std::string> objective_words() {
+  std::vector<std::string> words;
+  words.reserve(kDeviceObjectives.size() + kFormerObjectives.size());
+  for (const std::string_view name : kDeviceObjectives) words.emplace_back(name);
+  for (const FormerObjective& former : kFormerObjectives) words.emplace_back(former.name);
+  return words;
+}
 
 /// `name`, or what it is called now.
 constexpr std::string_view present_objective(std::string_view name) {

@@ -38,15 +38,6 @@ Configuration read_configuration(const ConfigTable& table, const DeviceSettings&
   return q;
 }
 
-/// Former names among them.
-std::vector<std::string> objective_words() {
-  std::vector<std::string> words;
-  words.reserve(kDeviceObjectives.size() + kFormerObjectives.size());
-  for (const std::string_view name : kDeviceObjectives) words.emplace_back(name);
-  for (const FormerObjective& former : kFormerObjectives) words.emplace_back(former.name);
-  return words;
-}
-
 MatchingSettings read_matching(const ConfigTable& table) {
   MatchingSettings matching;
   matching.separation_tolerance =
@@ -82,8 +73,9 @@ MotorStatics read_statics(const ConfigTable& table, bool linear) {
   statics.compliance = number("compliance_deg_per_N_mm", "compliance_mm_per_N");
   statics.backlash = number("backlash_deg", "backlash_mm");
   if (!(statics.holding > 0.0 || statics.compliance > 0.0 || statics.backlash > 0.0)) {
-    table.fail("", fmt::format("says nothing; give {}, compliance or backlash, or leave it out",
-                               linear ? "force_N" : "torque_N_mm"));
+    table.fail("", fmt::format("says nothing; give {}, or leave it out",
+                               linear ? "force_N, compliance_mm_per_N or backlash_mm"
+                                      : "torque_N_mm, compliance_deg_per_N_mm or backlash_deg"));
   }
   return statics;
 }
