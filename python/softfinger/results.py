@@ -45,12 +45,14 @@ class Evaluation:
     """How faithfully a device renders a scene, judged by a second finger."""
 
     def __init__(self, frames: Columns, report: dict[str, Any]) -> None:
-        #: a row for each device tick of each finger: time_s, finger, forces, measures, lagged_ measures
+        #: a row for each device tick of each finger: time_s, finger, forces, measures, lagged_ and loaded_ measures
         self.frames = frames
         #: measures over all frames, by name; None where undefined
         self.mean: dict[str, float | None] = report["mean"]
         #: the same with the servos' lag; None for devices without servos
         self.lagged_mean: dict[str, float | None] | None = report["lagged_mean"]
+        #: the same where motors hold the command against the skin; None where their statics are not told
+        self.loaded_mean: dict[str, float | None] | None = report["loaded_mean"]
         #: what people would notice: measure, mean, threshold, noticeable, source
         self.verdict: list[dict[str, Any]] = report["verdict"]
         #: all that `softfinger evaluate --json` prints

@@ -1,8 +1,10 @@
 #include "softfinger/session/evaluation.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "softfinger/base/name_table.hpp"
 #include "softfinger/c_interface/answers.hpp"
@@ -26,16 +28,43 @@ constexpr FrameColumn kFrameColumns[] = {
     {"twin_force_sum_N", [](const EvaluatedFrame& frame) { return frame.twin_force_sum; }},
 };
 
-std::vector<std::string> objectives() {
-  std::vector<std::string> names;
-  for (const ObjectiveKind& kind : objective_kinds()) names.emplace_back(kind.name);
-  return names;
-}
+/// Where the device was commanded to, where its servos are, and where its motors hold it.
+struct FrameMeasures {
+  std::string_view prefix;
+  RenderingMeasures (*of)(const EvaluatedFrame& frame);
+};
+constexpr FrameMeasures kFrameMeasures[] = {
+    {"", [](const EvaluatedFrame& frame) { return frame.commanded; }},
+    {"lagged_",
+     [](const EvaluatedFrame& frame) { return frame.lagged.value_or(RenderingMeasures{}); }},
+    {"loaded_",
+     [](const EvaluatedFrame& frame) { return frame.loaded.value_or(RenderingMeasures{}); }},
+};
+
+/// What becomes true soon after the host's flag, also while a scene loads.
+class HostStop {
+ public:
+  explicit HostStop(const volatile std::int32_t* flag) {
+    if (flag == nullptr) return;
+    asked_ = *flag != 0;
+    watcher_ = std::jthread([this, flag](const std::stop_token& end) {
+      while (!end.stop_requested() && !asked_.load()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        asked_ = *flag != 0;
+      }
+    });
+  }
+  [[nodiscard]] const std::atomic<bool>& asked() const { return asked_; }
+
+ private:
+  std::atomic<bool> asked_{false};
+  std::jthread watcher_;
+};
 
 const ObjectiveKind& named_objective(std::string_view name) {
   if (const ObjectiveKind* kind = objective_kind(name)) return *kind;
   throw InputError("objective: unknown name '" + std::string(name) + "'; there is " +
-                   listed(objectives(), "or"));
+                   listed(names_of(objective_kinds()), "or"));
 }
 
 EvaluationOptions evaluation_options(const char* scene, const sf_evaluate_options& given) {
@@ -63,13 +92,11 @@ std::unique_ptr<Table> table_of(const Evaluation& evaluation) {
       table->columns.back().values.push_back(column.value(frame));
     }
   }
-  for (const bool lagged : {false, true}) {
+  for (const FrameMeasures& side : kFrameMeasures) {
     for (const MeasureName& measure : measure_names()) {
-      table->add_column((lagged ? "lagged_" : "") + std::string(measure.name));
+      table->add_column(std::string(side.prefix) + std::string(measure.name));
       for (const EvaluatedFrame& frame : evaluation.frames) {
-        const RenderingMeasures measures =
-            lagged ? frame.lagged.value_or(RenderingMeasures{}) : frame.commanded;
-        table->columns.back().values.push_back(measures.*measure.member / measure.unit);
+        table->columns.back().values.push_back(side.of(frame).*measure.member / measure.unit);
       }
     }
   }
@@ -92,13 +119,9 @@ sf_status sf_evaluate(const char* scene, const sf_evaluate_options* options, sf_
   *out = nullptr;
   return softfinger::guarded(text, [&] {
     const sf_evaluate_options given = options == nullptr ? sf_evaluate_options{} : *options;
-    std::atomic<bool> stop{false};
-    const auto look = [&] { stop = stop || (given.stop != nullptr && *given.stop != 0); };
-    softfinger::RunObserver observer;
-    observer.progress = [&](double, std::optional<double>) { look(); };
-    look();
+    const softfinger::HostStop stop(given.stop);
     const softfinger::EvaluationOptions how = softfinger::evaluation_options(scene, given);
-    *out = new sf_table(softfinger::table_of(softfinger::evaluate(how, stop, observer)));
+    *out = new sf_table(softfinger::table_of(softfinger::evaluate(how, stop.asked())));
     return SF_DONE;
   });
 }
