@@ -20,7 +20,9 @@ ProcessState process_state(int process) noexcept {
   ::close(file);
   // "PID (NAME) S ...", where the name may have anything in it.
   const std::string_view line(text.data(), text.size());
-  switch (line[line.rfind(") ") + 2]) {
+  const std::size_t end = line.rfind(") ");
+  if (end == std::string_view::npos) return ProcessState::kGone;
+  switch (line[end + 2]) {
     case 'R':
       return ProcessState::kRunning;
     case 'S':
