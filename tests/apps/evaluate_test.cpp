@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -59,6 +61,48 @@ TEST(Evaluate, APlaneIsRenderedFaithfully) {
   for (const Answer& verdict : answer.at("verdict")) {
     EXPECT_EQ(verdict.at("noticeable"), verdict.at("mean") >= verdict.at("threshold"));
     EXPECT_FALSE(verdict.at("source").get<std::string>().empty());
+  }
+}
+
+/// The thimble with motors that hold `torque`.
+std::string thimble_that_holds(const Workplace& place, const std::string& torque) {
+  std::ifstream shipped(place.path("devices/thimble-3rrs.toml"));
+  std::string text{std::istreambuf_iterator<char>(shipped), {}};
+  const std::string before = "torque_N_mm = 78.0";
+  const std::size_t at = text.find(before);
+  EXPECT_NE(at, std::string::npos);
+  text.replace(at, before.size(), "torque_N_mm = " + torque);
+  place.write("devices/held.toml", text);
+  return place.path("devices/held.toml");
+}
+
+// What motors yield by is judged, and what they cannot hold is told.
+TEST(Evaluate, MotorsUnderLoad) {
+  const Workplace place;
+  const auto on_sphere = [&](const std::string& torque) {
+    return evaluated({place.path("scenes/sphere.toml"), "--device",
+                      thimble_that_holds(place, torque), "--duration-s", "3"});
+  };
+  const Answer strong = on_sphere("78.0");
+  EXPECT_EQ(strong.at("frames_not_held"), 0);
+  EXPECT_EQ(strong.at("frames_unconverged"), 0);
+  int loaded = 0;
+  for (const Answer& frame : strong.at("frames")) {
+    EXPECT_EQ(frame.at("motors_hold"), true);
+    if (frame.at("twin_force_N") < 0.1) continue;
+    EXPECT_GT(frame.at("motor_torque_N_mm"), 0.1);
+    EXPECT_LT(frame.at("motor_torque_N_mm"), 78.0);
+    ++loaded;
+  }
+  EXPECT_GT(loaded, 20);
+  EXPECT_GT(strong.at("loaded_mean").at("normal_force_error"),
+            strong.at("mean").at("normal_force_error"));
+  const Answer weak = on_sphere("1.0");
+  EXPECT_GT(weak.at("frames_not_held"), 20);
+  EXPECT_GT(weak.at("loaded_mean").at("normal_force_error"),
+            strong.at("loaded_mean").at("normal_force_error"));
+  for (const Answer& frame : weak.at("frames")) {
+    EXPECT_LE(frame.at("motor_torque_N_mm").get<double>(), 1.0 + 1e-9);
   }
 }
 

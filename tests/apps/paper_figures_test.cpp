@@ -163,7 +163,28 @@ INSTANTIATE_TEST_SUITE_P(Explorers, PaperFigures,
                                          Explorer{"published_M", "index-medium", "published"}),
                          [](const auto& one) { return one.param.name; });
 
-TEST_P(PaperFigures, OnThePlaneThePlatformIsThePlaneAndTravelGrowsWithDepth) {
+/// Depth of the bone over the plane against travel, where the finger only moves up or down.
+void expect_travel_grows_with_depth(const Frame& before, const Frame& frame) {
+  if (angle_deg(frame.X_WF.rotation.col(2), before.X_WF.rotation.col(2)) >= 1e-3) return;
+  if ((frame.X_WF.translation - before.X_WF.translation).head<2>().norm() >= 1e-6) return;
+  const double deeper = before.X_WF.translation.z() - frame.X_WF.translation.z();
+  const double travel = frame.q[2] - before.q[2];
+  if (std::abs(deeper) > 0.02e-3) {
+    EXPECT_GT(travel * deeper, 0.0) << "step " << frame.step;
+  }
+}
+
+void expect_smooth(const Frame& before, const Frame& frame) {
+  const double bone_motion = (frame.X_WF.translation - before.X_WF.translation).norm() / mm;
+  const double bone_turn = angle_deg(
+      Eigen::AngleAxisd(frame.X_WF.rotation * before.X_WF.rotation.transpose()).toRotationMatrix() *
+          Vector3::UnitZ(),
+      Vector3::UnitZ());
+  EXPECT_LE(std::abs(frame.q[2] - before.q[2]) / mm, 0.15 + bone_motion) << frame.step;
+  EXPECT_LE((frame.q - before.q).head<2>().norm() / deg, 2.0 + bone_turn) << frame.step;
+}
+
+TEST_P(PaperFigures, OnThePlaneThePlatformIsThePlaneAndFollowsDepthSmoothly) {
   const Exploration plane(GetParam(), "plane");
   // A constant separation pushes the disk's rim off the skin that hovers beside the contact.
   const double most = std::string(GetParam().objective) == "published" ? 1.3 : 1.0;
@@ -173,38 +194,14 @@ TEST_P(PaperFigures, OnThePlaneThePlatformIsThePlaneAndTravelGrowsWithDepth) {
     if (frame.touches) {
       ++touching;
       EXPECT_LT(angle_deg(plane.platform_normal_W(frame), Vector3::UnitZ()), most) << frame.step;
-    }
-    // Depth of the bone over the plane against travel, where the finger only moves up or down.
-    if (frame.touches && before != nullptr && before->touches &&
-        angle_deg(frame.X_WF.rotation.col(2), before->X_WF.rotation.col(2)) < 1e-3 &&
-        (frame.X_WF.translation - before->X_WF.translation).head<2>().norm() < 1e-6) {
-      const double deeper = before->X_WF.translation.z() - frame.X_WF.translation.z();
-      const double travel = frame.q[2] - before->q[2];
-      if (std::abs(deeper) > 0.02e-3) {
-        EXPECT_GT(travel * deeper, 0.0) << "step " << frame.step;
+      if (before != nullptr && before->touches) {
+        expect_travel_grows_with_depth(*before, frame);
+        expect_smooth(*before, frame);
       }
     }
     before = &frame;
   }
   EXPECT_GT(touching, 100);
-}
-
-TEST_P(PaperFigures, BetweenTouchAndReleaseOnThePlaneTheDeviceMovesSmoothly) {
-  const Exploration plane(GetParam(), "plane");
-  const Frame* before = nullptr;
-  for (const Frame& frame : plane.frames()) {
-    if (before != nullptr && before->touches && frame.touches) {
-      const double bone_motion = (frame.X_WF.translation - before->X_WF.translation).norm() / mm;
-      const double bone_turn =
-          angle_deg(Eigen::AngleAxisd(frame.X_WF.rotation * before->X_WF.rotation.transpose())
-                            .toRotationMatrix() *
-                        Vector3::UnitZ(),
-                    Vector3::UnitZ());
-      EXPECT_LE(std::abs(frame.q[2] - before->q[2]) / mm, 0.15 + bone_motion) << frame.step;
-      EXPECT_LE((frame.q - before->q).head<2>().norm() / deg, 2.0 + bone_turn) << frame.step;
-    }
-    before = &frame;
-  }
 }
 
 TEST_P(PaperFigures, OnTheSphereThePlatformFacesTheSphereUnderTheContact) {

@@ -17,7 +17,7 @@ Workplace::Workplace() {
   const fs::path tree = SOFTFINGER_SOURCE_DIR;
   for (const char* kind : {"devices", "scenes"}) fs::copy(tree / kind, folder_ / kind);
   fs::create_directory(folder_ / "fingers");
-  for (const char* file : {"index.toml", "index.msh"}) {
+  for (const char* file : {"index.toml", "index.msh", "index-medium.toml", "index-medium.msh"}) {
     fs::copy(tree / "fingers" / file, folder_ / "fingers" / file);
   }
 }
