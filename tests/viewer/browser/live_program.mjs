@@ -101,8 +101,13 @@ export async function pauseInContact(page, contacts) {
 export async function releaseDevice(page) {
   for (let k = 0; k < 100; ++k) {
     if (await page.evaluate(() => document.body.dataset.stopped === "false")) return;
-    await page.locator("#release").click();
-    await page.locator("#release-now").click();
+    try {
+      await page.locator("#release").click({ timeout: 2000 });
+      await page.locator("#release-now").click({ timeout: 2000 });
+    } catch (error) {
+      // What was asked before may have released it just now: then the button is gone.
+      if (error.name !== "TimeoutError") throw error;
+    }
     await page.waitForTimeout(200);
   }
   throw new Error("the device is not released");
