@@ -130,6 +130,35 @@ class EvaluateOptions(ctypes.Structure):
         ("person", c_char_p),
         ("duration_s", c_double),
         ("stop", POINTER(c_int32)),
+        ("progress", POINTER(c_double)),
+    ]
+
+
+class RunOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("record_state", c_int32),
+        ("device", c_char_p),
+        ("wearer", c_char_p),
+        ("person", c_char_p),
+        ("recording", c_char_p),
+        ("duration_s", c_double),
+        ("predict_s", c_double),
+        ("filter", c_int32),
+        ("threads", c_int32),
+        ("stop", POINTER(c_int32)),
+        ("progress", POINTER(c_double)),
+    ]
+
+
+class FitOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("noise", c_int32),
+        ("areas", c_char_p),
+        ("out", c_char_p),
+        ("parameters", c_char_p),
+        ("pitch_rad", c_double),
     ]
 
 
@@ -215,6 +244,8 @@ for _name, _arguments in {
     "sf_table_text": [c_void_p, c_char_p, *_SIZES],
     "sf_press": [c_char_p, POINTER(PressOptions), POINTER(c_void_p), *_ERROR],
     "sf_evaluate": [c_char_p, POINTER(EvaluateOptions), POINTER(c_void_p), *_ERROR],
+    "sf_run": [c_char_p, POINTER(RunOptions), POINTER(c_void_p), *_ERROR],
+    "sf_finger_fit": [c_char_p, c_char_p, POINTER(FitOptions), POINTER(c_void_p), *_ERROR],
     "sf_recording_export": [c_char_p, c_char_p, c_char_p, c_size_t, *_ERROR],
     "sf_recording_replay": [c_char_p, POINTER(c_int32), c_char_p, c_size_t, *_ERROR],
     "sf_device_create": [c_char_p, POINTER(c_void_p), *_ERROR],

@@ -8,7 +8,6 @@ import json
 import pathlib
 import shutil
 import tempfile
-import threading
 import weakref
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from . import _library
 from ._library import library
+from ._long_work import Watch
 from .rendering import Floats, Path
 
 
@@ -112,24 +112,18 @@ def evaluate(
     device: device file instead of the scene's. wearer: finger file of who wears it. objective: what
     matching aims at, instead of the device file's. duration_s: 0 is until the script ends. Ctrl-C ends it.
     """
-    stop = ctypes.c_int32(0)
+    watch = Watch()
     options = _library.EvaluateOptions(
         size=ctypes.sizeof(_library.EvaluateOptions), device=_library.path(device), wearer=_library.path(wearer),
         objective=None if objective is None else objective.encode(), person=_library.path(person),
-        duration_s=duration_s, stop=ctypes.pointer(stop))
-    table, error, status = ctypes.c_void_p(), _library.ErrorText(), []
-    # On a thread of its own: this one is there for Ctrl-C.
-    working = threading.Thread(target=lambda: status.append(library.sf_evaluate(
-        _library.path(scene), ctypes.byref(options), ctypes.byref(table), *error.arguments)))
-    working.start()
+        duration_s=duration_s, stop=watch.stop, progress=watch.progress)
+    table, error = ctypes.c_void_p(), _library.ErrorText()
     try:
-        working.join()
+        error.check(watch.run(lambda: int(library.sf_evaluate(
+            _library.path(scene), ctypes.byref(options), ctypes.byref(table), *error.arguments)), "evaluate"))
     except KeyboardInterrupt:
-        stop.value = 1
-        working.join()
         library.sf_table_destroy(table)
         raise
-    error.check(status[0])
     columns, text = _taken(table)
     return Evaluation(columns, json.loads(text))
 

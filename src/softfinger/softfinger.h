@@ -256,10 +256,46 @@ typedef struct {
   double duration_s;     /* 0: until the script ends */
   const volatile int32_t *stop; /* becomes 1, by another thread or a signal handler: ends early, and
                                    what was judged until then is the result; NULL: never */
+  volatile double *progress; /* how far it is, of 1, written now and then; NULL: nowhere */
 } sf_evaluate_options;
 /* A row for each device tick of each finger, `finger` its number in the scene. */
 SF_API sf_status sf_evaluate(const char *scene, const sf_evaluate_options *options, sf_table **out,
                              char *error, size_t error_size);
+
+/* A scene until its script ends, without a page, as fast as it goes, with emulated devices; as
+   `softfinger run --headless --as-fast-as-possible`. NULL and zeros: as the scene says. */
+typedef struct {
+  uint32_t size;
+  int32_t record_state;  /* 1: all nodes and samples of every step are recorded as well */
+  const char *device;    /* as for sf_evaluate() */
+  const char *wearer;    /* finger file of whom an emulated force sensor is on */
+  const char *person;
+  const char *recording; /* new file */
+  double duration_s;     /* 0: until the script ends */
+  double predict_s;      /* carries tracked poses on over their age and this time more; 0: does not */
+  int32_t filter;        /* 1: smooths tracked poses */
+  int32_t threads;       /* that step several fingers side by side; 0: one */
+  const volatile int32_t *stop; /* as for sf_evaluate(): what ran until then is the result */
+  volatile double *progress;
+} sf_run_options;
+/* sf_table_text() is what `softfinger run --json` prints; there are no columns. */
+SF_API sf_status sf_run(const char *scene, const sf_run_options *options, sf_table **out,
+                        char *error, size_t error_size);
+
+/* Young's modulus and strain limits of a finger file from a press that was measured on a flat plate;
+   as `softfinger finger fit`. NULL and zeros: as the command does. */
+typedef struct {
+  uint32_t size;
+  int32_t noise;         /* of the forces: 0 the likelier, 1 in proportion to them, 2 alike for all */
+  const char *areas;     /* CSV file: force_N,area_mm2 */
+  const char *out;       /* new finger file; NULL: none is written */
+  const char *parameters; /* of "youngs_modulus_kPa,min,max" these alone; NULL: all that the data
+                             tell */
+  double pitch_rad;      /* of the finger, distal end down */
+} sf_fit_options;
+/* curve: CSV file indentation_mm,force_N. sf_table_text() is what the command's --json prints. */
+SF_API sf_status sf_finger_fit(const char *finger, const char *curve, const sf_fit_options *options,
+                               sf_table **out, char *error, size_t error_size);
 
 /* A recording as CSV files in a new folder, as `softfinger export`. note: a line where it was cut,
    else empty. */

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -103,6 +106,120 @@ TEST(CInterfaceResults, AnEvaluationEndsWhereItIsToldTo) {
   EXPECT_EQ(sf_evaluate(scene.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT);
   options.size = 0;
   EXPECT_EQ(sf_evaluate(scene.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT);
+}
+
+TEST(CInterfaceResults, AnEvaluationSaysHowFarItIsToWhoKnowsOfIt) {
+  const std::string scene = shipped_scene("plane.toml");
+  double progress = -1.0;
+  sf_evaluate_options options = {};
+  options.duration_s = 0.05;
+  options.progress = &progress;
+  for (const std::size_t size : {sizeof options, offsetof(sf_evaluate_options, progress)}) {
+    options.size = static_cast<std::uint32_t>(size);
+    progress = -1.0;
+    sf_table* table = nullptr;
+    char error[256] = "";
+    ASSERT_EQ(sf_evaluate(scene.c_str(), &options, &table, error, sizeof error), SF_DONE) << error;
+    EXPECT_EQ(column_of(table, "time_s").size(), 2u);
+    if (size < sizeof options) {
+      EXPECT_EQ(progress, -1.0) << "an older program has no such field";
+    } else {
+      EXPECT_NEAR(progress, 1.0, 0.3);
+    }
+    sf_table_destroy(table);
+  }
+}
+
+TEST(CInterfaceResults, ARunIsRecordedAndReplays) {
+  const TemporaryDirectory directory;
+  const std::string scene = shipped_scene("plane.toml"), recording = directory / "run.sqlite";
+  double progress = 0.0;
+  sf_run_options options = {};
+  options.size = sizeof options;
+  options.recording = recording.c_str();
+  options.duration_s = 0.3;
+  options.progress = &progress;
+  sf_table* table = nullptr;
+  char error[256], text[4096], difference[256];
+  ASSERT_EQ(sf_run(scene.c_str(), &options, &table, error, sizeof error), SF_DONE) << error;
+  ASSERT_EQ(sf_table_text(table, text, sizeof text, nullptr), SF_DONE);
+  EXPECT_THAT(text, HasSubstr("\"steps\": 300"));
+  sf_table_destroy(table);
+  EXPECT_GT(progress, 0.5);
+  std::int32_t agree = 0;
+  ASSERT_EQ(sf_recording_replay(recording.c_str(), &agree, difference, sizeof difference, error,
+                                sizeof error),
+            SF_DONE)
+      << error;
+  EXPECT_EQ(agree, 1) << difference;
+  EXPECT_EQ(sf_run(scene.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT)
+      << "the recording is there already";
+  EXPECT_THAT(error, HasSubstr(recording));
+}
+
+TEST(CInterfaceResults, RunsThatAreRefused) {
+  const std::string scene = shipped_scene("plane.toml");
+  const auto refused = [&](const char* word, auto&& spoil) {
+    sf_run_options options = {};
+    options.size = sizeof options;
+    spoil(options);
+    sf_table* table = nullptr;
+    char error[256] = "";
+    EXPECT_EQ(sf_run(scene.c_str(), &options, &table, error, sizeof error), SF_BAD_INPUT) << word;
+    EXPECT_THAT(error, HasSubstr(word));
+    EXPECT_EQ(table, nullptr);
+  };
+  refused("sf_run_options.size", [](sf_run_options& o) { o.size = 8; });
+  refused("threads", [](sf_run_options& o) { o.threads = 65; });
+  refused("duration_s", [](sf_run_options& o) { o.duration_s = NAN; });
+  refused("predict_s", [](sf_run_options& o) { o.predict_s = 1.0; });
+  refused("record_state", [](sf_run_options& o) { o.record_state = 1; });
+  refused("/no/such.toml", [](sf_run_options& o) { o.device = "/no/such.toml"; });
+}
+
+TEST(CInterfaceResults, AFingerIsFittedToAPress) {
+  const TemporaryDirectory directory;
+  const std::string curve = directory / "press.csv", out = directory / "mine.toml";
+  const std::string finger = shipped_file("fingers/index.toml");
+  sf_press_options press = {};
+  press.size = sizeof press;
+  press.rows = 5;
+  press.depth_m = 0.8e-3;
+  sf_table* table = nullptr;
+  char error[256], text[4096];
+  ASSERT_EQ(sf_press(finger.c_str(), &press, &table, error, sizeof error), SF_DONE) << error;
+  const std::vector<double> depths = column_of(table, "indentation_mm");
+  const std::vector<double> forces = column_of(table, "normal_force_N");
+  sf_table_destroy(table);
+  {
+    std::ofstream file(curve);
+    file << "indentation_mm,force_N\n";
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+      file << depths[i] << ',' << (i % 2 == 0 ? 1.01 : 0.99) * forces[i] << '\n';
+    }
+  }
+  sf_fit_options options = {};
+  options.size = sizeof options;
+  options.parameters = "youngs_modulus_kPa";
+  options.out = out.c_str();
+  ASSERT_EQ(sf_finger_fit(finger.c_str(), curve.c_str(), &options, &table, error, sizeof error),
+            SF_DONE)
+      << error;
+  ASSERT_EQ(sf_table_text(table, text, sizeof text, nullptr), SF_DONE);
+  sf_table_destroy(table);
+  const nlohmann::json found = nlohmann::json::parse(text);
+  const nlohmann::json& modulus = found.at("parameters").at("youngs_modulus_kPa");
+  EXPECT_NEAR(modulus.at("value").get<double>(), 34.0, 1.0) << "that of the file";
+  EXPECT_LT(modulus.at("ci95_low").get<double>(), 34.0);
+  EXPECT_TRUE(std::filesystem::exists(out));
+  EXPECT_EQ(sf_finger_fit(finger.c_str(), curve.c_str(), &options, &table, error, sizeof error),
+            SF_BAD_INPUT);
+  EXPECT_THAT(error, HasSubstr("exists already"));
+  options.out = nullptr;
+  options.parameters = "beauty";
+  EXPECT_EQ(sf_finger_fit(finger.c_str(), curve.c_str(), &options, &table, error, sizeof error),
+            SF_BAD_INPUT);
+  EXPECT_THAT(error, HasSubstr("youngs_modulus_kPa, min, max"));
 }
 
 TEST(CInterfaceResults, ADeviceSolvesPosesAndMatches) {

@@ -10,6 +10,7 @@ import math
 import pathlib
 import re
 import resource
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -20,7 +21,7 @@ import unittest
 import numpy as np
 import softfinger as sf
 
-PROGRAM, ROOT = sys.argv[1], pathlib.Path(sys.argv[2])
+PROGRAM, ROOT = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
 PLANE, FINGER = ROOT / "scenes/plane.toml", ROOT / "fingers/index.toml"
 THIMBLE = ROOT / "devices/thimble-3rrs.toml"
 
@@ -104,6 +105,40 @@ class SameBits(unittest.TestCase):
         for name in ("time_s", "iou", "normal_force_error", "virtual_force_N", "twin_force_N"):
             expected = [math.nan if frame[name] is None else frame[name] for frame in report["frames"]]
             np.testing.assert_array_equal(judged.frames[name], expected, name)
+
+    def test_a_run_is_that_of_the_command_line(self):
+        theirs, ours = self.folder / "theirs.sqlite", self.folder / "ours.sqlite"
+        report = command_line("run", PLANE, "--headless", "--as-fast-as-possible", "--duration-s", "1.2", "--record", theirs, "--json")
+        told = sf.run(PLANE, duration_s=1.2, record=ours)
+        self.assertEqual(list(told), list(report))
+        self.assertEqual(told["steps"], 1200)
+        self.assertEqual(recorded_steps(ours), recorded_steps(theirs))
+        self.assertGreater(sf.Recording(ours).steps["normal_force_N"].max(), 0.1)
+
+    def test_a_fit_is_that_of_the_command_line(self):
+        curve, ours, theirs = self.folder / "press.csv", self.folder / "ours.toml", self.folder / "theirs.toml"
+        pressed = sf.press(FINGER, to_mm=0.8, steps=5)
+        rows = zip(pressed["indentation_mm"], pressed["normal_force_N"], (1.01, 0.99, 1.0, 1.01, 0.99))
+        curve.write_text("indentation_mm,force_N\n" + "".join(f"{d},{f * noise}\n" for d, f, noise in rows))
+        report = command_line("finger", "fit", FINGER, "--data", curve, "--out", theirs, "--parameters", "youngs_modulus_kPa", "--json")
+        found = sf.fit(FINGER, curve, out=ours, parameters=("youngs_modulus_kPa",))
+        self.assertEqual({**found.report, "out": None}, {**report, "out": None})
+        self.assertEqual(ours.read_text(), theirs.read_text())
+        self.assertAlmostEqual(found.parameters["youngs_modulus_kPa"].value, 34.0, delta=1.0)
+
+    def test_a_sweep_is_the_same_one_by_one(self):
+        files = {34.0: FINGER, 51.0: self.folder / "stiff.toml"}
+        files[51.0].write_text(re.sub("(?m)^youngs_modulus_kPa = .*", "youngs_modulus_kPa = 51.0", FINGER.read_text()).replace(
+            '"index.msh"', f'"{FINGER.parent}/index.msh"'))
+        for threads in (1, 2):
+            swept = sf.sweep(sf.press, FINGER, to_mm=0.4, steps=2, threads=threads,
+                             vary={"material.youngs_modulus_kPa": np.array([34.0, 51.0]), "bone.mass_g": [10.0, 11.0]})
+            self.assertEqual(swept["material.youngs_modulus_kPa"].tolist(), [34.0] * 4 + [51.0] * 4)
+            self.assertEqual(swept["bone.mass_g"].tolist(), [10.0, 10.0, 11.0, 11.0] * 2)
+            for modulus, file in files.items():
+                alone = sf.press(file, to_mm=0.4, steps=2)["normal_force_N"]
+                self.assertEqual(swept["normal_force_N"][swept["material.youngs_modulus_kPa"] == modulus].tolist(), [*alone, *alone])
+        self.assertGreater(swept["normal_force_N"][7], 1.3 * swept["normal_force_N"][3])
 
     def test_a_device_is_that_of_the_command_line(self):
         device = sf.Device(THIMBLE)
@@ -196,6 +231,34 @@ class Refusals(unittest.TestCase):
                 sf.press(FINGER, **options)
         with self.assertRaisesRegex(sf.InputError, "there is .*surface"):
             sf.evaluate(PLANE, objective="beauty")
+        for options in ({"record_state": True}, {"threads": 100}, {"duration_s": -1.0}, {"device": "/no/such.toml"}):
+            with self.assertRaises(sf.InputError, msg=options):
+                sf.run(PLANE, **options)
+        with self.assertRaisesRegex(sf.InputError, "noise beauty: there are likelier"):
+            sf.fit(FINGER, "/no/such.csv", noise="beauty")
+        with self.assertRaisesRegex(sf.InputError, "/no/such.csv"):
+            sf.fit(FINGER, "/no/such.csv")
+
+    def test_sweeps_that_are_wrong_name_the_file_that_was_given(self):
+        for vary, words in (({"material.youngs_modulus_kPa": [-1.0]}, "fingers/index.toml:.*youngs_modulus_kPa"),
+                            ({"material.beauty": [1.0]}, "fingers/index.toml:.*beauty"),
+                            ({"bone.mass_g.deep": [1.0]}, "not a key of a table"), ({}, "names no key"),
+                            ({"bone.mass_g": []}, "no values")):
+            with self.assertRaisesRegex(sf.InputError, words):
+                sf.sweep(sf.press, FINGER, to_mm=0.2, steps=1, vary=vary)
+        with self.assertRaisesRegex(sf.InputError, "/no/such.toml: No such file"):
+            sf.sweep(sf.press, "/no/such.toml", vary={"bone.mass_g": [1.0]})
+
+    def test_ctrl_c_ends_a_long_run_and_leaves_its_recording_whole(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recording = pathlib.Path(folder, "run.sqlite")
+            interrupt = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+            interrupt.start()
+            with self.assertRaises(KeyboardInterrupt):
+                sf.run(ROOT / "scenes/hand.toml", record=recording, duration_s=60)
+            # Where it came while the scene loaded, nothing was begun.
+            if recording.exists():
+                self.assertEqual(sf.Recording(recording).replay(), "")
 
 
 class WhatItGives(unittest.TestCase):

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
 #include <string_view>
 
 #include "softfinger/base/error.hpp"
@@ -42,6 +43,22 @@ sf_status guarded(ErrorText error, Work&& work) noexcept {
   } catch (const std::exception&) {
     return error.tell(SF_FAILED, "the library failed in a way it does not know");
   }
+}
+
+/// Options as whoever set their `size` knew them: at least `first` bytes, those that were there
+/// from the beginning; what is newer is zero. NULL: all zero. Throws InputError, with `name` of the
+/// struct.
+template <typename Options>
+Options taken(const Options* given, std::size_t first, const char* name) {
+  Options options{};
+  if (given == nullptr) return options;
+  const std::uint32_t size = given->size;
+  if (size < first || size > sizeof(Options)) {
+    throw InputError(std::string(name) + ".size is " + std::to_string(size) + ": must be sizeof(" +
+                     name + "), " + std::to_string(sizeof(Options)) + " in this version");
+  }
+  std::memcpy(&options, given, size);
+  return options;
 }
 
 /// At most `capacity` of `count` elements, by element(i).

@@ -1,19 +1,19 @@
 #include "softfinger/session/evaluation.hpp"
 
-#include <atomic>
-#include <chrono>
-#include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "softfinger/base/name_table.hpp"
 #include "softfinger/c_interface/answers.hpp"
+#include "softfinger/c_interface/host_watch.hpp"
 #include "softfinger/c_interface/table.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/report/evaluation_report.hpp"
 
 namespace softfinger {
 namespace {
+
+constexpr std::size_t kFirstEvaluate = offsetof(sf_evaluate_options, progress);
 
 struct FrameColumn {
   std::string_view name;
@@ -41,26 +41,6 @@ constexpr FrameMeasures kFrameMeasures[] = {
      [](const EvaluatedFrame& frame) { return frame.loaded.value_or(RenderingMeasures{}); }},
 };
 
-/// What becomes true soon after the host's flag, also while a scene loads.
-class HostStop {
- public:
-  explicit HostStop(const volatile std::int32_t* flag) {
-    if (flag == nullptr) return;
-    asked_ = *flag != 0;
-    watcher_ = std::jthread([this, flag](const std::stop_token& end) {
-      while (!end.stop_requested() && !asked_.load()) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        asked_ = *flag != 0;
-      }
-    });
-  }
-  [[nodiscard]] const std::atomic<bool>& asked() const { return asked_; }
-
- private:
-  std::atomic<bool> asked_{false};
-  std::jthread watcher_;
-};
-
 const ObjectiveKind& named_objective(std::string_view name) {
   if (const ObjectiveKind* kind = objective_kind(name)) return *kind;
   throw InputError("objective: unknown name '" + std::string(name) + "'; there is " +
@@ -75,12 +55,7 @@ EvaluationOptions evaluation_options(const char* scene, const sf_evaluate_option
   if (given.wearer != nullptr) run.wearer = given.wearer;
   if (given.person != nullptr) run.person = given.person;
   if (given.objective != nullptr) run.objective = &named_objective(given.objective);
-  if (given.duration_s != 0.0) {
-    if (!(std::isfinite(given.duration_s) && given.duration_s > 0.0)) {
-      throw InputError("duration_s: must be a time above 0 in seconds");
-    }
-    run.duration = given.duration_s;
-  }
+  run.duration = duration_of(given.duration_s);
   return options;
 }
 
@@ -113,15 +88,14 @@ sf_status sf_evaluate(const char* scene, const sf_evaluate_options* options, sf_
   if (scene == nullptr || out == nullptr) {
     return text.tell(SF_BAD_INPUT, "scene and out must not be NULL");
   }
-  if (options != nullptr && options->size != sizeof(sf_evaluate_options)) {
-    return text.tell(SF_BAD_INPUT, "sf_evaluate_options.size must be sizeof(sf_evaluate_options)");
-  }
   *out = nullptr;
   return softfinger::guarded(text, [&] {
-    const sf_evaluate_options given = options == nullptr ? sf_evaluate_options{} : *options;
-    const softfinger::HostStop stop(given.stop);
+    const sf_evaluate_options given =
+        softfinger::taken(options, softfinger::kFirstEvaluate, "sf_evaluate_options");
+    const softfinger::HostWatch host(given.stop, given.progress);
     const softfinger::EvaluationOptions how = softfinger::evaluation_options(scene, given);
-    *out = new sf_table(softfinger::table_of(softfinger::evaluate(how, stop.asked())));
+    *out =
+        new sf_table(softfinger::table_of(softfinger::evaluate(how, host.stop(), host.observer())));
     return SF_DONE;
   });
 }

@@ -53,16 +53,7 @@ std::uint32_t c_count(const Eigen::VectorXd& values) {
 
 /// The options by name, as whoever set `size` knew them.
 RenderingOptions rendering_options(const sf_options* given) {
-  sf_options options{};
-  if (given != nullptr) {
-    const std::uint32_t size = given->size;
-    if (size < kFirstOptions || size > sizeof(sf_options)) {
-      throw InputError(
-          fmt::format("sf_options.size is {}: must be sizeof(sf_options), {} in this version", size,
-                      sizeof(sf_options)));
-    }
-    std::memcpy(&options, given, size);
-  }
+  const sf_options options = taken(given, kFirstOptions, "sf_options");
   RenderingOptions named;
   const auto name = [](auto& to, const char* text) {
     if (text != nullptr) to = text;
