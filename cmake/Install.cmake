@@ -31,6 +31,11 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/softfingerConfigVersion.c
 install(FILES ${PROJECT_BINARY_DIR}/softfingerConfig.cmake
   ${PROJECT_BINARY_DIR}/softfingerConfigVersion.cmake DESTINATION ${softfinger_cmake_dir})
 
-# What a newcomer runs: fingers, devices, scenes and objects as files.
+# What a newcomer runs: fingers, devices, scenes and objects as files. The build tree shows them in the same place, so
+# that what it builds finds them by name as an installed program does.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/softfinger)
+foreach(folder fingers devices scenes objects)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/softfinger/${folder} SYMBOLIC)
+endforeach()
 install(DIRECTORY fingers devices scenes objects DESTINATION ${CMAKE_INSTALL_DATADIR}/softfinger
   FILES_MATCHING PATTERN "*.toml" PATTERN "*.msh" PATTERN "*.ply" PATTERN "*.obj" PATTERN "*.stl")

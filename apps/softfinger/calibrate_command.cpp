@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -167,7 +168,10 @@ void add_calibrate_action(CLI::App& device_command) {
   auto flags = std::make_shared<CalibrateFlags>();
   CLI::App* action = device_command.add_subcommand(
       "calibrate", "Finds direction, offset and range of each servo, moving it slowly");
-  action->add_option("DEVICE", flags->device, "Device file")->required();
+  takes_shipped(
+      action->add_option("DEVICE", flags->device, "Device file, or the name of a shipped one"),
+      Shipped::kDevice)
+      ->required();
   action->add_option("--out", flags->out, "New file for the servos' section")->required();
   action->add_option("--port", flags->port, "Instead of the file's");
   action

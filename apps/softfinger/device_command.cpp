@@ -12,6 +12,7 @@
 #include "calibrate_command.hpp"
 #include "commands.hpp"
 #include "device_json.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -160,12 +161,19 @@ void workspace(const DeviceFlags& flags) {
   answer(result, flags.json);
 }
 
+/// The word itself where it means no file: an unknown kind, which is told with those there are.
+std::string kind_of_file(const std::string& word) {
+  const std::vector<std::string> shipped = shipped_names(Shipped::kDevice);
+  const bool is_file =
+      std::filesystem::exists(word) || std::ranges::find(shipped, word) != shipped.end();
+  return is_file ? load_device(file_or_shipped(Shipped::kDevice, word))->kind() : word;
+}
+
 void schema(const DeviceFlags& flags) {
   const std::vector<std::string> kinds = device_kind_names();
-  const bool is_file = std::find(kinds.begin(), kinds.end(), flags.device) == kinds.end() &&
-                       std::filesystem::exists(flags.device);
   if (!flags.device.empty()) {
-    fmt::print("{}\n", device_schema(is_file ? load_device(flags.device)->kind() : flags.device));
+    const bool is_kind = std::ranges::find(kinds, flags.device) != kinds.end();
+    fmt::print("{}\n", device_schema(is_kind ? flags.device : kind_of_file(flags.device)));
     return;
   }
   ordered_json any = ordered_json::array();
@@ -182,7 +190,10 @@ CLI::App* add_device_action(CLI::App& command, const std::string& name, const st
                             const std::shared_ptr<DeviceFlags>& flags,
                             void (*action)(const DeviceFlags&)) {
   CLI::App* sub = command.add_subcommand(name, text);
-  sub->add_option("DEVICE", flags->device, "Device file (TOML)")->required();
+  takes_shipped(
+      sub->add_option("DEVICE", flags->device, "Device file (TOML), or the name of a shipped one"),
+      Shipped::kDevice)
+      ->required();
   sub->add_flag("--json", flags->json, "One JSON object");
   sub->callback([flags, action] { action(*flags); });
   return sub;

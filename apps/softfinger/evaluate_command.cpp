@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "progress_bar.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/device_objectives.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
@@ -72,10 +73,14 @@ void add_evaluate_command(CLI::App& app) {
       "evaluate", "How faithfully a device renders a scene: a second finger feels its commands");
   auto flags = std::make_shared<EvaluateFlags>();
   RunOptions& run = flags->options.run;
-  command->add_option("SCENE", run.scene, "scene file (TOML)")->required();
+  takes_shipped(
+      command->add_option("SCENE", run.scene, "scene file (TOML), or the name of a shipped one"),
+      Shipped::kScene)
+      ->required();
   command
       ->add_option("--device", run.devices,
                    "device file instead of the scene's; NAME=FILE for one of several fingers")
+      ->type_name(value_name(Shipped::kDevice))
       ->allow_extra_args(false);
   command
       ->add_option(
@@ -85,8 +90,10 @@ void add_evaluate_command(CLI::App& app) {
               trackers_in_brief(
                   "or", [](const TrackerRow& row) { return row.origin == PoseOrigin::kMotion; })))
       ->allow_extra_args(false);
-  command->add_option("--wearer", flags->wearer,
-                      "finger file of who wears the device; the simulated finger where not given");
+  takes_shipped(command->add_option(
+                    "--wearer", flags->wearer,
+                    "finger file of who wears the device; the simulated finger where not given"),
+                Shipped::kFinger);
   command->add_option("--person", flags->person,
                       "person file: sizes of the fingers, and where tracked bodies sit on them");
   command->add_option("--objective", flags->objective, objective_help())

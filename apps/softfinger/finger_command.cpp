@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "finger_fit_command.hpp"
 #include "finger_register_command.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
@@ -110,7 +111,10 @@ void add_finger_command(CLI::App& app) {
   CLI::App* command =
       finger->add_subcommand("show", "Read a finger file and its mesh; say what is in them");
   auto flags = std::make_shared<FingerShowFlags>();
-  command->add_option("FINGER", flags->finger, "finger file (TOML)")->required();
+  takes_shipped(command->add_option("FINGER", flags->finger,
+                                    "finger file (TOML), or the name of a shipped one"),
+                Shipped::kFinger)
+      ->required();
   command->add_flag("--json", flags->json,
                     "one JSON object on stdout: the file's keys, defaults filled in");
   command->callback([flags] { show(*flags); });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "progress_bar.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/press_fit.hpp"
 
@@ -78,7 +79,11 @@ void add_finger_fit_command(CLI::App& finger) {
   CLI::App* command = finger.add_subcommand(
       "fit", "Estimate Young's modulus and strain limits from a measured press on a flat plate");
   auto flags = std::make_shared<FitFlags>();
-  command->add_option("FINGER", flags->finger, "finger file (TOML) to start from")->required();
+  takes_shipped(
+      command->add_option("FINGER", flags->finger,
+                          "finger file (TOML) to start from, or the name of a shipped one"),
+      Shipped::kFinger)
+      ->required();
   command->add_option("--data", flags->data, "CSV file: indentation_mm,force_N")->required();
   command->add_option("--area", flags->area, "CSV file: force_N,area_mm2");
   command->add_option("--out", flags->out, "new finger file; never an existing one")->required();

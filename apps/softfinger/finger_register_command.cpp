@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "progress_bar.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
@@ -234,8 +235,9 @@ void add_finger_register_command(CLI::App& finger) {
   auto flags = std::make_shared<FingerRegisterFlags>();
   command->add_option("--person", flags->person, "person file to write or change")->required();
   command->add_option("--finger", flags->finger, "whose tables are written")->capture_default_str();
-  command->add_option("--scene", flags->scene,
-                      "scene whose finger it is, where its name is none of a hand's");
+  takes_shipped(command->add_option("--scene", flags->scene,
+                                    "scene whose finger it is, where its name is none of a hand's"),
+                Shipped::kScene);
   command->add_option("--length-mm", flags->length_mm, "of the fingertip, measured");
   command->add_option("--breadth-mm", flags->breadth_mm, "of the fingertip, measured");
   command->add_option("--depth-mm", flags->depth_mm, "of the fingertip, measured");
@@ -243,7 +245,8 @@ void add_finger_register_command(CLI::App& finger) {
                       fmt::format("of the body on the finger: {}; guides through five postures on "
                                   "a table",
                                   trackers_in_brief("or", is_registered_here)));
-  command->add_option("--model", flags->model, "finger file whose shape is fitted");
+  takes_shipped(command->add_option("--model", flags->model, "finger file whose shape is fitted"),
+                Shipped::kFinger);
   command->add_option("--table-mm", flags->table_mm,
                       "height of the table in the world; without sizes, the finger's is found");
   command->add_flag("--json", flags->json, "one JSON object on stdout");

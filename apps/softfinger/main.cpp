@@ -76,5 +76,7 @@ int main(int argc, char** argv) {
   add_condition_command(app);
   add_emulate_command(app);
   add_help_command(app);
+  add_complete_command(app);
+  add_manual_command(app);
   return status_of_output(run(app, argc, argv));
 }

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "contact_points_file.hpp"
 #include "device_json.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -127,7 +128,10 @@ void add_match_command(CLI::App& app) {
   auto flags = std::make_shared<MatchFlags>();
   CLI::App* command =
       app.add_subcommand("match", "Device configuration that touches the given skin samples");
-  command->add_option("DEVICE", flags->device, "Device file (TOML)")->required();
+  takes_shipped(command->add_option("DEVICE", flags->device,
+                                    "Device file (TOML), or the name of a shipped one"),
+                Shipped::kDevice)
+      ->required();
   command->add_option("--points", flags->points, "Points file (JSON)")->required();
   command
       ->add_option("--objective", flags->objective,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/indentation.hpp"
@@ -249,7 +250,10 @@ void press(const PressFlags& flags) {
 void add_press_command(CLI::App& app) {
   auto flags = std::make_shared<PressFlags>();
   CLI::App* command = app.add_subcommand("press", "Press a finger on an obstacle, bone prescribed");
-  command->add_option("FINGER", flags->finger, "Finger file (TOML)")->required();
+  takes_shipped(command->add_option("FINGER", flags->finger,
+                                    "Finger file (TOML), or the name of a shipped one"),
+                Shipped::kFinger)
+      ->required();
   command->add_option("--to-mm", flags->to_mm, "Greatest bone displacement after first touch");
   command->add_option("--steps", flags->steps, "Number of rows");
   command->add_option("--sphere-mm", flags->sphere_mm, "Press on a sphere of this radius");

@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "progress_bar.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/session/replay.hpp"
 
@@ -58,7 +59,9 @@ void add_replay_command(CLI::App& app) {
       "replay", "Run a recording again with its recorded input; say whether the bits agree");
   auto flags = std::make_shared<ReplayFlags>();
   command->add_option("RECORDING", flags->options.recording, "what run --record wrote")->required();
-  command->add_option("--scene", flags->scene, "run this scene instead of the recorded one");
+  takes_shipped(
+      command->add_option("--scene", flags->scene, "run this scene instead of the recorded one"),
+      Shipped::kScene);
   command->add_option("--simd", flags->simd,
                       "instruction set instead of the recorded one: baseline, avx2 or avx512");
   command->add_flag("--json", flags->json, "one JSON object on stdout");

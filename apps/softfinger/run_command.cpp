@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "port_option.hpp"
 #include "progress_bar.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/actuation/guard_program.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
@@ -178,12 +179,16 @@ void add_run_command(CLI::App& app) {
       app.add_subcommand("run", "Run a scene: live with a page in the browser, or headless");
   auto flags = std::make_shared<RunFlags>();
   RunOptions& options = flags->options;
-  command->add_option("SCENE", options.scene, "scene file (TOML)")->required();
+  takes_shipped(command->add_option("SCENE", options.scene,
+                                    "scene file (TOML), or the name of a shipped one"),
+                Shipped::kScene)
+      ->required();
   command->add_flag("--headless", flags->headless, "no page");
   command->add_option("--duration-s", flags->duration_s, "end after this time, s");
   command
       ->add_option("--device", options.devices,
                    "device file instead of the scene's; NAME=FILE for one of several fingers")
+      ->type_name(value_name(Shipped::kDevice))
       ->allow_extra_args(false);
   command
       ->add_option(
@@ -195,10 +200,12 @@ void add_run_command(CLI::App& app) {
                     "smooth tracked poses: little jitter at rest, little lag in motion");
   command->add_option("--predict-ms", flags->predict_ms,
                       "carry tracked poses on over their age and this time more, ms");
-  command->add_option(
-      "--wearer", flags->wearer,
-      "finger file of whom an emulated force sensor, and the page's twin, are on; the "
-      "simulated finger where not given");
+  takes_shipped(
+      command->add_option(
+          "--wearer", flags->wearer,
+          "finger file of whom an emulated force sensor, and the page's twin, are on; the "
+          "simulated finger where not given"),
+      Shipped::kFinger);
   command->add_option("--person", flags->person,
                       "person file: sizes of the fingers, and where tracked bodies sit on them");
   command->add_option("--record", flags->recording, "record into this new file");

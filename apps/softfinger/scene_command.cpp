@@ -11,6 +11,7 @@
 
 #include "commands.hpp"
 #include "progress_bar.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/shape_names.hpp"
@@ -178,7 +179,10 @@ void add_scene_command(CLI::App& app) {
   CLI::App* command =
       scene->add_subcommand("check", "Read a scene and every file it names; say what is in it");
   auto flags = std::make_shared<SceneCheckFlags>();
-  command->add_option("SCENE", flags->scene, "scene file (TOML)")->required();
+  takes_shipped(
+      command->add_option("SCENE", flags->scene, "scene file (TOML), or the name of a shipped one"),
+      Shipped::kScene)
+      ->required();
   command->add_flag("--json", flags->json, "one JSON object on stdout");
   command->callback([flags] {
     const Json summary = check(flags->scene);

@@ -8,6 +8,7 @@
 
 #include "softfinger/actuation/guard_program.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/files/shipped_file.hpp"
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/run_setup.hpp"
@@ -28,8 +29,9 @@ std::size_t finger_index(const Scene& scene, const std::string& name) {
                                fmt::join(names, ", ")));
 }
 
-std::shared_ptr<const RunSetup> load(const std::filesystem::path& scene,
+std::shared_ptr<const RunSetup> load(const std::filesystem::path& given,
                                      const RenderingOptions& options) {
+  const std::filesystem::path scene = file_or_shipped(Shipped::kScene, given.native());
   SetupOptions named;
   named.scene = scene;
   if (!options.device.empty()) {

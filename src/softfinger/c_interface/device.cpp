@@ -6,6 +6,7 @@
 #include "softfinger/c_interface/answers.hpp"
 #include "softfinger/c_interface/handle.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/files/shipped_file.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
 
 namespace softfinger {
@@ -106,8 +107,8 @@ sf_status sf_device_create(const char* file, sf_device** out, char* error, size_
   }
   *out = nullptr;
   return softfinger::guarded(text, [&] {
-    *out = new sf_device(std::make_unique<softfinger::HeldDevice>(
-        softfinger::HeldDevice{softfinger::load_device(file)}));
+    *out = new sf_device(std::make_unique<softfinger::HeldDevice>(softfinger::HeldDevice{
+        softfinger::load_device(softfinger::file_or_shipped(softfinger::Shipped::kDevice, file))}));
     return SF_DONE;
   });
 }

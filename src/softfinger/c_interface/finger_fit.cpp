@@ -3,6 +3,7 @@
 
 #include "softfinger/c_interface/answers.hpp"
 #include "softfinger/c_interface/table.hpp"
+#include "softfinger/files/shipped_file.hpp"
 #include "softfinger/identification/press_fit.hpp"
 
 namespace softfinger {
@@ -10,7 +11,7 @@ namespace {
 
 PressFitOptions fit_options(const char* finger, const char* curve, const sf_fit_options& given) {
   PressFitOptions options;
-  options.finger = finger;
+  options.finger = file_or_shipped(Shipped::kFinger, finger);
   options.curve = curve;
   if (given.areas != nullptr) options.areas = given.areas;
   if (given.out != nullptr) options.out = given.out;

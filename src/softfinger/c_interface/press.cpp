@@ -6,6 +6,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/c_interface/answers.hpp"
 #include "softfinger/c_interface/table.hpp"
+#include "softfinger/files/shipped_file.hpp"
 #include "softfinger/identification/indentation_columns.hpp"
 
 namespace softfinger {
@@ -60,8 +61,7 @@ Indenter indenter_of(const sf_press_options& options) {
   return options.edge != 0 ? Indenter::edge(options.edge_radius_m) : Indenter::plane();
 }
 
-std::unique_ptr<Table> pressed(const std::filesystem::path& finger,
-                               const sf_press_options& options) {
+std::unique_ptr<Table> pressed(const char* finger, const sf_press_options& options) {
   check_press(options);
   IndentationOptions how;
   how.depth = options.depth_m;
@@ -77,18 +77,19 @@ std::unique_ptr<Table> pressed(const std::filesystem::path& finger,
   for (const IndentationColumn& column : indentation_columns()) table->add_column(column.name);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   bool all_converged = true;
-  indent(*FingerModel::load(finger), indenter_of(options), how, [&](const IndentationState& state) {
-    all_converged = all_converged && state.row.converged;
-    nlohmann::ordered_json row;
-    auto to = table->columns.begin();
-    for (const IndentationColumn& column : indentation_columns()) {
-      const double value = column.value(state.row);
-      (to++)->values.push_back(value);
-      nlohmann::ordered_json& told = row[std::string(column.name)] = value;
-      if (column.whole) told = static_cast<int>(value);
-    }
-    rows.push_back(std::move(row));
-  });
+  indent(*FingerModel::load(file_or_shipped(Shipped::kFinger, finger)), indenter_of(options), how,
+         [&](const IndentationState& state) {
+           all_converged = all_converged && state.row.converged;
+           nlohmann::ordered_json row;
+           auto to = table->columns.begin();
+           for (const IndentationColumn& column : indentation_columns()) {
+             const double value = column.value(state.row);
+             (to++)->values.push_back(value);
+             nlohmann::ordered_json& told = row[std::string(column.name)] = value;
+             if (column.whole) told = static_cast<int>(value);
+           }
+           rows.push_back(std::move(row));
+         });
   if (!all_converged) throw OperationError("press: some rows did not reach equilibrium");
   table->text = rows.dump();
   return table;

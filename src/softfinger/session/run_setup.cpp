@@ -11,6 +11,7 @@
 #include "softfinger/base/stop_check.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
+#include "softfinger/files/shipped_file.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
 #include "softfinger/twin/skin_comparison.hpp"
@@ -115,11 +116,13 @@ fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexical
 
 std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
   auto setup = std::make_shared<RunSetup>();
-  setup->scene = load_scene(options.scene, !options.trackers.empty(), options.load_observer);
+  setup->scene = load_scene(file_or_shipped(Shipped::kScene, options.scene.native()),
+                            !options.trackers.empty(), options.load_observer);
   Scene& scene = setup->scene;
   setup->tracker_directories.assign(scene.fingers.size(), scene.file.parent_path());
-  apply_overrides(options.devices, "--device", scene,
-                  [&](std::size_t i, const std::string& file) { scene.fingers[i].device = file; });
+  apply_overrides(options.devices, "--device", scene, [&](std::size_t i, const std::string& file) {
+    scene.fingers[i].device = file_or_shipped(Shipped::kDevice, file);
+  });
   override_trackers(options.trackers, *setup);
   if (options.person) {
     setup->person = options.person_may_be_new ? load_person_if_any(*options.person)
@@ -141,7 +144,7 @@ std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
     setup->notices.push_back(std::move(worn.notices));
   }
   if (options.wearer) {
-    setup->wearer = FingerModel::load(*options.wearer);
+    setup->wearer = FingerModel::load(file_or_shipped(Shipped::kFinger, options.wearer->native()));
     for (const auto& model : setup->models) check_pad(*setup->wearer, *model);
   }
   return setup;

@@ -21,7 +21,8 @@
 
 namespace softfinger {
 
-/// Which scene, with what instead of what its file names.
+/// Which scene, with what instead of what its file names. Scene, devices and wearer are files or
+/// names of shipped ones.
 struct SetupOptions {
   std::filesystem::path scene;
   /// Device files and trackers instead of the scene's: "FILE" for the only finger, "NAME=FILE"
