@@ -70,12 +70,12 @@ static class ClientTest
             // A closed surface, but for what the nail covers: about twice as many triangles as samples.
             Check.That(described.SkinTriangles.Length > 3 * samples && samples > 50, "skin");
             Check.That(described.BoneTriangles.Length > 0 && described.NailTriangles.Length > 0 && described.Pieces.Count > 0, "bone, nail and device");
-            int snapshots = 0, pressed = 0;
+            int snapshots = 0, pressed = 0, twins = 0;
             double time_s = -1;
-            while (snapshots < 20 || pressed < 10)
+            while (snapshots < 20 || pressed < 10 || twins < 1)
             {
                 Message message = Wait(client.ReceiveAsync());
-                Check.That(message != null, $"{snapshots} snapshots, {pressed} with force, then the connection ended");
+                Check.That(message != null, $"{snapshots} snapshots, {pressed} with force, {twins} with a twin, then the connection ended");
                 if (!(message is Snapshot snapshot)) continue;
                 ++snapshots;
                 FingerSnapshot finger = snapshot.Fingers[0];
@@ -96,9 +96,21 @@ static class ClientTest
                 Check.That(pressure < 1e5, "of skin, in Pa");
                 time_s = snapshot.Time_s;
                 if (finger.NormalForce_N > 0.1) ++pressed;
+                if (finger.Twin != null && finger.Twin.NormalForce_N > 0.01) twins += Touched(finger.Twin, samples);
                 Print(snapshot);
             }
         }
+    }
+
+    /// <summary>1, of a twin that is pressed as skin is.</summary>
+    static int Touched(Twin twin, int samples)
+    {
+        Check.Equal(twin.Positions_m.Length, 3 * samples, "samples of the twin");
+        Check.That(twin.NormalForce_N < 5 && twin.ContactArea_m2 > 1e-6 && twin.ContactArea_m2 < 4e-4, "force and area of the twin");
+        Check.That(twin.Iou >= 0 && twin.Iou <= 1 && twin.CentroidShift_m >= 0 && twin.CentroidShift_m < 0.02, "measures of the twin");
+        Check.That(twin.NormalForceSum_N >= twin.NormalForce_N * 0.999f && twin.Press_s > 0 && twin.Press_s < 1, "press of the twin");
+        Check.That(Array.IndexOf(twin.InContact, (byte)1) >= 0, "contact of the twin");
+        return 1;
     }
 
     static void Print(Snapshot snapshot)

@@ -95,7 +95,7 @@ class Client(unittest.TestCase):
         self.addCleanup(contact.close)
         with tempfile.TemporaryDirectory() as folder:
             recording = pathlib.Path(folder) / "run.sqlite"
-            with mono.softfinger(PROGRAM, PLANE, "--record", recording) as address:
+            with mono.softfinger(PROGRAM, PLANE, "--record", recording, twin=True) as address:
                 printing = contact.start(address)
                 told = [line.split() for line in self.passes("watch", address).splitlines()]
                 rows = [printing.stdout.readline().split()]

@@ -47,10 +47,10 @@ class Compiled:
 
 
 @contextlib.contextmanager
-def softfinger(program, *arguments):
+def softfinger(program, *arguments, twin=False):
     """`softfinger run` with its page at a free port; gives the address it prints, and ends it as Ctrl-C does."""
-    with subprocess.Popen([program, "run", *map(str, arguments), "--no-twin", "--port", "0"], stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    command = [program, "run", *map(str, arguments), *([] if twin else ["--no-twin"]), "--port", "0"]
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         said, address = [], None
         while address is None:
             line = process.stdout.readline()
