@@ -5,6 +5,7 @@ option(SOFTFINGER_LIVE_PAGE "Build the live page into the viewer (needs Node.js 
 function(softfinger_viewer_page target)
   set(source ${CMAKE_CURRENT_SOURCE_DIR}/page)
   set(work ${CMAKE_CURRENT_BINARY_DIR}/page)
+  set(client ${PROJECT_SOURCE_DIR}/clients/javascript/src)
   set(embed ${PROJECT_SOURCE_DIR}/cmake/embed_page.cmake)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/live_page.cpp)
   target_sources(${target} PRIVATE ${output})
@@ -40,10 +41,14 @@ function(softfinger_viewer_page target)
     DEPENDS ${packages} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
     COMMENT "Fetching the packages of the live page" VERBATIM)
 
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${source}/src/* ${source}/public/*)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${source}/src/* ${source}/public/* ${client}/*)
+  # As far from the page as in the sources.
+  cmake_path(RELATIVE_PATH client BASE_DIRECTORY ${source} OUTPUT_VARIABLE client_from_page)
+  cmake_path(ABSOLUTE_PATH client_from_page BASE_DIRECTORY ${work} NORMALIZE OUTPUT_VARIABLE client_copy)
   set(settings ${source}/index.html ${source}/tsconfig.json ${source}/vite.config.ts)
   add_custom_command(OUTPUT ${output}
-    COMMAND ${CMAKE_COMMAND} -E rm -rf ${work}/src ${work}/public ${work}/dist
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${work}/src ${work}/public ${work}/dist ${client_copy}
+    COMMAND ${CMAKE_COMMAND} -E copy_directory ${client} ${client_copy}
     COMMAND ${CMAKE_COMMAND} -E copy_directory ${source}/src ${work}/src
     COMMAND ${CMAKE_COMMAND} -E copy_directory ${source}/public ${work}/public
     COMMAND ${CMAKE_COMMAND} -E copy ${settings} ${work}

@@ -171,9 +171,9 @@ TEST(NamesOnPages, InstructionSets) {
               ElementsAreArray(names_of(kInstructionSets)));
 }
 
-// The live page draws every shape and looks for every finger: its types name them.
-TEST(NamesOnPages, TypesOfTheLivePage) {
-  const std::string wire = source("src/softfinger/viewer/page/src/wire.ts");
+// The live page draws every shape and looks for every finger: the types of its client name them.
+TEST(NamesOnPages, TypesOfTheJavaScriptClient) {
+  const std::string wire = source("clients/javascript/src/messages.d.ts");
   EXPECT_THAT(all(part(wire, "export type Shape =", "\n\n"), "kind: \"(\\w+)\""),
               ElementsAreArray(names_of(kShapes)));
   EXPECT_THAT(all(part(wire, "  hand: ", ";"), "\"(\\w+)\""),

@@ -140,6 +140,7 @@ TEST(SceneMessage, HasWhatThePageDraws) {
   SyntheticFeed feed;
   const auto json = nlohmann::json::parse(scene_message(*feed.description()));
   EXPECT_EQ(json["type"], "scene");
+  EXPECT_EQ(json["protocol_version"], kProtocolVersion);
   EXPECT_EQ(json["scene"], "sphere");
   EXPECT_EQ(json["scenes"].size(), 7U);
   EXPECT_EQ(json["notices"].size(), 0U);
@@ -369,8 +370,8 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_EQ(read_at<std::uint8_t>(message, twin + 48 + 80), 1U);
 }
 
-TEST(SnapshotMessage, PageKnowsTheSumsByTheirNamesInOrder) {
-  std::ifstream file(SOFTFINGER_SOURCE_DIR "/src/softfinger/viewer/page/src/wire.ts");
+TEST(SnapshotMessage, ClientsKnowTheSumsByTheirNamesInOrder) {
+  std::ifstream file(SOFTFINGER_SOURCE_DIR "/clients/javascript/src/wire.js");
   std::string names;
   std::getline(file, names, '\0');
   names = names.substr(names.find("kContactSums = ["));

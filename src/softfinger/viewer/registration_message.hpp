@@ -6,7 +6,7 @@
 
 namespace softfinger {
 
-/// A registration as the page reads it (page/src/wire.ts), JSON: type "registration", state
+/// A registration as clients read it (docs/protocol.md), JSON: type "registration", state
 /// ("idle", "running", "saved", "refused"), finger, held, of, posture, words (how to hold it),
 /// progress in twentieths, message.
 [[nodiscard]] std::string registration_message(const RegistrationState& state);

@@ -147,6 +147,7 @@ Json to_json(const SceneDescription::Finger& finger) {
 
 std::string scene_message(const SceneDescription& scene) {
   Json message = {{"type", "scene"},
+                  {"protocol_version", kProtocolVersion},
                   {"generation", scene.generation},
                   {"scene", scene.scene_name},
                   {"scenes", scene.scene_names},

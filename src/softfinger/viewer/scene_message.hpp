@@ -6,8 +6,13 @@
 
 namespace softfinger {
 
-/// A scene as the page reads it, one JSON text per generation. Lengths in mm, points as flat arrays
-/// [x, y, z, x, ...], triangles as flat arrays of indices. Keys are those of page/src/wire.ts.
+/// Of all that goes over the page's WebSocket, as docs/protocol.md has it: grows when a client that
+/// knows the one before would misread what comes, or be refused. New keys and new requests need
+/// none.
+inline constexpr int kProtocolVersion = 1;
+
+/// A scene as clients read it, one JSON text per generation. Lengths in mm, points as flat arrays
+/// [x, y, z, x, ...], triangles as flat arrays of indices. Keys are those of docs/protocol.md.
 [[nodiscard]] std::string scene_message(const SceneDescription& scene);
 
 }  // namespace softfinger

@@ -10,8 +10,9 @@ namespace softfinger {
 
 inline constexpr std::uint32_t kSnapshotMagic = 0x39534653;  ///< "SFS9"
 
-/// Writes a snapshot as the page reads it (page/src/wire.ts). `scene` gives the units of the
-/// configuration; it must be the one of the snapshot's generation.
+/// Writes a snapshot as docs/protocol.md has it and clients read it
+/// (clients/javascript/src/wire.js). `scene` gives the units of the configuration; it must be the
+/// one of the snapshot's generation.
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
@@ -25,7 +26,7 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x39534653;  ///< "SFS9"
 ///     per object: pose X_WO
 ///     per finger:
 ///       pose X_WFt, pose X_WF, pose X_FP
-///       f32 each of for_each_live_field, which the page knows as kContactSums
+///       f32 each of for_each_live_field, which clients know as kContactSums
 ///       f32 deviation_mm2
 ///       u32 tick (low bits)   f32 stages_ms[6] of that tick, see LatencyStage; NaN: unknown
 ///       f32 device_said_ms: how long ago who leads the servos last showed life; NaN: nobody does

@@ -1,4 +1,4 @@
-import type { Notice, Scene, Snapshot } from "./wire";
+import type { Notice, Scene, Snapshot } from "softfinger-client";
 
 const kHeld = 600; // ms that a mark stays after what it tells has ended: long enough to be read
 

@@ -1,10 +1,10 @@
 import {
   BoxGeometry, CylinderGeometry, Group, Mesh, MeshStandardMaterial, TorusGeometry, Vector3,
 } from "three";
+import type { FingerDescription, FingerSnapshot } from "softfinger-client";
 import { place } from "./finger_view";
 import { palette } from "./palette";
 import { bar, gripRadius, joint, metalOf, type PieceView, pieceViews, stretch } from "./piece_view";
-import type { FingerDescription, FingerSnapshot } from "./wire";
 
 const kJointSize = 4; // mm; motors stick out around their joints
 const kFinger = { length: 13, depth: 8.5 }; // mm from its middle; what a picture has to show anyway

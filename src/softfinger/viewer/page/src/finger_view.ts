@@ -3,9 +3,9 @@ import {
   InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, Object3D, SphereGeometry,
   type Side, Vector3,
 } from "three";
+import type { FingerDescription, PoseArray, Skin } from "softfinger-client";
 import { palette } from "./palette";
 import { SmoothSurface } from "./smooth_surface";
-import type { FingerDescription, PoseArray, Skin } from "./wire";
 
 /**
  * Skin, its samples, bone and nail of one finger, in its own frame F. Can be shown in several places

@@ -1,7 +1,7 @@
 import { Plane, Quaternion, Raycaster, Sphere, Vector2, Vector3 } from "three";
+import type { FingerSnapshot, Request, Scene } from "softfinger-client";
 import type { View } from "./stage";
 import { kHand, type Shown } from "./shown";
-import type { FingerSnapshot, Request, Scene } from "./wire";
 
 const kReach = 13; // mm about the finger's middle that the pointer takes hold of
 const kMiddle = new Vector3(0, 0, -2); // of the finger, in F, mm

@@ -1,6 +1,6 @@
+import type { FingerSnapshot, Scene, Skin, Snapshot } from "softfinger-client";
 import { type DeviceMarks, noticeLines, showWarning } from "./device_marks";
 import { palette } from "./palette";
-import type { FingerSnapshot, Scene, Skin, Snapshot } from "./wire";
 
 interface Row {
   force: HTMLElement;

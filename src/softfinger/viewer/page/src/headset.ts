@@ -1,8 +1,8 @@
+import type { Client, FollowedFinger, Scene } from "softfinger-client";
 import { placeByEyes, placeByFinger } from "./placement";
 import type { Room } from "./room";
 import { SeenHands } from "./seen_hands";
-import type { FollowedFinger, Scene } from "./wire";
-import { endsOf, handMessage, readJoints, type Side } from "./xr_hand";
+import { endsOf, readJoints, type Side } from "./xr_hand";
 
 const kSettle = 1000; // ms that a hand has to be seen before the scene is placed by it
 const kSides: Side[] = ["right", "left"];
@@ -22,7 +22,7 @@ export class Headset {
   private scene = "";
   private followed: FollowedFinger[] = [];
 
-  constructor(private readonly drawing: Room, private readonly send: (message: ArrayBuffer) => void) {
+  constructor(private readonly drawing: Room, private readonly tell: Client["hand"]) {
     this.button.onclick = () => void (this.session ? this.session.end() : this.enter());
   }
 
@@ -51,7 +51,7 @@ export class Headset {
       const joints = this.joints(frame, side, space);
       if (joints) seen.set(side, joints);
       if (!this.followed.some((finger) => finger.hand === side)) continue;
-      this.send(handMessage(side, this.space ? joints : null, time));
+      this.tell(side, this.space ? joints : null, time);
     }
     this.hands.show([...seen].map(([side, joints]) => ({ joints, instead: this.drawnOf(side) })));
     document.body.dataset.headset = this.space ? "placed" : "entered";
@@ -79,7 +79,7 @@ export class Headset {
 
   private leave(): void {
     for (const side of new Set(this.followed.map((finger) => finger.hand))) {
-      this.send(handMessage(side, null, performance.now()));
+      this.tell(side, null);
     }
     this.session = this.room = this.space = null;
     this.drawing.close();

@@ -1,6 +1,6 @@
+import type { FingerSnapshot, LatencyStage } from "softfinger-client";
 import { palette } from "./palette";
 import { clearedContext, redrawOnResize } from "./sharp_canvas";
-import type { FingerSnapshot, LatencyStage } from "./wire";
 
 const kKept = 600; // device ticks
 const kLeast = 0.01; // ms, of the axis

@@ -1,6 +1,6 @@
 import "./style.css";
 import { type Group, Vector3 } from "three";
-import { Connection } from "./connection";
+import { type FingerSnapshot, open, type Scene, type Snapshot } from "softfinger-client";
 import { DeviceMarks } from "./device_marks";
 import { DeviceView } from "./device_view";
 import { emulateHeadset } from "./emulated_headset";
@@ -19,7 +19,6 @@ import { Room } from "./room";
 import { keepInAddress, kHand, type Shown, shownByAddress } from "./shown";
 import { kBeforeTips, kHome, Stage, View } from "./stage";
 import { WorkspaceView } from "./workspace_view";
-import type { FingerSnapshot, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
 const kNear = 68; // mm, from which one finger is seen
@@ -145,8 +144,8 @@ function follow(elapsed: number, eye: Vector3): void {
 }
 
 const panel = new Panel(marks, {
-  send: (request) => connection.send(request),
-  stop: () => connection.stop(),
+  send: (request) => client.send(request),
+  stop: () => client.stop(),
   resetView: () => {
     stage.reset();
     arrived = false;
@@ -160,29 +159,31 @@ const panel = new Panel(marks, {
   },
 });
 
-const hand = new Hand(virtual, (request) => connection.send(request));
+const hand = new Hand(virtual, (request) => client.send(request));
 const notifications = new Notifications(element("notifications"));
-const registration = new RegistrationDialog((request) => connection.send(request));
+const registration = new RegistrationDialog((request) => client.send(request));
 const room = new Room(stage.renderer, virtual);
-const headset = new Headset(room, (message) => connection.sendHand(message));
+const headset = new Headset(room, (side, joints, time) => client.hand(side, joints, time));
 const wantsEmulation = new URLSearchParams(location.search).has("emulate-headset");
 void (wantsEmulation ? emulateHeadset() : Promise.resolve()).then(() => headset.offer());
 
-const connection = new Connection({
-  onScene: (next) => {
-    begin(next, shownByAddress(next));
-    headset.begin(next);
-  },
-  onSnapshot: (snapshot) => {
-    newest = snapshot;
-    marks.see(snapshot, performance.now());
-    plots.add(snapshot);
-    panel.count(snapshot);
-  },
-  onRegistration: (state) => registration.update(state),
-  onNotifications: (lines) => lines.forEach((line) => notifications.add(line)),
-  onLoading: (name) => panel.showLoading(name),
-  onState: (state) => panel.showConnection(state),
+const client = open(location.origin);
+client.on("scene", (next) => {
+  begin(next, shownByAddress(next));
+  headset.begin(next);
+});
+client.on("snapshot", (snapshot) => {
+  newest = snapshot;
+  marks.see(snapshot, performance.now());
+  plots.add(snapshot);
+  panel.count(snapshot);
+});
+client.on("registration", (state) => registration.update(state));
+client.on("notifications", ({ lines }) => lines.forEach((line) => notifications.add(line)));
+client.on("loading", ({ scene: name }) => panel.showLoading(name));
+client.on("state", (state, why) => {
+  panel.showConnection(state === "closed" ? "lost" : state);
+  if (state === "closed") notifications.add(why); // a page of another version than the program
 });
 
 // Without graphics hardware drawing takes the processor from the simulation: then seldomer. What a

@@ -1,8 +1,8 @@
 import { Group, Mesh, type ShaderMaterial, Vector3 } from "three";
+import type { Shape } from "softfinger-client";
 import { glass } from "./glass";
 import { palette } from "./palette";
 import { geometryOf } from "./shape_geometry";
-import type { Shape } from "./wire";
 
 const kPlaneReach = 62; // mm; farther away a plane has faded
 

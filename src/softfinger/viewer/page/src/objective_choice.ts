@@ -1,4 +1,4 @@
-import type { FingerSnapshot, Request, Scene } from "./wire";
+import type { FingerSnapshot, Request, Scene } from "softfinger-client";
 
 const kAnswered = 1500; // ms; by then the program has obeyed, or will not
 

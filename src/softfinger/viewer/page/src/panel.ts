@@ -1,10 +1,10 @@
+import type { FingerSnapshot, Request, Scene, Snapshot } from "softfinger-client";
 import { type DeviceMarks, noticeLines, showWarning } from "./device_marks";
 import { commonState, contactCount, HandTable, stateOf, toneOf } from "./hand_table";
 import { ObjectiveChoice } from "./objective_choice";
 import { RadioGroup } from "./radio_group";
 import { kHand, type Shown } from "./shown";
 import { Stopping } from "./stopping";
-import type { FingerSnapshot, Request, Scene, Snapshot } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
 const kSilence = 1000; // ms, of who leads the servos

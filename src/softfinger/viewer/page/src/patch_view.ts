@@ -1,6 +1,6 @@
+import type { FingerDescription, Skin } from "softfinger-client";
 import { mixed, palette } from "./palette";
 import { clearedContext, redrawOnResize } from "./sharp_canvas";
-import type { FingerDescription, Skin } from "./wire";
 
 const kPieces = 4; // a triangle's side is cut into so many
 const kScales = [5, 10, 20, 50, 100, 200, 500, 1000]; // kPa; what the colours may reach to

@@ -3,10 +3,10 @@ import {
   Float32BufferAttribute, Group, InstancedMesh, LineBasicMaterial, LineSegments, type Material,
   Matrix4, Mesh, MeshStandardMaterial, Quaternion, SphereGeometry, TorusGeometry, Vector3,
 } from "three";
+import type { Shape } from "softfinger-client";
 import { glass } from "./glass";
 import { palette } from "./palette";
 import { geometryOf } from "./shape_geometry";
-import type { Shape } from "./wire";
 
 const kFloats = 8; // of a piece on the wire: pose, radius of a ball
 const kMany = 4; // cylinders from which on they stand in a tray

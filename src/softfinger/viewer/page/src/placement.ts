@@ -1,6 +1,6 @@
 // Where a scene lies in the room that a headset sees.
 import { Matrix4, Quaternion, Vector3 } from "three";
-import type { FollowedFinger } from "./wire";
+import type { FollowedFinger } from "softfinger-client";
 import { endsOf, positionOf, rotationOf } from "./xr_hand";
 
 /** The world's axes (z up) in a y-up frame: x_W = -z, y_W = -x, z_W = y. */

@@ -1,11 +1,11 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import type { FingerDescription, FingerSnapshot, Scene, Snapshot, Twin } from "softfinger-client";
 import { LatencyView } from "./latency_view";
 import { palette } from "./palette";
 import { fingerColor } from "./hand_table";
 import { kHand, type Shown } from "./shown";
 import { behindNumber, quantityOf } from "./units";
-import type { FingerDescription, FingerSnapshot, Scene, Snapshot, Twin } from "./wire";
 
 const kWindow = 10; // s of simulated time shown
 const kCapacity = 1500;

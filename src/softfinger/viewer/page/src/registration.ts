@@ -1,5 +1,5 @@
+import type { Registration, Request, Scene } from "softfinger-client";
 import { kHand, type Shown } from "./shown";
-import type { Registration, Request, Scene } from "./wire";
 
 const element = (id: string) => document.getElementById(id)!;
 const input = (id: string) => element(id) as HTMLInputElement;

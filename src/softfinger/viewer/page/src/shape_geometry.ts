@@ -3,7 +3,7 @@ import {
   SphereGeometry, Vector2, Vector3,
 } from "three";
 import { toCreasedNormals } from "three/addons/utils/BufferGeometryUtils.js";
-import type { Shape } from "./wire";
+import type { Shape } from "softfinger-client";
 
 /** A shape of the wire in its own frame. */
 export function geometryOf(shape: Shape): BufferGeometry {

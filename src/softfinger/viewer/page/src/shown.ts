@@ -1,5 +1,5 @@
 // What of a scene is shown, kept in the page's address so that a reload shows it again: #hand, #finger=thumb.
-import type { Scene } from "./wire";
+import type { Scene } from "softfinger-client";
 
 export const kHand = "hand";
 

@@ -1,4 +1,4 @@
-import type { Request, Snapshot } from "./wire";
+import type { Request, Snapshot } from "softfinger-client";
 
 const element = (id: string) => document.getElementById(id)!;
 

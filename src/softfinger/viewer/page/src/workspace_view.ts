@@ -1,7 +1,7 @@
+import type { FingerDescription, Workspace } from "softfinger-client";
 import { mixed, palette } from "./palette";
 import { clearedContext, redrawOnResize } from "./sharp_canvas";
 import { behindNumber, quantityOf } from "./units";
-import type { FingerDescription, Workspace } from "./wire";
 
 const kTrail = 45; // past configurations shown
 const kFont = "10.5px Inter Variable, sans-serif";

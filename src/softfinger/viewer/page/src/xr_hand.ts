@@ -1,20 +1,10 @@
-// A hand as WebXR gives it, and the message that carries it to the program (hand_message.hpp).
-import type { FollowedFinger } from "./wire";
+// A hand as WebXR gives it.
+import { type FollowedFinger, kHandJoints } from "softfinger-client";
 
 export type Side = FollowedFinger["hand"];
 
-const kFingers = ["index-finger", "middle-finger", "ring-finger", "pinky-finger"] as const;
+export const kJoints = kHandJoints as readonly XRHandJoint[];
 
-/** In the order of XRHandJoint (W3C, WebXR Hand Input Module). */
-export const kJoints = [
-  "wrist", "thumb-metacarpal", "thumb-phalanx-proximal", "thumb-phalanx-distal", "thumb-tip",
-  ...kFingers.flatMap((finger) => [
-    `${finger}-metacarpal`, `${finger}-phalanx-proximal`, `${finger}-phalanx-intermediate`,
-    `${finger}-phalanx-distal`, `${finger}-tip`,
-  ]),
-] as XRHandJoint[];
-
-const kMagic = 0x58484653;
 const kFarthest = 10; // m from the origin, in a coordinate
 const kPerJoint = 8; // position, quaternion x, y, z, w, radius
 
@@ -30,17 +20,6 @@ export function readJoints(frame: XRFrame, hand: XRHand, space: XRReferenceSpace
     if (![p.x, p.y, p.z].every((x) => Math.abs(x) <= kFarthest)) return null;
   }
   return joints.every(Number.isFinite) ? joints : null;
-}
-
-/** Null: the hand is not seen. `time` in ms. */
-export function handMessage(side: Side, joints: Float32Array | null, time: number): ArrayBuffer {
-  const message = new ArrayBuffer(16 + (joints ? 4 * joints.length : 0));
-  const view = new DataView(message);
-  view.setUint32(0, kMagic, true);
-  view.setUint32(4, (joints ? 1 : 0) | (side === "left" ? 2 : 0), true);
-  view.setFloat64(8, time, true);
-  joints?.forEach((x, i) => view.setFloat32(16 + 4 * i, x, true));
-  return message;
 }
 
 /** A joint's position of what readJoints gives, m. */

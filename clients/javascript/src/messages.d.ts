@@ -1,5 +1,4 @@
-// What the server sends. The scene as JSON (scene_message.cpp), the snapshot as a binary frame whose
-// layout is written down in snapshot_message.hpp. Lengths in mm.
+// What goes over the WebSocket of a softfinger run, message by message as docs/protocol.md has it. Lengths in mm.
 
 export type Shape =
   | { kind: "plane" }
@@ -50,7 +49,8 @@ export interface FingerDescription {
 
 export interface Scene {
   type: "scene";
-  generation: number;
+  protocol_version: number;
+  generation: number; // grows with each scene or restart
   scene: string;
   scenes: string[];
   duration_s: number;
@@ -87,13 +87,13 @@ export interface Notice {
   text: string;
 }
 
-/** Which scene is on its way in place of the one shown, as JSON (notification_message.cpp). */
+/** Which scene is on its way in place of the one shown,. */
 export interface Loading {
   type: "loading";
   scene: string; // "": none
 }
 
-/** How a registration stands, as JSON (registration_message.cpp). */
+/** How a registration stands. */
 export interface Registration {
   type: "registration";
   state: "idle" | "running" | "saved" | "refused";
@@ -106,7 +106,7 @@ export interface Registration {
   message: string; // what was found, or why nothing was saved
 }
 
-/** What people are told on the terminal, as JSON (notification_message.cpp). */
+/** What people are told on the terminal,. */
 export interface Notifications {
   type: "notifications";
   lines: string[];
@@ -138,16 +138,15 @@ export interface Twin extends Skin {
   slip_ratio_error: number;
 }
 
-/** What the contact of a finger comes to: what softfinger's recording/record_fields.hpp has as live, in its order. */
-export const kContactSums = [
-  "contact_area_mm2",
-  "normal_force_N", // magnitude of the sum
-  "tangential_force_N",
-  "slip_ratio",
-  "stuck_fraction", // of the contact area
-  "normal_force_sum_N", // sum of magnitudes
-] as const;
-type ContactSums = Record<(typeof kContactSums)[number], number>;
+/** What the contact of a finger comes to. */
+export interface ContactSums {
+  contact_area_mm2: number;
+  normal_force_N: number; // magnitude of the sum
+  tangential_force_N: number;
+  slip_ratio: number;
+  stuck_fraction: number; // of the contact area
+  normal_force_sum_N: number; // sum of magnitudes
+}
 
 export interface FingerSnapshot extends Skin, ContactSums {
   X_WFt: PoseArray;
@@ -185,91 +184,6 @@ export interface Snapshot {
   deadline_misses: number;
   X_WO: PoseArray[];
   fingers: FingerSnapshot[];
-}
-
-const kMagic = 0x39534653;
-
-/** Reads a binary frame of a scene; null where it is none. The arrays are views into it. */
-export function readSnapshot(frame: ArrayBuffer, scene: Scene): Snapshot | null {
-  const view = new DataView(frame);
-  let at = 0;
-  const u32 = () => view.getUint32((at += 4) - 4, true);
-  const f32 = () => view.getFloat32((at += 4) - 4, true);
-  const f64 = () => view.getFloat64((at += 8) - 8, true);
-  const floats = (count: number) => new Float32Array(frame, (at += 4 * count) - 4 * count, count);
-  const bytes = (count: number) => new Uint8Array(frame, (at += count) - count, count);
-  const pose = () => floats(7);
-  const skin = (samples: number): Skin => {
-    const positions_mm = floats(3 * samples);
-    const pressures_kPa = floats(samples);
-    const in_contact = bytes(samples);
-    at = (at + 3) & ~3;
-    return { positions_mm, pressures_kPa, in_contact };
-  };
-
-  if (frame.byteLength < 52 || u32() !== kMagic) return null;
-  const generation = u32();
-  const step = u32();
-  const flags = u32();
-  const time_s = f64();
-  const step_ms = f32();
-  const match_ms = f32();
-  const deadline_misses = u32();
-  const objects = u32();
-  const fingers = u32();
-  const wall_ms = u32();
-  const stops = u32();
-  const readTwin = (samples: number): Twin => ({
-    iou: f32(),
-    centroid_shift_mm: f32(),
-    normal_angle_deg: f32(),
-    normal_force_error: f32(),
-    normal_force_bias: f32(),
-    normal_force_N: f32(),
-    contact_area_mm2: f32(),
-    press_ms: f32(),
-    normal_force_sum_N: f32(),
-    tangential_force_N: f32(),
-    tangential_force_error: f32(),
-    slip_ratio_error: f32(),
-    ...skin(samples),
-  });
-  const readFinger = (): FingerSnapshot => {
-    const X_WFt = pose();
-    const X_WF = pose();
-    const X_FP = pose();
-    const sums = Object.fromEntries(kContactSums.map((name) => [name, f32()])) as ContactSums;
-    const deviation_mm2 = f32();
-    const tick = u32();
-    const stages_ms = floats(scene.latency_stages.length);
-    const device_said_ms = f32();
-    const [samples, dofs, joints, points, count, twinSamples] = [u32(), u32(), u32(), u32(), u32(), u32()];
-    const known = u32();
-    const flags = u32();
-    const device_state = new TextDecoder().decode(bytes(16)).replace(/\0+$/, "");
-    const touched = skin(samples);
-    const configuration = floats(dofs);
-    const actual = floats(known);
-    const joint_values = floats(joints);
-    const linkage_mm = floats(3 * points);
-    const pieces = floats(8 * count);
-    const twin = twinSamples > 0 ? readTwin(twinSamples) : null;
-    return {
-      X_WFt, X_WF, X_FP, ...sums, deviation_mm2, tick, stages_ms, device_said_ms, device_state, force_limited: (flags & 1) !== 0,
-      objective: flags >>> 8,
-      ...touched, configuration, actual,
-      joint_values, linkage_mm, pieces, twin,
-    };
-  };
-  return {
-    generation, step, time_s, wall_ms, stops, step_ms, match_ms, deadline_misses,
-    paused: (flags & 1) !== 0,
-    stopped: (flags & 4) !== 0,
-    stop_confirmed: (flags & 8) !== 0,
-    finished: (flags & 2) !== 0,
-    X_WO: Array.from({ length: objects }, pose),
-    fingers: Array.from({ length: fingers }, readFinger),
-  };
 }
 
 export type Request =

@@ -1,0 +1,247 @@
+// Each message of docs/protocol.md, to and from the real program, over the client.
+import assert from "node:assert/strict";
+import { createSocket } from "node:dgram";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { connect, kHandJoints, kProtocolVersion, readSnapshot, WebSocket } from "./client_under_test.mjs";
+import { readSection } from "./frame_by_page.mjs";
+import { bits, keys, layout, names } from "./protocol_page.mjs";
+import { startProgram } from "./running_program.mjs";
+import { program, writeScenes } from "./touch_scene.mjs";
+
+const kPatience = 60_000; // ms; the machine may be busy
+const kAgain = 20; // ms between poses
+
+let folder, running, client;
+const said = []; // lines for people
+
+/** Waits for a message that `wanted` takes; tells what was waited for where none comes. */
+function until(kind, wanted, why) {
+  return new Promise((resolve, reject) => {
+    const timer = setTimeout(() => end(reject, new Error(`${why}: not within ${kPatience / 1000} s`)), kPatience);
+    let off = () => {};
+    const end = (settle, what) => {
+      clearTimeout(timer);
+      setImmediate(() => off()); // on() may call before it returns
+      settle(what);
+    };
+    off = client.on(kind, (message) => wanted(message) && end(resolve, message));
+  });
+}
+const snapshot = (wanted, why) => until("snapshot", wanted, why);
+
+/** Sends again and again until `arrived` settles, as a tracker does. */
+async function meanwhile(send, arrived) {
+  const timer = setInterval(send, kAgain);
+  try {
+    return await arrived;
+  } finally {
+    clearInterval(timer);
+  }
+}
+
+/** A socket of its own: what the client would not send, or would not keep. */
+async function rawSocket() {
+  const socket = new WebSocket(`${running.url.replace("http", "ws")}/ws`);
+  socket.binaryType = "arraybuffer";
+  await new Promise((resolve, reject) => Object.assign(socket, { onopen: resolve, onerror: reject }));
+  return socket;
+}
+
+const sorted = (list) => [...list].sort();
+const sameKeys = (value, section, but = []) =>
+  assert.deepEqual(sorted(Object.keys(value)), sorted(keys(section).filter((key) => !but.includes(key))), section);
+
+async function freePort() {
+  const socket = createSocket("udp4");
+  await new Promise((done) => socket.bind(0, "127.0.0.1", done));
+  const { port } = socket.address();
+  await new Promise((done) => socket.close(done));
+  return port;
+}
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), "softfinger-protocol-"));
+  const scene = writeScenes(folder, await freePort());
+  running = await startProgram(program, ["run", scene, "--port", "0", "--person", join(folder, "anna.toml")]);
+  client = await connect(running.url);
+  client.on("notifications", ({ lines }) => said.push(...lines));
+});
+
+after(async () => {
+  client?.close();
+  assert.equal(await running?.stop(), 0);
+  rmSync(folder, { recursive: true, force: true });
+});
+
+test("Scene has the keys of the page, and its version", () => {
+  const { scene } = client;
+  sameKeys(scene, "Scene");
+  assert.equal(scene.protocol_version, kProtocolVersion);
+  assert.deepEqual(scene.scenes, ["again", "broken", "touch"]);
+  const [index, middle, ring] = scene.fingers;
+  for (const finger of scene.fingers) sameKeys(finger, "FingerDescription");
+  sameKeys(index.workspace, "Workspace");
+  sameKeys(middle.headset, "FollowedFinger");
+  sameKeys(scene.objectives[0], "Objective");
+  sameKeys(scene.device_states[0], "DeviceState");
+  sameKeys(scene.latency_stages[0], "LatencyStage");
+  assert.ok(scene.notices.length > 0, "a scene without notices shows nothing of them");
+  sameKeys(scene.notices[0], "Notice");
+  assert.deepEqual(scene.fingers.map((finger) => finger.moved_here), [true, false, false]);
+  assert.equal(middle.headset.finger, "middle");
+  assert.deepEqual(middle.headset.start, [100, 0, 20, 0, 0, 0, 1]);
+  assert.ok(ring.registrable && index.twin && !middle.device_kind);
+  assert.ok(index.skin_positions_mm.length > 300 && index.objectives.length > 0);
+});
+
+test("Shape: each kind has its keys, and those together are the page's", () => {
+  const shapes = client.scene.objects.map(({ shape }) => shape);
+  assert.deepEqual(shapes.map(({ kind }) => kind), ["plane", "sphere", "box", "cylinder", "mesh"]);
+  assert.deepEqual(sorted(new Set(shapes.flatMap(Object.keys))), sorted(keys("Shape")));
+  assert.deepEqual(shapes[2], { kind: "box", size_mm: [4, 5, 6], edge_radius_mm: 0.5 });
+  assert.equal(shapes[4].positions_mm.length % 3, 0);
+});
+
+test("Snapshot, FingerSnapshot and Twin lie as the page has their bytes", async () => {
+  const press = () => client.pose("index", [0, 0, 5.5]);
+  const read = await meanwhile(press, snapshot(({ fingers: [{ twin }] }) => twin?.normal_force_N > 0.1, "a pressed twin"));
+  assert.ok(read.fingers[0].normal_force_N > 0.1);
+  const socket = await rawSocket();
+  const frame = await meanwhile(press, new Promise((resolve) => {
+    socket.onmessage = ({ data }) => typeof data !== "string" && resolve(data);
+  }));
+  socket.close();
+  const parsed = readSnapshot(frame, client.scene);
+  const { fields, end } = readSection("Snapshot", frame, 0);
+  sameFields(parsed, fields, "Snapshot", ["fingers", "X_WO"]);
+  assert.deepEqual(parsed.X_WO.flatMap((pose) => [...pose]), fields.X_WO);
+  assert.equal(fields.fingers, 3);
+  assert.equal(new TextDecoder().decode(new Uint8Array(frame, 0, 4)), "SFS9");
+  let at = end;
+  for (const finger of parsed.fingers) at = sameFinger(finger, frame, at);
+  assert.equal(at, frame.byteLength, "the page has all of the frame");
+  assert.ok(parsed.fingers[0].twin && !parsed.fingers[1].twin);
+});
+
+/** What the client reads by that name is what the page has there; and it reads nothing that the page does not name. */
+function sameFields(parsed, fields, section, but = []) {
+  const flags = Object.keys(fields).find((name) => name.endsWith("flags"));
+  const bit = flags ? bits(section, flags) : {};
+  for (const [name, value] of Object.entries(parsed)) {
+    if (but.includes(name)) continue;
+    if (typeof value === "boolean") assert.equal(value, (fields[flags] & bit[name]) !== 0, `${section}: ${name}`);
+    else if (name === "objective") assert.equal(value, fields[flags] >>> 8);
+    else if (name === "device_state") assert.equal(value, String.fromCharCode(...fields[name].filter((c) => c !== 0)));
+    else assert.deepEqual(typeof value === "object" ? [...value] : value, fields[name], `${section}: ${name}`);
+    assert.ok(names(section).has(name), `${section}: ${name}`);
+  }
+}
+
+function sameFinger(finger, frame, start) {
+  const { fields, end } = readSection("FingerSnapshot", frame, start);
+  sameFields(finger, fields, "FingerSnapshot", ["twin"]);
+  assert.equal(finger.twin !== null, fields.twin_samples > 0);
+  assert.ok(client.scene.device_states.some(({ name }) => name === finger.device_state) || finger.device_state === "");
+  if (!finger.twin) return end;
+  const twin = readSection("Twin", frame, end, fields);
+  sameFields(finger.twin, twin.fields, "Twin");
+  return twin.end;
+}
+
+test("pause stops simulated time, resume lets it go on", async () => {
+  client.pause();
+  const paused = await snapshot((one) => one.paused, "a pause");
+  client.resume();
+  const resumed = await snapshot((one) => !one.paused && one.time_s > paused.time_s, "time that goes on");
+  assert.equal(resumed.generation, paused.generation);
+});
+
+test("pose moves a finger that is the page's, by the client that was first", async () => {
+  await meanwhile(() => client.pose(0, [3, -2, 25], [0, 0, 0, 1]), snapshot(({ fingers: [{ X_WFt }] }) =>
+    Math.abs(X_WFt[0] - 3) + Math.abs(X_WFt[1] + 2) + Math.abs(X_WFt[2] - 25) + Math.abs(Math.abs(X_WFt[5]) - 1) < 1e-3, "the pose"));
+  const other = await connect(running.url);
+  const before = client.snapshot.step;
+  const both = () => {
+    client.pose(0, [3, -2, 25], [0, 0, 0, 1]);
+    other.pose(0, [50, 0, 25]);
+  };
+  const later = await meanwhile(both, snapshot(({ step }) => step > before + 200, "more steps"));
+  other.close();
+  assert.ok(Math.abs(later.fingers[0].X_WFt[0] - 3) < 1e-3, "moved by the second");
+});
+
+test("Hand moves a finger that follows a headset", async () => {
+  assert.equal(layout("Hand").at(-1).type, `f32[${8 * kHandJoints.length}]`);
+  // Straight fingers ahead, -z of a y-up space: x of W. Ft is between the distal joint and the tip.
+  const joints = new Float32Array(8 * kHandJoints.length);
+  kHandJoints.forEach((name, i) => joints.set([-0.01, 0.03, name === "middle-finger-tip" ? -0.12 : -0.1, 0, 0, 0, 1, 0.008], 8 * i));
+  const { fingers: [, middle] } = await meanwhile(() => client.hand("left", joints),
+    snapshot(({ fingers: [, { X_WFt }] }) => Math.abs(X_WFt[0] - 110) < 0.01, "the hand"));
+  assert.ok(Math.abs(middle.X_WFt[1] - 10) < 0.01 && Math.abs(middle.X_WFt[2] - 30) < 0.01, `${middle.X_WFt}`);
+  assert.ok(client.hand("left", null), "a hand that is not seen");
+});
+
+test("stop retracts devices until release names that stop", async () => {
+  client.stop();
+  const stopped = await snapshot((one) => one.stopped && one.stop_confirmed, "a stop");
+  client.stop();
+  const again = await snapshot((one) => one.stops > stopped.stops, "another stop");
+  client.release(stopped);
+  const kept = await snapshot(({ step }) => step > again.step + 100, "more steps");
+  assert.ok(kept.stopped, "released from a stop that nobody saw");
+  await meanwhile(() => client.release(), snapshot((one) => !one.stopped, "a release"));
+});
+
+test("objective chooses what leads a device", async () => {
+  const { scene } = client;
+  const [was, other] = scene.fingers[0].objectives.map((place) => scene.objectives[place].name);
+  const place = scene.objectives.findIndex(({ name }) => name === other);
+  client.chooseObjective("index", other);
+  await snapshot(({ fingers: [{ objective }] }) => objective === place, "the other objective");
+  client.chooseObjective("index", was);
+  await snapshot(({ fingers: [{ objective }] }) => objective !== place, "the first objective");
+});
+
+test("register begins a registration, cancel_registration ends it", async () => {
+  client.register("ring", { length_mm: 24, table_mm: -40 });
+  const registration = await until("registration", ({ state }) => state === "running", "a registration");
+  sameKeys(registration, "Registration");
+  assert.equal(registration.finger, 2);
+  assert.ok(registration.of > 1 && registration.words !== "");
+  client.cancelRegistration();
+  await until("registration", ({ state }) => state === "idle", "its end");
+});
+
+test("scene: Notifications say what is wrong with one, and nothing else changes", async () => {
+  const { generation } = client.scene;
+  client.chooseScene("broken");
+  while (!said.some((line) => line.includes("broken.toml:2"))) sameKeys(await client.next("notifications"), "Notifications");
+  assert.equal(client.scene.generation, generation);
+});
+
+test("scene: Loading, then a Scene of its own; restart begins another", async () => {
+  const { generation } = client.scene;
+  client.chooseScene("again");
+  const loading = await until("loading", ({ scene }) => scene === "again", "the loading of the other scene");
+  sameKeys(loading, "Loading");
+  assert.equal(client.scene.generation, generation);
+  const other = await until("scene", ({ scene }) => scene === "again", "the other scene");
+  assert.ok(other.generation > generation);
+  await until("loading", ({ scene }) => scene === "", "the end of loading");
+  client.restart();
+  const restarted = await until("scene", (scene) => scene.generation > other.generation, "a restart");
+  assert.equal(restarted.scene, "again");
+  await snapshot((one) => one.generation === restarted.generation, "a snapshot of it");
+});
+
+test("what is no request ends the connection, with a reason", async () => {
+  for (const wrong of [JSON.stringify({ request: "fly" }), new Uint8Array(15)]) {
+    const socket = await rawSocket();
+    const closed = new Promise((resolve) => (socket.onclose = resolve));
+    socket.send(wrong);
+    assert.equal((await closed).code, 1008);
+  }
+});
