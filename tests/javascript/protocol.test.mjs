@@ -30,6 +30,11 @@ function until(kind, wanted, why) {
     off = client.on(kind, (message) => wanted(message) && end(resolve, message));
   });
 }
+/** Waits until people were told a line that has `text`. */
+const line = async (text) => {
+  const heard = () => said.some((each) => each.includes(text));
+  if (!heard()) await until("notifications", heard, text);
+};
 const snapshot = (wanted, why) => until("snapshot", wanted, why);
 
 /** Sends again and again until `arrived` settles, as a tracker does. */
@@ -109,22 +114,24 @@ test("Snapshot, FingerSnapshot and Twin lie as the page has their bytes", async 
   const press = () => client.pose("index", [0, 0, 5.5]);
   const read = await meanwhile(press, snapshot(({ fingers: [{ twin }] }) => twin?.normal_force_N > 0.1, "a pressed twin"));
   assert.ok(read.fingers[0].normal_force_N > 0.1);
+  const { fields, parsed } = await meanwhile(press, sameFrame());
+  assert.equal(fields.fingers, 3);
+  assert.ok(parsed.fingers[0].twin && !parsed.fingers[1].twin);
+});
+
+/** The next frame, which client and page read alike to the last byte. */
+async function sameFrame() {
   const socket = await rawSocket();
-  const frame = await meanwhile(press, new Promise((resolve) => {
-    socket.onmessage = ({ data }) => typeof data !== "string" && resolve(data);
-  }));
+  const frame = await new Promise((resolve) => (socket.onmessage = ({ data }) => typeof data !== "string" && resolve(data)));
   socket.close();
   const parsed = readSnapshot(frame, client.scene);
   const { fields, end } = readSection("Snapshot", frame, 0);
   sameFields(parsed, fields, "Snapshot", ["fingers", "X_WO"]);
   assert.deepEqual(parsed.X_WO.flatMap((pose) => [...pose]), fields.X_WO);
-  assert.equal(fields.fingers, 3);
   assert.equal(new TextDecoder().decode(new Uint8Array(frame, 0, 4)), "SFS9");
-  let at = end;
-  for (const finger of parsed.fingers) at = sameFinger(finger, frame, at);
-  assert.equal(at, frame.byteLength, "the page has all of the frame");
-  assert.ok(parsed.fingers[0].twin && !parsed.fingers[1].twin);
-});
+  assert.equal(parsed.fingers.reduce((at, finger) => sameFinger(finger, frame, at), end), frame.byteLength);
+  return { fields, parsed };
+}
 
 /** What the client reads by that name is what the page has there; and it reads nothing that the page does not name. */
 function sameFields(parsed, fields, section, but = []) {
@@ -154,6 +161,7 @@ function sameFinger(finger, frame, start) {
 test("pause stops simulated time, resume lets it go on", async () => {
   client.pause();
   const paused = await snapshot((one) => one.paused, "a pause");
+  assert.ok((await sameFrame()).parsed.paused);
   client.resume();
   const resumed = await snapshot((one) => !one.paused && one.time_s > paused.time_s, "time that goes on");
   assert.equal(resumed.generation, paused.generation);
@@ -188,10 +196,10 @@ test("stop retracts devices until release names that stop", async () => {
   client.stop();
   const stopped = await snapshot((one) => one.stopped && one.stop_confirmed, "a stop");
   client.stop();
-  const again = await snapshot((one) => one.stops > stopped.stops, "another stop");
-  client.release(stopped);
-  const kept = await snapshot(({ step }) => step > again.step + 100, "more steps");
-  assert.ok(kept.stopped, "released from a stop that nobody saw");
+  await snapshot((one) => one.stops > stopped.stops, "another stop");
+  assert.ok((await sameFrame()).parsed.stops >= 2);
+  await meanwhile(() => client.release(stopped), line("not released: it was stopped again"));
+  assert.ok(client.snapshot.stopped, "released from a stop that nobody saw");
   await meanwhile(() => client.release(), snapshot((one) => !one.stopped, "a release"));
 });
 
@@ -217,8 +225,10 @@ test("register begins a registration, cancel_registration ends it", async () => 
 
 test("scene: Notifications say what is wrong with one, and nothing else changes", async () => {
   const { generation } = client.scene;
+  const told = client.next("notifications");
   client.chooseScene("broken");
-  while (!said.some((line) => line.includes("broken.toml:2"))) sameKeys(await client.next("notifications"), "Notifications");
+  await line("broken.toml:2");
+  sameKeys(await told, "Notifications");
   assert.equal(client.scene.generation, generation);
 });
 
