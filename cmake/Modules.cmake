@@ -84,7 +84,8 @@ function(softfinger_test name)
   list(TRANSFORM arg_ALONE APPEND ".*" OUTPUT_VARIABLE alone)
   list(JOIN alone ":" alone)
   set(discovered TEST_PREFIX "${name}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${name} TIMEOUT 300 ENVIRONMENT TEST_TMPDIR=${temporary})
+    PROPERTIES LABELS ${name} TIMEOUT 300
+    ENVIRONMENT "TEST_TMPDIR=${temporary}[semicolon]XDG_CACHE_HOME=${CMAKE_CURRENT_BINARY_DIR}/cache")
   if(alone)
     gtest_discover_tests(${name}_test TEST_FILTER "-${alone}" ${discovered})
     gtest_discover_tests(${name}_test TEST_FILTER "${alone}" ${discovered} RUN_SERIAL TRUE)

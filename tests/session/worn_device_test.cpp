@@ -146,7 +146,9 @@ TEST_F(WornDevice, IsNoLongerLookedAtWhereNobodyWantsIt) {
   std::stop_source source;
   source.request_stop();
   try {
-    static_cast<void>(worn_on(*finger("index"), device("thimble-3rrs"), source.get_token()));
+    // A limit that no table is kept for.
+    const fs::path file = device("thimble-3rrs", "max_force_N = 4.7", "max_force_N = 4.6321");
+    static_cast<void>(worn_on(*finger("index"), file, source.get_token()));
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("is no longer wanted"));

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <span>
@@ -15,6 +14,7 @@
 
 #include "softfinger/base/hash.hpp"
 #include "softfinger/base/stop_check.hpp"
+#include "softfinger/files/cache_folder.hpp"
 #include "softfinger/files/whole_file.hpp"
 
 namespace softfinger {
@@ -243,13 +243,7 @@ fs::path grid_cache_folder(const fs::path& mesh_file) {
   const fs::path real = fs::canonical(mesh_file, error);
   const fs::path folder = error ? fs::absolute(mesh_file, error).parent_path() : real.parent_path();
   if (is_own_folder(folder)) return folder / ".softfinger-cache";
-  const char* cache = std::getenv("XDG_CACHE_HOME");  // NOLINT(concurrency-mt-unsafe)
-  if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "softfinger";
-  const char* home = std::getenv("HOME");  // NOLINT(concurrency-mt-unsafe)
-  if (home != nullptr && fs::path(home).is_absolute()) {
-    return fs::path(home) / ".cache" / "softfinger";
-  }
-  return {};
+  return user_cache_folder();
 }
 
 fs::path grid_cache_file(const fs::path& mesh_file, const GridKey& key) {

@@ -8,7 +8,6 @@
 #include <random>
 #include <span>
 
-#include "softfinger/actuation/force_ceiling.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -16,6 +15,7 @@
 #include "softfinger/finger/bone.hpp"
 #include "softfinger/finger/rest_skin.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
+#include "softfinger/session/kept_ceiling.hpp"
 
 namespace softfinger {
 namespace {
@@ -216,7 +216,7 @@ std::shared_ptr<const TravelCeiling> ceiling_of(const fs::path& file,
   if (!(device->settings().max_force > 0.0)) return nullptr;
   try {
     return std::make_shared<TravelCeiling>(
-        force_ceiling(finger, device, device->settings().max_force, stop));
+        kept_force_ceiling(finger, device, device->settings().max_force, stop));
   } catch (const InputError& error) {
     ConfigFile(file).root().table("limits").fail("max_force_N", error.what());
   }
