@@ -194,8 +194,8 @@ SF_API sf_status sf_rendering_close_recording(sf_rendering *rendering, char *err
 /* Poses as game engines have them, both left-handed.
    Unity: y up, metres; x_U = -y_W, y_U = z_W, z_U = x_W.
    Unreal: z up, centimetres; x_U = 100 x_W, y_U = -100 y_W, z_U = 100 z_W.
-   Axes of bodies turn with those of the world: F's tip is along z in Unity, x in Unreal. A triangle
-   that is counter-clockwise here is clockwise there. */
+   Axes of bodies turn with those of the world: F's tip is along z in Unity, x in Unreal. Front sides
+   of triangles are counter-clockwise here, clockwise there: swap two corners of each. */
 typedef struct {
   uint32_t size;
   double position_m[3];

@@ -1,0 +1,65 @@
+using System.Collections.Generic;
+
+namespace Softfinger
+{
+    /// <summary>What a running softfinger sends: a Scene, Snapshot, Loading, Registration or Notifications.</summary>
+    public abstract class Message
+    {
+        internal Message() { }
+    }
+
+    /// <summary>Another scene is on its way, or the same one anew.</summary>
+    public sealed class Loading : Message
+    {
+        /// <summary>Empty: none is.</summary>
+        public string Scene { get; }
+
+        internal Loading(Json json) => Scene = json["scene"].Text();
+    }
+
+    /// <summary>What people are told on the terminal.</summary>
+    public sealed class Notifications : Message
+    {
+        public IReadOnlyList<string> Lines { get; }
+
+        internal Notifications(Json json) => Lines = json["lines"].Array(line => line.Text());
+    }
+
+    /// <summary>How the registration of a tracked finger stands.</summary>
+    public sealed class Registration : Message
+    {
+        /// <summary>idle, running, saved or refused.</summary>
+        public string State { get; }
+
+        /// <summary>Which of the scene's.</summary>
+        public int Finger { get; }
+
+        /// <summary>Postures that were held, of so many.</summary>
+        public int Held { get; }
+
+        public int Of { get; }
+
+        /// <summary>To hold now, and how: one sentence.</summary>
+        public string Posture { get; }
+
+        public string Words { get; }
+
+        /// <summary>Of holding it, 0 to 1.</summary>
+        public double Progress { get; }
+
+        /// <summary>What was found, or why nothing was saved.</summary>
+        public string Text { get; }
+
+        internal Registration(Json json)
+        {
+            State = json["state"].Text();
+            Finger = (int)json["finger"].Count(int.MaxValue);
+            Held = (int)json["held"].Count(int.MaxValue);
+            Of = (int)json["of"].Count(int.MaxValue);
+            Posture = json["posture"].Text();
+            Words = json["words"].Text();
+            Progress = json["progress"].Number();
+            Text = json["message"].Text();
+        }
+    }
+}
