@@ -16,6 +16,7 @@ static unsafe class LibraryTest
             case "steps": return Check.Status(() => Steps(file, more));
             case "press": return Check.Status(() => Press(file));
             case "evaluate": return Check.Status(() => Evaluate(file, more));
+            case "run": return Check.Status(() => Run(file, more, arguments[3]));
             case "device": return Check.Status(() => OfDevice(file));
             case "rendering": return Check.Status(() => OfRendering(file, more, arguments[3]));
             case "refuse": return Check.Status(() => Refuse(file, more));
@@ -43,7 +44,7 @@ static unsafe class LibraryTest
     static void Steps(string scene, string device)
     {
         Console.WriteLine($"sizes {sizeof(Native.Options)} {sizeof(Native.Pose)} {sizeof(Native.UnityPose)} {sizeof(Native.Command)} " +
-            $"{sizeof(Native.Contact)} {sizeof(Native.Info)} {sizeof(Native.PressOptions)} {sizeof(Native.EvaluateOptions)} " +
+            $"{sizeof(Native.Contact)} {sizeof(Native.Info)} {sizeof(Native.PressOptions)} {sizeof(Native.EvaluateOptions)} {sizeof(Native.RunOptions)} " +
             $"{sizeof(Native.DeviceInfo)} {sizeof(Native.Points)} {sizeof(Native.Match)}");
         using (var rendering = new Rendering(scene, new RenderingOptions { Device = device }))
         {
@@ -140,6 +141,16 @@ static unsafe class LibraryTest
             cancel.Cancel();
             Check.Throws<OperationError>(() => Compute.Evaluate(scene, options, cancel.Token), "ended while the scene was loading");
         }
+    }
+
+    static void Run(string scene, string device, string folder)
+    {
+        string recording = Path.Combine(folder, "run.sqlite");
+        Table run = Compute.Run(scene, new RunOptions { Device = device, Duration_s = 1.2, Recording = recording });
+        Check.Equal(run.Names.Count, 0, "columns");
+        Check.Equal(Recordings.Replay(recording), null, "replay");
+        Console.WriteLine(run.Json.TrimEnd());
+        Check.Throws<InputError>(() => Compute.Run(scene, new RunOptions { Recording = recording }), recording);
     }
 
     static void OfDevice(string file)

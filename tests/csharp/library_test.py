@@ -41,7 +41,11 @@ class Library(unittest.TestCase):
     def test_steps_are_those_of_c(self):
         ours, theirs = self.passes("steps", PLANE, PLATE).splitlines(), printed(STEPS, PLANE, PLATE).splitlines()
         self.assertGreater(len(theirs), 300)
-        self.assertEqual(ours, theirs)
+        self.assertEqual(ours[1:], theirs[1:])
+        # A struct of C may have grown at its end since: its size says that this is one from before.
+        our_sizes, their_sizes = ([int(size) for size in lines[0].split()[1:]] for lines in (ours, theirs))
+        self.assertEqual(len(our_sizes), 12)
+        self.assertTrue(all(a <= b for a, b in zip(our_sizes, their_sizes, strict=True)), (our_sizes, their_sizes))
 
     def test_presses_are_those_of_the_command_line(self):
         ours = self.passes("press", FINGER)
@@ -57,6 +61,17 @@ class Library(unittest.TestCase):
         self.assertGreater(len(theirs["frames"]), 20)
         for report in (ours, theirs):
             without_clocks(report)
+        self.assertEqual(ours, theirs)
+
+    def test_a_run_is_that_of_the_command_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            theirs = json.loads(printed(PROGRAM, "run", PLANE, "--device", PLATE, "--headless", "--as-fast-as-possible",
+                                        "--duration-s", "1.2", "--record", f"{folder}/theirs.sqlite", "--json"))
+            ours = json.loads(self.passes("run", PLANE, PLATE, folder))
+        self.assertEqual(ours["steps"], 1200)
+        for report in (ours, theirs):
+            without_clocks(report)
+            del report["recording"]
         self.assertEqual(ours, theirs)
 
     def test_a_device_is_that_of_the_command_line(self):

@@ -16,9 +16,10 @@ static void print(const char *name, const double *values, size_t count) {
 }
 
 static void print_sizes(void) {
-  printf("sizes %zu %zu %zu %zu %zu %zu %zu %zu %zu %zu %zu\n", sizeof(sf_options), sizeof(sf_pose),
+  printf("sizes %zu %zu %zu %zu %zu %zu %zu %zu %zu %zu %zu %zu\n", sizeof(sf_options), sizeof(sf_pose),
          sizeof(sf_unity_pose), sizeof(sf_command), sizeof(sf_contact), sizeof(sf_info),
-         sizeof(sf_press_options), sizeof(sf_evaluate_options), sizeof(sf_device_info),
+         sizeof(sf_press_options), sizeof(sf_evaluate_options),
+         sizeof(sf_run_options), sizeof(sf_device_info),
          sizeof(sf_points), sizeof(sf_match));
 }
 

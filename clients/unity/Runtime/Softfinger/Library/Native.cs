@@ -121,6 +121,24 @@ namespace Softfinger
             public IntPtr person;
             public double duration_s;
             public IntPtr stop;
+            public IntPtr progress;
+        }
+
+        [StructLayout(LayoutKind.Sequential)]
+        public struct RunOptions
+        {
+            public uint size;
+            public int record_state;
+            public IntPtr device;
+            public IntPtr wearer;
+            public IntPtr person;
+            public IntPtr recording;
+            public double duration_s;
+            public double predict_s;
+            public int filter;
+            public int threads;
+            public IntPtr stop;
+            public IntPtr progress;
         }
 
         [StructLayout(LayoutKind.Sequential)]
@@ -194,6 +212,7 @@ namespace Softfinger
 
         [DllImport(Library)] public static extern int sf_press(byte[] finger, PressOptions* options, out IntPtr table, byte[] error, UIntPtr errorSize);
         [DllImport(Library)] public static extern int sf_evaluate(byte[] scene, EvaluateOptions* options, out IntPtr table, byte[] error, UIntPtr errorSize);
+        [DllImport(Library)] public static extern int sf_run(byte[] scene, RunOptions* options, out IntPtr table, byte[] error, UIntPtr errorSize);
         [DllImport(Library)] public static extern int sf_recording_export(byte[] recording, byte[] folder, byte[] note, UIntPtr capacity, byte[] error, UIntPtr errorSize);
         [DllImport(Library)] public static extern int sf_recording_replay(byte[] recording, out int agree, byte[] difference, UIntPtr capacity, byte[] error, UIntPtr errorSize);
 
