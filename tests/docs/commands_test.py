@@ -47,6 +47,7 @@ ELSEWHERE = {
         "another program, not in Debian's main section for servers",
         "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN=127.0.0.1 -keyout page-key.pem -out page.pem",
     ),
+    ("README.md", "sudo apt install ./build/packages/*.deb"): ("changes the machine; tests/install does it in one of its own", None),
     ("docs/headsets.md", "adb reverse tcp:8080 tcp:8080"): ("a headset by cable", None),
     ("docs/motors.md", "oscdump 9000"): ("liblo-tools, for those who have them", None),
     ("docs/motors.md", "sudo usermod -aG dialout $USER"): ("changes the machine", None),

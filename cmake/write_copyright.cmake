@@ -1,0 +1,17 @@
+# What BEGIN says, and after it the licence of each of LICENCES as a paragraph of Debian's copyright files.
+file(READ ${BEGIN} text)
+foreach(file IN LISTS LICENCES)
+  get_filename_component(folder ${file} DIRECTORY)
+  get_filename_component(name ${folder} NAME)
+  file(READ ${file} licence)
+  string(REGEX MATCH "Copyright[^\n]*" holder "${licence}")
+  # A line of text begins with a space, an empty one is a dot.
+  string(REGEX REPLACE "[ \t\r]*\n" "\n" licence "${licence}")
+  string(REGEX REPLACE "\n+$" "" licence "${licence}")
+  string(REPLACE "\n\n" "\n.\n" licence "${licence}")
+  string(REPLACE "\n\n" "\n.\n" licence "${licence}")
+  string(REPLACE "\n" "\n " licence "${licence}")
+  string(REGEX REPLACE "^Copyright( \\([cC]\\)| ©)? " "" holder "${holder}")
+  string(APPEND text "\nFiles: node_modules/${name}/*\nCopyright: ${holder}\nLicense: ${name}\n ${licence}\n")
+endforeach()
+file(WRITE ${OUTPUT} "${text}")
