@@ -19,6 +19,7 @@ PACKAGES = sorted(pathlib.Path(sys.argv[1]).resolve().glob("*.deb"))
 TRY = r"""
 set -eux
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
+export XDG_CACHE_HOME=/tmp/cache  # a user's, which no package removes
 apt-get update -q
 # What they depend on first, so that all that comes and goes afterwards is theirs.
 for package in /packages/*.deb; do dpkg-deb -f $package Depends; done | tr ',' '\n' | sed 's/(.*//; s/:any//' | grep -v softfinger |
@@ -37,7 +38,8 @@ try() {
   softfinger run sphere --headless --duration-s 0.2 | grep -q '^200 steps'
   python3 -c 'import softfinger; curve = softfinger.press("index", to_mm=1, steps=1); assert curve["normal_force_N"][0] > 0.1, curve'
   python3 -c 'import softfinger
-with softfinger.Rendering("sphere") as rendering: print(rendering.snapshot())'
+with softfinger.Rendering("sphere", open_device=True) as rendering:
+  rendering.step([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1]], 0.0)'
   softfinger complete -- run sp | grep -q sphere
 }
 try
