@@ -9,31 +9,28 @@
 
 namespace softfinger {
 
-CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header) : file_(file) {
+CsvWriter::CsvWriter(const std::filesystem::path& file, const std::vector<TableColumn>& columns)
+    : file_(file) {
   if (std::filesystem::exists(file)) {
     throw InputError(fmt::format("{}: exists already; export into a new directory", file.string()));
   }
   stream_ = std::fopen(file.c_str(), "w");
   if (stream_ == nullptr) throw OperationError(fmt::format("{}: cannot be written", file.string()));
-  line_.append(header).push_back('\n');
+  for (const TableColumn& column : columns) words(column.name);
+  end_row();
 }
 
 CsvWriter::~CsvWriter() {
   if (stream_ != nullptr) std::fclose(stream_);
 }
 
-void CsvWriter::field(double value) {
+void CsvWriter::number(double value) {
   separate();
   // Adding 0 takes the sign from a negative zero.
   if (std::isfinite(value)) fmt::format_to(std::back_inserter(line_), "{:.12g}", value + 0.0);
 }
 
-void CsvWriter::field(std::int64_t value) {
-  separate();
-  fmt::format_to(std::back_inserter(line_), "{}", value);
-}
-
-void CsvWriter::field(std::string_view text) {
+void CsvWriter::words(std::string_view text) {
   separate();
   const bool quoted = text.find_first_of(",\"\n\r") != std::string_view::npos;
   if (quoted) line_.push_back('"');
@@ -42,10 +39,6 @@ void CsvWriter::field(std::string_view text) {
     line_.push_back(c);
   }
   if (quoted) line_.push_back('"');
-}
-
-void CsvWriter::missing(int fields) {
-  for (int i = 0; i < fields; ++i) separate();
 }
 
 void CsvWriter::end_row() {

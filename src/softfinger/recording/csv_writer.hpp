@@ -1,30 +1,28 @@
 #pragma once
 
-#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "softfinger/recording/table.hpp"
 
 namespace softfinger {
 
 /// One CSV file written field by field, without any locale.
-class CsvWriter {
+class CsvWriter : public TableWriter {
  public:
   /// Creates the file with its header line. Throws InputError where it exists.
-  CsvWriter(const std::filesystem::path& file, std::string_view header);
-  ~CsvWriter();
+  CsvWriter(const std::filesystem::path& file, const std::vector<TableColumn>& columns);
+  ~CsvWriter() override;
   CsvWriter(const CsvWriter&) = delete;
   CsvWriter& operator=(const CsvWriter&) = delete;
 
-  /// A number that is not finite is a missing value.
-  void field(double value);
-  void field(std::int64_t value);
-  void field(std::string_view text);
-  void missing(int fields = 1);
-  void end_row();
-  /// Throws OperationError where something could not be written, as end_row() does.
-  void close();
+  void number(double value) override;  ///< twelve digits
+  void words(std::string_view text) override;
+  void end_row() override;
+  void close() override;
 
  private:
   void separate();
