@@ -15,7 +15,7 @@ foreach(program softfinger softfinger-guard)
   endif()
 endforeach()
 install(DIRECTORY src/softfinger DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE PATTERN "config" EXCLUDE PATTERN "report" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE PATTERN "hdf5" EXCLUDE PATTERN "config" EXCLUDE PATTERN "report" EXCLUDE)
 
 install(FILES src/softfinger/softfinger.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/softfinger COMPONENT development)
 file(RELATIVE_PATH softfinger_prefix_from_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)

@@ -4,19 +4,21 @@
 #include <string>
 
 #include "commands.hpp"
-#include "softfinger/recording/csv_export.hpp"
+#include "softfinger/export/export_recording.hpp"
 
 void add_export_command(CLI::App& app) {
   struct Flags {
-    std::string recording, directory;
+    std::string recording, to;
   };
-  CLI::App* command = app.add_subcommand("export", "Write a recording as CSV files");
+  CLI::App* command = app.add_subcommand("export", "Write a recording for other programs");
   auto flags = std::make_shared<Flags>();
   command->add_option("RECORDING", flags->recording, "what run --record wrote")->required();
-  command->add_option("--to", flags->directory, "directory for the files; made if absent")
+  command
+      ->add_option("--to", flags->to,
+                   "FILE.h5: HDF5, FILE.mcap: MCAP; else a directory for CSV files, made if absent")
       ->required();
   command->callback([flags] {
-    const std::string cut = softfinger::export_csv(flags->recording, flags->directory);
+    const std::string cut = softfinger::export_recording(flags->recording, flags->to);
     if (!cut.empty()) fmt::print(stderr, "softfinger: {}\n", cut);
   });
 }

@@ -8,4 +8,7 @@ namespace softfinger {
 /// unit. The suffixes are those of unit_scale().
 [[nodiscard]] std::string_view unit_words(std::string_view key);
 
+/// The same as a symbol, "deg/s", "mm2", "N mm"; empty for a key without a unit.
+[[nodiscard]] std::string_view unit_symbol(std::string_view key);
+
 }  // namespace softfinger

@@ -1,23 +1,18 @@
 #include "softfinger/files/whole_file.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <cstdint>
-#include <cstdio>
 #include <streambuf>
-#include <string>
+
+#include "softfinger/files/file_beside.hpp"
 
 namespace softfinger {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kMostNames = 10;  // a second one would be a wonder
 
 /// What is put into a stream goes to a file that is open.
 class DescriptorBuffer : public std::streambuf {
@@ -46,40 +41,6 @@ class DescriptorBuffer : public std::streambuf {
 
   int descriptor_;
   std::array<char, 1 << 16> buffer_;
-};
-
-/// A new file beside another one, gone unless it took that one's place.
-class FileBeside {
- public:
-  FileBeside(const fs::path& file, bool owner_alone) : file_(file) {
-    for (int i = 0; i < kMostNames && descriptor_ < 0; ++i) {
-      std::uint64_t random = 0;
-      if (::getrandom(&random, sizeof random, 0) != sizeof random) return;
-      name_ = fmt::format("{}.{:016x}", file.string(), random);
-      descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
-                           owner_alone ? 0600 : 0666);
-      if (descriptor_ < 0 && errno != EEXIST) return;
-    }
-  }
-  ~FileBeside() {
-    if (descriptor_ < 0) return;
-    ::close(descriptor_);
-    if (!in_place_) ::unlink(name_.c_str());
-  }
-  FileBeside(const FileBeside&) = delete;
-  FileBeside& operator=(const FileBeside&) = delete;
-
-  [[nodiscard]] int descriptor() const { return descriptor_; }
-  bool take_its_place() {
-    in_place_ = std::rename(name_.c_str(), file_.c_str()) == 0;
-    return in_place_;
-  }
-
- private:
-  const fs::path& file_;
-  std::string name_;
-  int descriptor_ = -1;
-  bool in_place_ = false;
 };
 
 /// Not every file system can: the file is whole all the same.
