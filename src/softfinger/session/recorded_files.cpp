@@ -14,7 +14,8 @@ namespace softfinger {
 
 namespace fs = std::filesystem;
 
-RecordedFiles::RecordedFiles(const RecordingInfo& info, const fs::path& recording) : info_(info) {
+RecordedFiles::RecordedFiles(const RecordingInfo& info, const fs::path& recording, bool with_meshes)
+    : info_(info) {
   std::error_code error;
   std::string pattern = (fs::temp_directory_path(error) / "softfinger-XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr) {
@@ -36,7 +37,9 @@ RecordedFiles::RecordedFiles(const RecordingInfo& info, const fs::path& recordin
       stream.close();
       if (!stream) throw OperationError(fmt::format("{}: cannot be written", copy.string()));
     }
-    for (const RecordingInfo::Mesh& mesh : info.meshes) link_mesh(mesh, recording);
+    for (const RecordingInfo::Mesh& mesh : info.meshes) {
+      if (with_meshes) link_mesh(mesh, recording);
+    }
   } catch (...) {
     fs::remove_all(directory_, error);
     throw;

@@ -237,19 +237,23 @@ void check_objective(const fs::path& file, const Device& device) {
 
 }  // namespace
 
+std::shared_ptr<const Device> mounted_on(const FingerModel& finger, const fs::path& file) {
+  std::shared_ptr<const Device> device = load_device(file);
+  const auto clearance = device->settings().clearance;
+  if (!clearance) return device;
+  const double shift = shift_for(*device, rest_skin_points(finger), *clearance);
+  if (std::abs(shift) > kMostShift) {
+    refuse(file, "mount", "clearance_mm",
+           fmt::format("would shift the mount by {:.2f} mm to fit {}, more than {:g} mm; put "
+                       "translation_mm where the device belongs on such a finger",
+                       shift / mm, finger.file.string(), kMostShift / mm));
+  }
+  return shift == 0.0 ? device : load_device(file, shift);
+}
+
 WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::stop_token& stop) {
   const std::vector<Vector3> skin = rest_skin_points(finger);
-  WornDevice worn{.device = load_device(file)};
-  if (const auto clearance = worn.device->settings().clearance) {
-    const double shift = shift_for(*worn.device, skin, *clearance);
-    if (std::abs(shift) > kMostShift) {
-      refuse(file, "mount", "clearance_mm",
-             fmt::format("would shift the mount by {:.2f} mm to fit {}, more than {:g} mm; put "
-                         "translation_mm where the device belongs on such a finger",
-                         shift / mm, finger.file.string(), kMostShift / mm));
-    }
-    if (shift != 0.0) worn.device = load_device(file, shift);
-  }
+  WornDevice worn{.device = mounted_on(finger, file)};
   const Device& device = *worn.device;
   check_bone(file, device, finger);
   check_force_sensor(file, device);

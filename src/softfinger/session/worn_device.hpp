@@ -28,12 +28,16 @@ struct WornDevice {
 
 /// Reads a device file and puts the device on the finger: with `[mount] clearance_mm` shifted along
 /// the mount's z, in hundredths of a millimetre and at most 5 mm, to have that least gap to the
-/// resting skin where the configuration is zero.
-/// Throws InputError, with file, line and key, for what load_device() and force_ceiling() refuse
-/// and for a device that could not be worn or would be of no use: mounted or at home inside the
-/// bone, resting against the skin at home or retracted, too far from the skin to touch it from
-/// anywhere in its workspace, or advancing away from it. And when `stop` asks for an
-/// end.
+/// resting skin where the configuration is zero. Throws InputError, with file, line and key, for
+/// what load_device() refuses and for a shift that is larger.
+[[nodiscard]] std::shared_ptr<const Device> mounted_on(const FingerModel& finger,
+                                                       const std::filesystem::path& file);
+
+/// The same, and looks whether it can be worn.
+/// Throws InputError, with file, line and key, also for what force_ceiling() refuses and for a
+/// device that could not be worn or would be of no use: mounted or at home inside the bone, resting
+/// against the skin at home or retracted, too far from the skin to touch it from anywhere in its
+/// workspace, or advancing away from it. And when `stop` asks for an end.
 [[nodiscard]] WornDevice worn_on(const FingerModel& finger, const std::filesystem::path& file,
                                  const std::stop_token& stop = {});
 

@@ -38,8 +38,12 @@ Hdf5Handle make_data_set(hid_t group, const TableColumn& column, hid_t type) {
     hdf5_check(H5Pset_shuffle(creation.id()));
     hdf5_check(H5Pset_deflate(creation.id(), 1));
   }
+  // Chunks are written once, as a whole: nothing is gained where they stay in memory.
+  const Hdf5Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  hdf5_check(H5Pset_chunk_cache(access.id(), H5D_CHUNK_CACHE_NSLOTS_DEFAULT, 0,
+                                H5D_CHUNK_CACHE_W0_DEFAULT));
   Hdf5Handle set(H5Dcreate2(group, column.name.c_str(), type, space.id(), H5P_DEFAULT,
-                            creation.id(), H5P_DEFAULT),
+                            creation.id(), access.id()),
                  H5Dclose);
   const std::string_view unit = unit_symbol(column.name);
   hdf5_attribute(set.id(), "unit", std::string(unit.empty() && !column.words ? "1" : unit));

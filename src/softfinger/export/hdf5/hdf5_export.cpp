@@ -83,7 +83,7 @@ class Hdf5Tables : public TableStore {
 
 }  // namespace
 
-bool export_hdf5(RecordingReader& reader, FileBeside& beside) {
+Exported export_hdf5(RecordingReader& reader, FileBeside& beside) {
   // Debian's library is for one thread.
   static std::mutex one_at_a_time;
   const std::scoped_lock lock(one_at_a_time);
@@ -100,10 +100,10 @@ bool export_hdf5(RecordingReader& reader, FileBeside& beside) {
     write_tables(reader, tables);
     file.close();
   } catch (const Hdf5Failure&) {
-    if (output.failed) return false;
+    if (output.failed) return {};
     throw InputError(fmt::format("{}: has names that HDF5 cannot hold", reader.file().string()));
   }
-  return !output.failed;
+  return {.whole = !output.failed, .lack = {}};
 }
 
 }  // namespace softfinger
