@@ -173,9 +173,12 @@ class Recording:
         position = [pose[name] * 1e-3 for name in ("x_mm", "y_mm", "z_mm")]
         return np.stack([*position, *(pose[name] for name in ("qw", "qx", "qy", "qz"))], axis=1)
 
-    def export(self, folder: Path) -> None:
-        """CSV files in a new folder."""
-        _export(self._file, folder)
+    def export(self, to: Path) -> None:
+        """For other programs: FILE.h5 is HDF5, FILE.mcap MCAP, else CSV files in a new folder.
+
+        While HDF5 is written, h5py must do nothing on another thread: they may share one library, which is for one.
+        """
+        _export(self._file, to)
 
     def replay(self) -> str:
         """Runs it again with its recorded input. Empty where every bit is the same, else what differs first."""
@@ -225,10 +228,10 @@ def _taken(table: ctypes.c_void_p) -> tuple[Columns, str]:
         library.sf_table_destroy(table)
 
 
-def _export(recording: Path, folder: Path) -> str:
+def _export(recording: Path, to: Path) -> str:
     note, error = ctypes.create_string_buffer(512), _library.ErrorText()
     error.check(library.sf_recording_export(
-        _library.path(recording), _library.path(folder), note, len(note), *error.arguments))
+        _library.path(recording), _library.path(to), note, len(note), *error.arguments))
     return note.value.decode()
 
 

@@ -297,9 +297,9 @@ typedef struct {
 SF_API sf_status sf_finger_fit(const char *finger, const char *curve, const sf_fit_options *options,
                                sf_table **out, char *error, size_t error_size);
 
-/* A recording as CSV files in a new folder, as `softfinger export`. note: a line where it was cut,
-   else empty. */
-SF_API sf_status sf_recording_export(const char *recording, const char *folder, char *note,
+/* A recording for other programs, as `softfinger export`: to FILE.h5, FILE.mcap, else CSV files in a
+   new folder. note: a line where it was cut or lacks something, else empty. */
+SF_API sf_status sf_recording_export(const char *recording, const char *to, char *note,
                                      size_t capacity, char *error, size_t error_size);
 /* Runs it again with its recorded input: *agree is 1 where every bit is the same, else 0 and
    difference says where. */

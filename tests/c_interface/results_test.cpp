@@ -307,6 +307,14 @@ TEST(CInterfaceResults, ARecordingIsExportedAndReplayed) {
                                 sizeof error),
             SF_BAD_INPUT);
   EXPECT_THAT(error, HasSubstr("exist"));
+  for (const char* name : {"run.h5", "run.mcap"}) {
+    const std::string file = directory / name;
+    EXPECT_EQ(sf_recording_export(recording.c_str(), file.c_str(), text, sizeof text, error,
+                                  sizeof error),
+              SF_DONE)
+        << error;
+    EXPECT_GT(std::filesystem::file_size(file), 50'000U) << name;
+  }
   EXPECT_EQ(sf_recording_replay("/no/such.sqlite", &agree, text, sizeof text, nullptr, 0),
             SF_BAD_INPUT);
 }

@@ -80,6 +80,11 @@ class SameBits(unittest.TestCase):
         self.assertEqual(len(recording.ticks["state"]), len(set(told["tick"])) - (told["tick"][0] < 0))
         self.assertEqual(recording.replay(), "")
         self.assertEqual(recording.note, "")
+        for name, begin in (("run.h5", b"\x89HDF\r\n"), ("run.mcap", b"\x89MCAP0")):
+            recording.export(pathlib.Path(ours).with_name(name))
+            self.assertTrue(pathlib.Path(ours).with_name(name).read_bytes().startswith(begin))
+        with self.assertRaisesRegex(sf.InputError, r"\.mcap \(MCAP\)"):
+            recording.export(pathlib.Path(ours).with_name("run.txt"))
 
     def test_a_press_is_that_of_the_command_line(self):
         for flags, words in (

@@ -1,17 +1,17 @@
 #include <string>
 
 #include "softfinger/c_interface/answers.hpp"
-#include "softfinger/recording/csv_export.hpp"
+#include "softfinger/export/export_recording.hpp"
 #include "softfinger/session/replay.hpp"
 
-sf_status sf_recording_export(const char* recording, const char* folder, char* note,
-                              size_t capacity, char* error, size_t error_size) {
+sf_status sf_recording_export(const char* recording, const char* to, char* note, size_t capacity,
+                              char* error, size_t error_size) {
   const softfinger::ErrorText text{error, error_size};
-  if (recording == nullptr || folder == nullptr) {
-    return text.tell(SF_BAD_INPUT, "recording and folder must not be NULL");
+  if (recording == nullptr || to == nullptr) {
+    return text.tell(SF_BAD_INPUT, "recording and to must not be NULL");
   }
   return softfinger::guarded(text, [&] {
-    softfinger::copy_text(softfinger::export_csv(recording, folder), note, capacity, nullptr);
+    softfinger::copy_text(softfinger::export_recording(recording, to), note, capacity, nullptr);
     return SF_DONE;
   });
 }
