@@ -13,7 +13,7 @@ import unittest
 
 import recordings
 
-PROGRAM, ROOT = sys.argv[1], pathlib.Path(sys.argv[2])
+PROGRAM, ROOT = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 TARGETS = ["run.h5", "run.mcap", "csv"]
 
 
@@ -141,7 +141,7 @@ class Failures(unittest.TestCase):
                     self.assertEqual(status, 0)
                     size = sum(f.stat().st_size for f in pathlib.Path(folder).rglob("*"))
                     peaks.append(used.ru_maxrss / 1024)
-            self.assertGreater(size, 1e6)
+            self.assertGreater(size, 4e5)
             self.assertLess(peaks[1] - peaks[0], 2.0, f"MB more for {target}: {peaks}, of {size / 1e6} MB")
         for file in files:
             file.unlink()

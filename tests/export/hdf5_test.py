@@ -15,7 +15,7 @@ import numpy as np
 
 import recordings
 
-PROGRAM, ROOT = sys.argv[1], pathlib.Path(sys.argv[2])
+PROGRAM, ROOT = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 MM, DEG, MS = 1e-3, math.pi / 180.0, 1e-3
 SUFFIXES = {"mm2": "mm2", "mm": "mm", "deg": "deg", "ms": "ms", "us": "us", "s": "s", "N": "N"}
 

@@ -14,7 +14,8 @@ import unittest
 
 import recordings
 
-PROGRAM, ROOT, NODE, READER = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3], pathlib.Path(sys.argv[4])
+PROGRAM, ROOT = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
+NODE, READER = sys.argv[3], pathlib.Path(sys.argv[4])
 
 
 def read(*files):
