@@ -204,6 +204,22 @@ TEST_F(ServerTest, WhatPeopleAreToldIsToldOnEveryPage) {
   }
 }
 
+TEST_F(ServerTest, ASlowPageMissesNothingThatPeopleAreTold) {
+  RawClient slow(server.port(), 4096);
+  ASSERT_EQ(slow.open_web_socket().status, 101);
+  ASSERT_TRUE(slow.read_frame(2));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // until no more fits on the way
+  for (const char* line : {"one", "two", "three"}) {
+    feed.say(line);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));  // an update of its own
+  }
+  for (const char* line : {"one", "two", "three"}) {
+    const auto told = slow.read_frame(1);
+    ASSERT_TRUE(told);
+    EXPECT_THAT(told->payload, HasSubstr(line));
+  }
+}
+
 TEST_F(ServerTest, ASceneThatIsBeingLoadedIsToldOnEveryPage) {
   RawClient one(server.port());
   ASSERT_EQ(one.open_web_socket().status, 101);

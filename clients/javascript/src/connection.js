@@ -211,6 +211,7 @@ function whatIsWrong(error) {
   if (text.includes("response: 401")) return "asks for its token; take the address that the program prints";
   if (text.includes("response: 403")) return "takes visitors at the address that it prints alone";
   if (error?.code === "ECONNREFUSED") return "nobody is there; does softfinger run at that port?";
+  if (error?.code === "ECONNRESET") return "ended the connection before it was open; where it has a certificate, take its address with https";
   if (/CERT|SIGNED|ISSUER/.test(error?.code ?? "")) return `its certificate is not trusted (${error.code}); give who signed it as ca`;
   return error?.code ?? text;
 }

@@ -19,7 +19,7 @@ export interface Options {
   /** Of `softfinger run --token FILE`, where the address does not have it. */
   token?: string;
   /** Certificates, PEM, of who signed the program's own. */
-  ca?: string;
+  ca?: string | Uint8Array;
 }
 
 /**

@@ -23,6 +23,8 @@ constexpr auto kIdleTimeout = std::chrono::minutes(5);
 constexpr double kMostMessagesPerSecond = 600.0;
 /// What was held up on the way comes all at once.
 constexpr double kMostMessagesAtOnce = 4000.0;
+/// That wait for a slow page.
+constexpr std::size_t kMostNotifications = 32;
 
 }  // namespace
 
@@ -71,23 +73,32 @@ void WebSocketSession::offer_snapshot() {
 }
 
 void WebSocketSession::notify(PageHub::Text message) {
-  next_notification_ = std::move(message);
+  if (next_notifications_.size() < kMostNotifications) {
+    next_notifications_.push_back(std::move(message));
+  }
   write();
 }
 
 void WebSocketSession::write() {
   if (writing_ || !open_) return;
-  for (PageHub::Text* next :
-       {&next_scene_, &next_registration_, &next_loading_, &next_notification_}) {
-    if (!*next) continue;
-    text_in_flight_ = std::exchange(*next, nullptr);
-    socket_.text(true);
-    return send(asio::buffer(*text_in_flight_));
+  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_loading_}) {
+    if (*next) return send_text(std::exchange(*next, nullptr));
+  }
+  if (!next_notifications_.empty()) {
+    PageHub::Text next = std::move(next_notifications_.front());
+    next_notifications_.pop_front();
+    return send_text(std::move(next));
   }
   if (!next_snapshot_) return;
   snapshot_in_flight_ = std::exchange(next_snapshot_, nullptr);
   socket_.binary(true);
   send(asio::buffer(*snapshot_in_flight_));
+}
+
+void WebSocketSession::send_text(PageHub::Text message) {
+  text_in_flight_ = std::move(message);
+  socket_.text(true);
+  send(asio::buffer(*text_in_flight_));
 }
 
 void WebSocketSession::send(asio::const_buffer message) {

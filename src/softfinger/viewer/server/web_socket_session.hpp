@@ -6,6 +6,7 @@
 #include <boost/beast/websocket/stream.hpp>
 
 #include <chrono>
+#include <deque>
 #include <memory>
 #include <string_view>
 
@@ -28,11 +29,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void offer_registration();
   void offer_loading();
   void offer_snapshot();
-  /// What people are told; replaces what was to be told and has not been sent.
+  /// What people are told. Waits for its turn, but for the last of very many.
   void notify(PageHub::Text message);
 
  private:
   void write();
+  void send_text(PageHub::Text message);
   void send(boost::asio::const_buffer message);
   void read();
   void obey();
@@ -47,7 +49,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   ConnectionCount count_;
   boost::beast::websocket::stream<PageStream> socket_;
   boost::beast::flat_buffer buffer_{PageHub::kMaxRequestBytes};
-  PageHub::Text next_scene_, next_registration_, next_loading_, next_notification_;
+  PageHub::Text next_scene_, next_registration_, next_loading_;
+  std::deque<PageHub::Text> next_notifications_;  ///< each is told once
   PageHub::Text text_in_flight_;
   PageHub::Bytes next_snapshot_, snapshot_in_flight_;
   bool open_ = false;
