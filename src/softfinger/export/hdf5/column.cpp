@@ -34,6 +34,7 @@ Hdf5Handle make_data_set(hid_t group, const TableColumn& column, hid_t type) {
   const Hdf5Handle space(H5Screate_simple(1, &none, &most), H5Sclose);
   const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   hdf5_check(H5Pset_chunk(creation.id(), 1, &chunk));
+  hdf5_check(H5Pset_obj_track_times(creation.id(), 0));  // the same recording, the same bytes
   if (H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
     hdf5_check(H5Pset_shuffle(creation.id()));
     hdf5_check(H5Pset_deflate(creation.id(), 1));

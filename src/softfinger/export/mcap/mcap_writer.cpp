@@ -13,7 +13,6 @@ constexpr std::uint8_t kHeader = 0x01, kFooter = 0x02, kSchema = 0x03, kChannel 
                        kSummaryOffset = 0x0E, kDataEnd = 0x0F;
 constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 constexpr std::size_t kChunkSize = std::size_t{1} << 20;  ///< bytes
-constexpr std::uint64_t kRecordHead = 9;                  ///< bytes: opcode and length
 
 McapWriter::Bytes as_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
