@@ -163,6 +163,8 @@ TEST_F(Commands, FilesThatCannotBeWrittenAreNamed) {
         calibrate + Words{"--out", file},
         {"finger", "register", "--person", file, "--length-mm", "25"},
         {"export", recording, "--to", file},
+        {"export", recording, "--to", file + ".h5"},
+        {"export", recording, "--to", file + ".mcap"},
     };
   };
   for (const Words& words : writing(nowhere)) {

@@ -32,9 +32,8 @@ Hdf5Handle make_data_set(hid_t group, const TableColumn& column, hid_t type) {
   const hsize_t most = H5S_UNLIMITED;
   const hsize_t chunk = kHdf5Rows;
   const Hdf5Handle space(H5Screate_simple(1, &none, &most), H5Sclose);
-  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const Hdf5Handle creation = hdf5_creation(H5P_DATASET_CREATE);
   hdf5_check(H5Pset_chunk(creation.id(), 1, &chunk));
-  hdf5_check(H5Pset_obj_track_times(creation.id(), 0));  // the same recording, the same bytes
   if (H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
     hdf5_check(H5Pset_shuffle(creation.id()));
     hdf5_check(H5Pset_deflate(creation.id(), 1));

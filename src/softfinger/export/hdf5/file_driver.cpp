@@ -111,6 +111,8 @@ Hdf5Handle access_to(Hdf5Output& output) {
   Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   const Hdf5Output* const to = &output;
   hdf5_check(H5Pset_driver(access.id(), driver.id(), &to));
+  // Older formats hold times; HDF5 1.8 (2008) and newer read this one.
+  hdf5_check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18));
   return access;
 }
 

@@ -36,4 +36,12 @@ class Hdf5Handle {
   herr_t (*close_)(hid_t);
 };
 
+/// How objects of a class come into being: without the time, so that the same recording gives the
+/// same bytes.
+inline Hdf5Handle hdf5_creation(hid_t kind) {
+  Hdf5Handle creation(H5Pcreate(kind), H5Pclose);
+  hdf5_check(H5Pset_obj_track_times(creation.id(), 0));
+  return creation;
+}
+
 }  // namespace softfinger

@@ -39,7 +39,9 @@ class Hdf5Table : public TableWriter {
  public:
   Hdf5Table(hid_t file, const std::string& name, const std::vector<TableColumn>& columns,
             const Hdf5Output& output)
-      : group_(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose),
+      : group_(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, hdf5_creation(H5P_GROUP_CREATE).id(),
+                          H5P_DEFAULT),
+               H5Gclose),
         output_(output) {
     for (const TableColumn& column : columns) {
       columns_.push_back(hdf5_column(group_.id(), column));
@@ -91,7 +93,9 @@ Exported export_hdf5(RecordingReader& reader, FileBeside& beside) {
   Hdf5Output output{beside};
   try {
     const Hdf5Handle access = access_to(output);
-    Hdf5Handle file(H5Fcreate("softfinger", H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
+    Hdf5Handle file(
+        H5Fcreate("softfinger", H5F_ACC_TRUNC, hdf5_creation(H5P_FILE_CREATE).id(), access.id()),
+        H5Fclose);
     for (const RecordingFact& fact : recording_facts(reader)) {
       std::visit([&](const auto& value) { hdf5_attribute(file.id(), fact.key, value); },
                  fact.value);
