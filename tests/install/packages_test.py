@@ -136,10 +136,21 @@ class Files(unittest.TestCase):
         self.assertEqual(offered("run", "sph"), ["sphere"])
         self.assertEqual(offered("export", ""), [])
 
-    def test_zsh_and_fish_read_theirs(self):
-        for shell, file in (("zsh", "_softfinger"), ("fish", "softfinger.fish")):
-            if shutil.which(shell):
-                run(shell, "-n", SOURCE / "packages/completion" / file)
+    @unittest.skipUnless(shutil.which("fish"), "no fish here")
+    def test_fish_asks_the_program(self):
+        script = f"set PATH {BUILD} $PATH; source {SOURCE}/packages/completion/softfinger.fish; complete -C $argv[1]"
+        self.assertEqual(run("fish", "--no-config", "-c", script, "softfinger run sph").split(), ["sphere"])
+        self.assertIn("--limits\tHow limits enter", run("fish", "--no-config", "-c", script, "softfinger match x --lim"))
+
+    @unittest.skipUnless(shutil.which("zsh"), "no zsh here")
+    def test_zsh_asks_the_program(self):
+        # What zsh has for completion functions while somebody types.
+        script = (f"PATH={BUILD}:$PATH; _describe() {{ print -l -- ${{(P)2}} }}; _files() {{ print any file }}; "
+                  f"complete_it() {{ words=(softfinger \"$@\"); CURRENT=$#words; source {SOURCE}/packages/completion/_softfinger }}; "
+                  f"complete_it \"$@\"")
+        self.assertEqual(run("zsh", "-fc", script, "zsh", "run", "sph"), "sphere\n")
+        self.assertEqual(run("zsh", "-fc", script, "zsh", "run", "--dur"), "--duration-s:end after this time, s\n")
+        self.assertEqual(run("zsh", "-fc", script, "zsh", "export", ""), "any file\n")
 
     def test_boards_belong_to_who_sits_there(self):
         rules = [line for line in (SOURCE / "packages/60-softfinger.rules").read_text().splitlines() if line and line[0] != "#"]
