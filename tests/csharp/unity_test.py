@@ -12,7 +12,7 @@ import mono
 PROGRAM, LIBRARY = (str(pathlib.Path(argument).resolve()) for argument in sys.argv[1:3])
 ROOT = pathlib.Path(sys.argv[3]).resolve()
 HERE, UNITY = ROOT / "tests/csharp", ROOT / "clients/unity"
-PLANE, SPHERE = ROOT / "scenes/plane.toml", ROOT / "scenes/sphere.toml"
+PLANE, CYLINDER = ROOT / "scenes/plane.toml", ROOT / "scenes/cylinder.toml"
 #: The device that loads fastest.
 PLATE = ROOT / "devices/plate-2dof.toml"
 test = None
@@ -33,7 +33,7 @@ class Unity(unittest.TestCase):
         self.passes("frames", "-")
 
     def test_the_sample_shows_what_a_script_touches(self):
-        with mono.softfinger(PROGRAM, SPHERE, "--device", PLATE, "--repeat") as address:
+        with mono.softfinger(PROGRAM, CYLINDER, "--device", PLATE, "--repeat") as address:
             self.passes("show", address)
 
     def test_a_finger_follows_a_transform(self):

@@ -127,11 +127,7 @@ namespace Softfinger.Unity
         void OnDisable()
         {
             end.Cancel();
-            lock (gate)
-            {
-                client?.Dispose();
-                client = null;
-            }
+            lock (gate) client = null;
         }
 
         async Task Listen(string to, TimeSpan pause, CancellationToken until)

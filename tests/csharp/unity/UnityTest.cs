@@ -131,7 +131,7 @@ static class UnityTest
             thing = Find<ObjectPose>();
             return skin != null && thing != null && connection.Snapshot != null;
         }, "finger and object");
-        Check.That(connection.IsConnected && connection.Scene.Name == "sphere", "connected");
+        Check.That(connection.IsConnected && connection.Scene.Name == "cylinder", "connected");
         int touched = 0, letGo = 0;
         double most_N = 0;
         var states = new List<string>();
@@ -145,10 +145,17 @@ static class UnityTest
         Check.Equal(triangles.Length, connection.Scene.Fingers[0].SkinTriangles.Length, "triangles");
         float rest = Volume(mesh);
         Check.That(rest > 5e-7 && rest < 2e-5, $"clockwise in front: {rest} m^3 of skin");
-        Vector3[] before = mesh.vertices;
-        Until(() => most_N > 0.1 && connection.Snapshot.Fingers[0].NormalForce_N > 0.1f, "force");
-        Vector3[] vertices = mesh.vertices;
-        Check.Equal(vertices.Length, before.Length, "vertices");
+        Until(() =>
+        {
+            // Where the script has begun anew these are others.
+            skin = Find<FingerSkin>();
+            thing = Find<ObjectPose>();
+            mesh = skin.GetComponent<MeshFilter>().sharedMesh;
+            return most_N > 0.1 && connection.Snapshot != null && connection.Snapshot.Fingers[0].NormalForce_N > 0.1f;
+        }, "force");
+        Vector3[] vertices = mesh.vertices, before = new Vector3[vertices.Length];
+        Check.Equal(3 * vertices.Length, connection.Scene.Fingers[0].SkinPositions_m.Length, "vertices");
+        Frames.ToUnity(connection.Scene.Fingers[0].SkinPositions_m, before);
         float moved = 0;
         for (int i = 0; i < vertices.Length; ++i) moved = Math.Max(moved, (vertices[i] - before[i]).magnitude);
         Check.That(moved > 1e-4 && moved < 1e-2, $"skin gives way by {moved} m");
@@ -157,16 +164,19 @@ static class UnityTest
         Check.Equal(skin.transform.localPosition, Frames.PositionToUnity(finger.X_WF), "where the finger is");
         Check.Equal(thing.transform.localPosition, Frames.PositionToUnity(connection.Snapshot.X_WO[0]), "where the object is");
         Check.Equal(thing.transform.localRotation, Frames.RotationToUnity(connection.Snapshot.X_WO[0]), "how it is turned");
-        // Pressed skin is redder, and lies on the ball.
+        // Pressed skin is redder, and lies on the cylinder, which is along y.
         Color[] colors = mesh.colors;
         float radius_m = (float)connection.Scene.Objects[0].Shape.Radius_m;
+        Vector3 axis = thing.transform.localRotation * new Vector3(0, 1, 0);
+        Check.That(Math.Abs(axis.x) > 0.99f, "the cylinder lies from left to right");
         int red = 0;
         for (int i = 0; i < colors.Length; ++i)
         {
             if (colors[i].g > 0.6f) continue;
             ++red;
             Vector3 inScene = skin.transform.localPosition + skin.transform.localRotation * vertices[i];
-            Check.That(Math.Abs((inScene - thing.transform.localPosition).magnitude - radius_m) < 1e-3, "pressed skin lies on the ball");
+            float off_m = Vector3.Cross(inScene - thing.transform.localPosition, axis).magnitude;
+            Check.That(Math.Abs(off_m - radius_m) < 1e-3, $"pressed skin lies on the cylinder: {off_m} m off its axis");
         }
         Check.That(red > 0, "pressed skin");
         Check.That(touched > 0, "touched");
@@ -228,17 +238,19 @@ static class UnityTest
         const int Distal = 8, Tip = 9;
         SoftfingerConnection connection = Connect(address);
         TrackedHand hand = Make<TrackedHand>(connection.transform);
-        var wanted = new Pose(0.002, 0.001, 0.026);
+        var wanted = new Pose(0.002, 0.001, 0.026, 0.96, 0.1, -0.14, Math.Sqrt(1 - 0.96 * 0.96 - 0.1 * 0.1 - 0.14 * 0.14));
         for (int i = 0; i < Hand.JointCount; ++i)
         {
             hand.Joints[i] = new GameObject("joint").transform;
             hand.Joints[i].SetParent(connection.transform, false);
-            // A distal phalanx of 20 mm along z, which is x of W.
+            // A distal phalanx of 20 mm along its z, which is x of F.
             float ahead_m = i == Distal ? -0.01f : i == Tip ? 0.01f : 0.001f * i;
-            hand.Joints[i].localPosition = Frames.PositionToUnity(wanted) + ahead_m * Vector3.forward;
+            hand.Joints[i].localRotation = Frames.RotationToUnity(wanted);
+            hand.Joints[i].localPosition = Frames.PositionToUnity(wanted) + ahead_m * (hand.Joints[i].localRotation * Vector3.forward);
         }
         Until(() => connection.Snapshot != null && Near(connection.Snapshot.Fingers[0].X_WFt, wanted), "the finger is where the hand is");
-        Check.That(connection.Snapshot.Fingers[0].X_WFt.Qw > 0.99999, "and turned so");
+        Pose there = connection.Snapshot.Fingers[0].X_WFt;
+        Check.That(Math.Abs(there.Qw - wanted.Qw) < 1e-5 && Math.Abs(there.Qx - wanted.Qx) < 1e-5 && Math.Abs(there.Qy - wanted.Qy) < 1e-5 && Math.Abs(there.Qz - wanted.Qz) < 1e-5, "and turned so");
         hand.Tracked = false;
         Until(() => connection.Snapshot.Fingers[0].DeviceState == "retracting", "lost");
         World.End();
