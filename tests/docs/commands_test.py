@@ -235,6 +235,10 @@ class Commands(unittest.TestCase):
                 server.interrupt()
         elif part[0] == "evaluate":
             self.run_words(with_duration(words, "0.5"))
+        elif part[0] == "export":
+            self.run_words(words)
+            exported = self.folder / words[words.index("--to") + 1]
+            self.assertTrue(exported.is_file() and exported.stat().st_size or any(exported.glob("*.csv")), exported)
         else:
             self.assertTrue(self.run_words(words).stdout)
 

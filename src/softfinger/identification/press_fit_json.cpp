@@ -7,11 +7,11 @@
 namespace softfinger {
 
 std::string press_fit_json(const PressFit& found, const PressFitOptions& options) {
-  using Json = nlohmann::ordered_json;
+  using Fields = nlohmann::ordered_json;
   const FingerFit& fit = found.fit;
-  Json parameters = Json::object();
-  Json kept = Json::object();
-  Json moduli = Json::object();
+  Fields parameters = Fields::object();
+  Fields kept = Fields::object();
+  Fields moduli = Fields::object();
   for (const PressFit::Told& t : found.told) {
     parameters[t.name] = {{"value", t.value}, {"ci95_low", t.low}, {"ci95_high", t.high}};
   }
@@ -20,16 +20,16 @@ std::string press_fit_json(const PressFit& found, const PressFitOptions& options
     moduli[key] = value * fit.constants.youngs_modulus_factor / kPa;
   }
   const bool relative = fit.noise == ForceNoise::kRelative;
-  const Json report = {{"parameters", parameters},
-                       {"kept", kept},
-                       {"moduli_kPa", moduli},
-                       {"noise_model", relative ? "relative" : "absolute"},
-                       {relative ? "force_noise" : "force_noise_N", fit.force_noise},
-                       {"area_noise", options.areas ? Json(fit.area_noise) : Json()},
-                       {"force_deviation", fit.force_deviation},
-                       {"degrees_of_freedom", fit.degrees_of_freedom},
-                       {"simulations", fit.simulations},
-                       {"out", options.out ? Json(options.out->string()) : Json()}};
+  const Fields report = {{"parameters", parameters},
+                         {"kept", kept},
+                         {"moduli_kPa", moduli},
+                         {"noise_model", relative ? "relative" : "absolute"},
+                         {relative ? "force_noise" : "force_noise_N", fit.force_noise},
+                         {"area_noise", options.areas ? Fields(fit.area_noise) : Fields()},
+                         {"force_deviation", fit.force_deviation},
+                         {"degrees_of_freedom", fit.degrees_of_freedom},
+                         {"simulations", fit.simulations},
+                         {"out", options.out ? Fields(options.out->string()) : Fields()}};
   return report.dump(2);
 }
 
