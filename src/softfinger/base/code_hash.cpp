@@ -44,12 +44,12 @@ int hash_where_it_is(dl_phdr_info* object, std::size_t, void* asked) {
 }  // namespace
 
 std::uint64_t code_hash() {
-  static const std::uint64_t value = [] {
+  static const std::uint64_t kValue = [] {
     Search search{reinterpret_cast<ElfW(Addr)>(&code_hash)};
     dl_iterate_phdr(hash_where_it_is, &search);
     return search.hash;
   }();
-  return value;
+  return kValue;
 }
 
 }  // namespace softfinger
