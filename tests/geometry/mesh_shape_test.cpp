@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/environment_variable.hpp"
 #include "generated_mesh.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/geometry/grid_cache.hpp"
@@ -171,40 +172,24 @@ TEST_F(MeshShapeFile, SaysOnceWhereNothingCanBeKept) {
   EXPECT_THAT(messages, ElementsAre(HasSubstr("cannot be written")));
 }
 
-/// An environment variable for as long as this lives.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    value.empty() ? unsetenv(name) : setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
-
 // Whoever runs it, root too, keeps nothing beside meshes that are the system's or somebody else's.
 TEST_F(MeshShapeFile, IsKeptBesideMeshesOfTheUsersOwnAlone) {
   EXPECT_EQ(grid_cache_folder(file_), fs::canonical(folder_) / ".softfinger-cache");
   for (const char* foreign : {"/usr/local/share/softfinger/objects/relief.ply",
                               "/usr/share/softfinger/objects/relief.ply",
                               "/opt/softfinger/share/relief.ply", "/nowhere/relief.ply"}) {
-    const Variable cache("XDG_CACHE_HOME", folder_ / "caches");
+    const EnvironmentVariable cache("XDG_CACHE_HOME", folder_ / "caches");
     EXPECT_EQ(grid_cache_folder(foreign), folder_ / "caches" / "softfinger") << foreign;
-    const Variable none("XDG_CACHE_HOME", "");
-    const Variable home("HOME", folder_);
+    const EnvironmentVariable none("XDG_CACHE_HOME", "");
+    const EnvironmentVariable home("HOME", folder_);
     EXPECT_EQ(grid_cache_folder(foreign), folder_ / ".cache" / "softfinger") << foreign;
-    const Variable homeless("HOME", "");
+    const EnvironmentVariable homeless("HOME", "");
     EXPECT_EQ(grid_cache_folder(foreign), fs::path()) << foreign;
   }
   if (::geteuid() != 0) return;
   // The folder of another user, as root may well see it.
   ASSERT_EQ(::chown(folder_.c_str(), 65534, 65534), 0);
-  const Variable cache("XDG_CACHE_HOME", folder_ / "caches");
+  const EnvironmentVariable cache("XDG_CACHE_HOME", folder_ / "caches");
   EXPECT_TRUE(builds());
   EXPECT_FALSE(builds());
   EXPECT_TRUE(kept().empty());

@@ -8,13 +8,13 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
 
 #include "../support/child_process.hpp"
+#include "../support/environment_variable.hpp"
 #include "../support/large_mesh.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
@@ -99,9 +99,7 @@ TEST_F(SceneThatLoads, EndsTheFirstTimeAsSoon) {
 // A finger's mesh and the table of a device's force limit take their time as well.
 TEST(FirstLoad, EndsAmongFingersAndDevices) {
   const TemporaryDirectory nothing_kept;
-  const char* const before = std::getenv("XDG_CACHE_HOME");
-  const std::string caches = before != nullptr ? before : "";
-  setenv("XDG_CACHE_HOME", (nothing_kept / "caches").c_str(), 1);
+  const EnvironmentVariable caches("XDG_CACHE_HOME", nothing_kept / "caches");
   RunOptions options;
   options.scene = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes/hand.toml";
   std::atomic<bool> stop{false};
@@ -119,7 +117,6 @@ TEST(FirstLoad, EndsAmongFingersAndDevices) {
   options.scene = "no such scene";
   stop = false;
   EXPECT_THROW(static_cast<void>(load_unless_stopped(options, stop)), InputError);
-  setenv("XDG_CACHE_HOME", caches.c_str(), 1);
 }
 
 TEST_F(SceneThatLoads, DoesNotKeepAProgramFromEnding) {
