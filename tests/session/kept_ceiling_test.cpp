@@ -1,13 +1,14 @@
 #include "softfinger/session/kept_ceiling.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <set>
 #include <string>
 
+#include "../support/environment_variable.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/actuation/force_ceiling.hpp"
 #include "softfinger/base/code_hash.hpp"
@@ -26,18 +27,6 @@ fs::path shipped_file_of(const std::string& name) { return fs::path(SOFTFINGER_S
 /// With a folder for caches of its own.
 class KeptCeiling : public testing::Test {
  protected:
-  KeptCeiling() {
-    if (const char* before = std::getenv("XDG_CACHE_HOME")) before_ = before;
-    setenv("XDG_CACHE_HOME", (directory_ / "caches").c_str(), 1);
-  }
-  ~KeptCeiling() override {
-    if (before_) {
-      setenv("XDG_CACHE_HOME", before_->c_str(), 1);
-    } else {
-      unsetenv("XDG_CACHE_HOME");
-    }
-  }
-
   [[nodiscard]] fs::path file() const { return kept_ceiling_file(*finger_, *device_, kForce); }
   [[nodiscard]] bool is_kept() const {
     return read_kept_ceiling(file(), *finger_, device_, kForce).has_value();
@@ -51,7 +40,7 @@ class KeptCeiling : public testing::Test {
   }
 
   TemporaryDirectory directory_;
-  std::optional<std::string> before_;
+  EnvironmentVariable caches_{"XDG_CACHE_HOME", directory_ / "caches"};
   std::shared_ptr<const FingerModel> finger_ =
       FingerModel::load(shipped_file_of("fingers/index.toml"));
   std::shared_ptr<const Device> device_ = load_device(shipped_file_of("devices/plate-2dof.toml"));
@@ -152,13 +141,18 @@ TEST_F(KeptCeiling, IsNotTakenFromWhereOthersMayWrite) {
   }
 }
 
+TEST_F(KeptCeiling, IsKeptWhateverTheUmask) {
+  const mode_t before = ::umask(0);
+  static_cast<void>(kept_force_ceiling(*finger_, device_, kForce));
+  ::umask(before);
+  EXPECT_TRUE(is_kept());
+}
+
 TEST_F(KeptCeiling, NeedsAFolder) {
-  setenv("XDG_CACHE_HOME", "", 1);
-  const std::string home = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
-  unsetenv("HOME");
+  const EnvironmentVariable caches("XDG_CACHE_HOME", "");
+  const EnvironmentVariable home("HOME", "");
   EXPECT_EQ(file(), fs::path());
   EXPECT_FALSE(kept_force_ceiling(*finger_, device_, kForce).depths().empty());
-  if (!home.empty()) setenv("HOME", home.c_str(), 1);
 }
 
 TEST_F(KeptCeiling, TheCodeThatMakesItHasAHash) {

@@ -163,6 +163,10 @@ void keep(const fs::path& file, const TravelCeiling& ceiling, std::uint64_t chec
   std::error_code error;
   const fs::path folder = file.parent_path();
   fs::create_directories(folder, error);
+  // A umask may have let others write. Files that they put there meanwhile are theirs, and not
+  // read.
+  fs::permissions(folder, fs::perms::group_write | fs::perms::others_write,
+                  fs::perm_options::remove, error);
   if (error || !is_users_own(folder)) return;
   const std::string text = json_of(ceiling, check);
   if (write_file_whole(file, [&](std::ostream& stream) { stream << text; },
