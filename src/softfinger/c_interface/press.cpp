@@ -16,13 +16,7 @@ constexpr double kDefaultDepth = 2e-3;  // m
 constexpr int kDefaultRows = 20;
 
 sf_press_options press_options(const sf_press_options* given) {
-  sf_press_options options{};
-  if (given != nullptr) {
-    if (given->size != sizeof(sf_press_options)) {
-      throw InputError("sf_press_options.size must be sizeof(sf_press_options)");
-    }
-    options = *given;
-  }
+  sf_press_options options = taken(given, sizeof(sf_press_options), "sf_press_options");
   if (options.rows == 0) options.rows = kDefaultRows;
   if (options.depth_m == 0.0) options.depth_m = kDefaultDepth;
   return options;
