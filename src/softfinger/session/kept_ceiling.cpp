@@ -116,18 +116,25 @@ std::string json_of(const TravelCeiling& ceiling, std::uint64_t check) {
   return kept.dump();
 }
 
+/// A number beyond 64 bits is read as a floating point one, whose conversion would be undefined.
+template <typename T>
+T whole(const Json& value) {
+  if (!value.is_number_integer()) throw InputError("damaged");
+  return value.get<T>();
+}
+
 /// Throws where it is not what json_of() writes.
 TravelCeiling ceiling_of_json(const Json& kept, std::uint64_t check, const FingerModel& model,
                               const std::shared_ptr<const Device>& device) {
   const auto require = [](bool holds) {
     if (!holds) throw InputError("damaged");
   };
-  require(kept.at("of").get<std::uint64_t>() == check);
+  require(whole<std::uint64_t>(kept.at("of")) == check);
   std::vector<TravelCeiling::GridAxis> grid;
   std::size_t places = 1;
   for (const Json& axis : kept.at("grid")) {
-    grid.push_back({axis.at("axis").get<int>(), axis.at("min").get<double>(),
-                    axis.at("max").get<double>(), axis.at("count").get<int>()});
+    grid.push_back({whole<int>(axis.at("axis")), axis.at("min").get<double>(),
+                    axis.at("max").get<double>(), whole<int>(axis.at("count"))});
     const TravelCeiling::GridAxis& read = grid.back();
     require(read.axis >= 0 && read.axis < device->degrees_of_freedom() && read.count >= 2 &&
             read.count < 1000 && std::isfinite(read.min) && read.min < read.max);
@@ -138,7 +145,7 @@ TravelCeiling ceiling_of_json(const Json& kept, std::uint64_t check, const Finge
   require(depths.size() == places);
   require(std::ranges::all_of(depths, [](double d) { return std::abs(d) <= kDeepest; }));
   TravelCeiling ceiling(device, rest_skin_points(model), std::move(grid), std::move(depths));
-  require(kept.at("hash").get<std::uint64_t>() == hash_of_values(check, ceiling));
+  require(whole<std::uint64_t>(kept.at("hash")) == hash_of_values(check, ceiling));
   return ceiling;
 }
 
