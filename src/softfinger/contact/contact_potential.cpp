@@ -58,6 +58,7 @@ ContactPotential::ContactPotential(std::vector<double> rest_areas, std::size_t s
   positions_.resize(rest_areas_.size());
   X_OW_.resize(obstacle_count_);
   X_OW_old_.resize(obstacle_count_);
+  wrenches_.resize(obstacle_count_);
   entered_.resize(pairs_.size());
   looked_back_.resize(pairs_.size());
   boxes_O_.resize(obstacle_count_);
@@ -98,6 +99,23 @@ void ContactPotential::begin(std::span<const Obstacle> obstacles,
     }
     tied_[i] = tied ? 1 : 0;
   }
+}
+
+void ContactPotential::add_plane(const ContactPlane& plane) {
+  planes_.push_back(plane);
+  if (plane.obstacle < 0) return;
+  const Obstacle& obstacle = obstacles_[static_cast<std::size_t>(plane.obstacle)];
+  if (!obstacle.moves) return;
+  // Kept in O.
+  planes_.back().offset += plane.normal.dot(obstacle.X_WO.translation);
+  planes_.back().normal = obstacle.X_WO.rotation.transpose() * plane.normal;
+}
+
+void ContactPotential::follow(std::size_t o) {
+  const Pose& X_WO = obstacles_[o].X_WO;
+  X_OW_[o] = X_WO.inverse();
+  boxes_W_[o].extend(box_around(boxes_O_[o], X_WO));
+  box_W_.extend(boxes_W_[o]);
 }
 
 bool ContactPotential::comes_near(const Eigen::AlignedBox3d& box_W, std::size_t i,
@@ -167,8 +185,8 @@ bool ContactPotential::meet(std::size_t i, std::size_t o, const Vector3& positio
     const ContactPlane& plane = planes_[i - samples_];
     pair.gap = std::numeric_limits<double>::infinity();
     if (plane.obstacle != static_cast<int>(o)) return false;
-    pair.gap = plane.normal.dot(position) + plane.offset;
-    pair.gradient = plane.normal;
+    pair.gap = plane.normal.dot(obstacle.moves ? pair.position_O : position) + plane.offset;
+    pair.gradient = obstacle.moves ? Vector3(obstacle.X_WO.rotation * plane.normal) : plane.normal;
     pair.curvature.setZero();
     return true;
   }
@@ -211,6 +229,7 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
   double force_squared = 0.0;
   points_ = positions.size();
   std::copy(positions.begin(), positions.end(), positions_.begin());
+  std::fill(wrenches_.begin(), wrenches_.end(), Wrench{});
   for (std::size_t i = 0; i < points_; ++i) {
     is_near_[i] = may_act(i, positions[i]) ? 1 : 0;
     if (is_near_[i] == 0) {
@@ -233,6 +252,9 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
       const Vector3 force = pair.pressing * pair.gradient + pair.friction_force;
       gradient[i] -= force;
       force_squared += force.squaredNorm();
+      if (!obstacles_[o].moves) continue;
+      wrenches_[o].by_translation += force;
+      wrenches_[o].by_rotation += (positions[i] - obstacles_[o].X_WO.translation).cross(force);
     }
   }
   force_norm_ = std::sqrt(force_squared);

@@ -18,6 +18,7 @@ struct Obstacle {
   Pose X_WO;
   double friction_coefficient = 0.0;
   std::optional<Pose> X_WO_old;  ///< where it was at the start of the step; absent: where it is
+  bool moves = false;  ///< X_WO is an unknown of the step, see ContactPotential::follow()
 };
 
 /// An obstacle as one point of the skin meets it: gap = normal . p + offset, in W, m.
@@ -69,8 +70,10 @@ class ContactPotential {
   /// start of the step (W, m; none: they come from nowhere); all must outlive them. No planes.
   void begin(std::span<const Obstacle> obstacles, std::span<const FrictionAnchor> anchors,
              std::span<const Vector3> starts = {});
-  /// One more point, behind the others, which meets this plane.
-  void add_plane(const ContactPlane& plane) { planes_.push_back(plane); }
+  /// One more point, behind the others, which meets this plane; it goes with its obstacle.
+  void add_plane(const ContactPlane& plane);
+  /// The pose of obstacle o, one that moves, has been changed in place: evaluations see it there.
+  void follow(std::size_t o);
 
   /// Energy with the points at these positions (W, m), J; no more are considered than are given.
   /// Adds the gradient by each to `gradient`, N.
@@ -100,6 +103,13 @@ class ContactPotential {
   /// False where the pair does nothing. `with_curvature`: of the obstacle, in both derivatives.
   bool pair_response(std::size_t i, std::size_t o, bool with_curvature,
                      PairResponse& response) const;
+  /// What all points last evaluated do to obstacle o, one that moves: derivative of the energy by
+  /// its translation (N) and by its rotation about O's origin (N m), W.
+  struct Wrench {
+    Vector3 by_translation = Vector3::Zero();
+    Vector3 by_rotation = Vector3::Zero();
+  };
+  [[nodiscard]] const Wrench& wrench(std::size_t o) const { return wrenches_[o]; }
   /// Lower bound of the least gap of sample i at the positions last evaluated, m; exact where it
   /// touches.
   [[nodiscard]] double gap(std::size_t i) const;
@@ -218,6 +228,7 @@ class ContactPotential {
   std::span<const FrictionAnchor> anchors_;
   std::span<const Vector3> starts_;
   std::vector<Pose> X_OW_, X_OW_old_;
+  std::vector<Wrench> wrenches_;  ///< of obstacles that move
   std::vector<ContactSide> entered_;          ///< per pair: where it went in during this step
   std::vector<std::uint8_t> looked_back_;     ///< per pair: that is known
   std::vector<Eigen::AlignedBox3d> boxes_O_;  ///< that hold each obstacle

@@ -15,8 +15,8 @@ struct VirtualObject {
   std::string name;
   Shape shape;
   Trajectory motion;
-  std::optional<double> friction_coefficient;  ///< the finger's where empty
-  std::optional<ObjectDynamics> dynamics;      ///< absent: it follows its motion
+  std::optional<double> friction_coefficient;   ///< the finger's where empty
+  std::optional<ObjectDynamics> dynamics = {};  ///< absent: it follows its motion
 };
 
 }  // namespace softfinger

@@ -79,7 +79,7 @@ bool ContactCorrection::add_columns(const ContactPotential& contact,
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (carriers_[i].is_tied()) continue;
     const Vector3 d = moved(carriers_[i], direction);
-    if (contact.gap(i) > d.norm() + kReach && !holds(i)) continue;
+    if (contact.gap(i) > d.norm() + way_ + kReach && !holds(i)) continue;
     Vector3 force = deviation(contact, i, positions[i], d).force;
     // Along lines that the point has already, balance() has seen to it.
     for (int c = 0; c < count_; ++c) {
@@ -185,15 +185,24 @@ void ContactCorrection::correct(std::span<const double> uncorrected,
   });
 }
 
+void ContactCorrection::start(const ContactPotential& contact, std::span<const Vector3> positions) {
+  way_ = 0.0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    start_[i] = contact.respond(i, positions[i]).gradient;
+  }
+}
+
+void ContactCorrection::move_obstacles(std::span<const Vector3> carried, double way) {
+  way_ = way;
+  for (std::size_t i = 0; i < carried.size(); ++i) start_[i] += carried[i];
+}
+
 void ContactCorrection::apply(const ContactPotential& contact, const StiffnessAssembly& assembly,
                               std::span<const Vector3> positions, double gradient_norm,
                               std::span<double> direction) {
   std::copy(direction.begin(), direction.end(), uncorrected_.begin());
   std::fill(amplitudes_.begin(), amplitudes_.end(), 0.0);
   const double threshold = kWorthwhile * gradient_norm;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    start_[i] = contact.respond(i, positions[i]).gradient;
-  }
   // Skin pushed away at one sample lands on or leaves others, which then need columns too.
   for (int round = 0; round < kRounds; ++round) {
     if (count_ > 0) {

@@ -41,8 +41,15 @@ class ContactCorrection {
   [[nodiscard]] bool holds(std::size_t point) const { return !held_[point].isZero(0.0); }
   /// Many columns have piled up since the last factorisation: a new one pays.
   [[nodiscard]] bool is_full() const { return count_ == most_columns_; }
-  /// Corrects `direction`. positions: of the points where the direction starts, W, m;
-  /// gradient_norm: N, there; corrections much smaller are left alone.
+  /// Before apply(): where directions start, positions of the points in W, m, and the obstacles
+  /// with them.
+  void start(const ContactPotential& contact, std::span<const Vector3> positions);
+  /// Obstacles move too, and stand where they will be once start() has been called: `carried` is
+  /// what the matrix takes contact at each point to change by with their motion, N; none is further
+  /// from where it was than `way`, m. Until the next start().
+  void move_obstacles(std::span<const Vector3> carried, double way);
+  /// Corrects `direction`. positions: as in start(); gradient_norm: N, there; corrections much
+  /// smaller are left alone.
   void apply(const ContactPotential& contact, const StiffnessAssembly& assembly,
              std::span<const Vector3> positions, double gradient_norm, std::span<double> direction);
 
@@ -72,7 +79,8 @@ class ContactCorrection {
   ThreadTeam* team_;
   std::vector<Carrier> carriers_;
   std::vector<Matrix3> held_;   ///< per point: second derivative in the factored matrix
-  std::vector<Vector3> start_;  ///< per point: gradient where the direction starts, N
+  std::vector<Vector3> start_;  ///< per point: gradient where the direction starts, N; carried too
+  double way_ = 0.0;            ///< of obstacles, m
   /// Fewer than kMostColumns where a factorisation is cheap.
   int most_columns_;
   std::vector<Column> columns_;

@@ -13,9 +13,6 @@ constexpr double kForceFloor = 1e-3;
 /// Contact stiffness per area is this times the tissue's modulus, 1/m: a pressure as large as the
 /// modulus sinks in by the inverse.
 constexpr double kContactStiffness = 3e5;
-constexpr int kConePasses = 40;
-/// Residual to which a pass goes before friction limits are looked at: they are nearly final there.
-constexpr double kRoughly = 1e-2;
 
 /// Mean Young's modulus of what deforms, by rest volume, Pa.
 double mean_modulus(const FingerModel& model) {
@@ -316,20 +313,96 @@ bool FingerPotential::factorise(HessianKind kind) {
 }
 
 double FingerPotential::solve_direction(bool refined) {
-  double squared_norm = 0.0;
-  for (std::size_t i = 0; i < direction_.size(); ++i) {
-    direction_[i] = -current_.gradient[i];
-    squared_norm += direction_[i] * direction_[i];
-  }
-  assembly_.solve(direction_, team_);
+  solve_alone();
   if (refined) {
-    put_contact_points(current_.positions);
-    correction_.apply(contact_, assembly_, contact_positions(), std::sqrt(squared_norm),
-                      direction_);
+    start_correction();
+    apply_correction();
   }
+  return slope();
+}
+
+void FingerPotential::solve_alone() {
+  for (std::size_t i = 0; i < direction_.size(); ++i) direction_[i] = -current_.gradient[i];
+  assembly_.solve(direction_, team_);
+}
+
+void FingerPotential::yield_to(const ObstacleCoupling& coupling, const Vector6& xi) {
+  for (int c = 0; c < 6; ++c) {
+    const std::vector<double>& response = coupling.responses[static_cast<std::size_t>(c)];
+    for (std::size_t i = 0; i < direction_.size(); ++i) direction_[i] -= xi[c] * response[i];
+  }
+}
+
+void FingerPotential::start_correction() {
+  put_contact_points(current_.positions);
+  correction_.start(contact_, contact_positions());
+}
+
+void FingerPotential::correct_direction(std::span<const Vector3> carried, double way) {
+  correction_.move_obstacles(carried, way);
+  apply_correction();
+}
+
+void FingerPotential::apply_correction() {
+  double squared_norm = 0.0;
+  for (const double g : current_.gradient) squared_norm += g * g;
+  correction_.apply(contact_, assembly_, contact_positions(), std::sqrt(squared_norm), direction_);
+}
+
+double FingerPotential::slope() const {
   double slope = 0.0;
   for (std::size_t i = 0; i < direction_.size(); ++i) slope += direction_[i] * current_.gradient[i];
   return slope;
+}
+
+ObstacleCoupling FingerPotential::make_coupling() const {
+  ObstacleCoupling coupling;
+  coupling.by_point.assign(contact_positions_.size(), Matrix36::Zero());
+  for (std::vector<double>& column : coupling.columns) column.assign(direction_.size(), 0.0);
+  coupling.responses = coupling.columns;
+  return coupling;
+}
+
+void FingerPotential::couple(std::size_t o, HessianKind kind, ObstacleCoupling& coupling) const {
+  coupling.clear();
+  const Vector3& origin = step_.obstacles[o].X_WO.translation;
+  const std::size_t samples = model_.sample_nodes.size();
+  ContactPotential::PairResponse pair;
+  for (std::size_t i = 0; i < contact_points(); ++i) {
+    if (!contact_.pair_response(i, o, kind == HessianKind::kFull, pair)) continue;
+    const Vector3 r = contact_positions_[i] - origin;
+    coupling.add(i, r, pair.gradient, pair.hessian, kind != HessianKind::kProjected);
+    if (i < samples) {
+      add_load(model_.sample_nodes[i], 1.0, coupling.by_point[i], coupling.columns);
+      continue;
+    }
+    const FeaturePoints::Point& point = features_.points()[i - samples];
+    for (std::size_t k = 0; k < 3; ++k) {
+      add_load(point.nodes[k], point.weights[k], coupling.by_point[i], coupling.columns);
+    }
+  }
+  if (!coupling.touches) return;
+  std::array<std::span<double>, 6> responses;
+  for (std::size_t c = 0; c < 6; ++c) {
+    coupling.responses[c] = coupling.columns[c];
+    responses[c] = coupling.responses[c];
+  }
+  assembly_.solve_together(responses, team_);
+}
+
+void FingerPotential::add_load(int node, double weight, const Matrix36& by_point,
+                               std::array<std::vector<double>, 6>& columns) const {
+  const int block = map_.block_of_node[static_cast<std::size_t>(node)];
+  if (block < 0 && !map_.body_moves) return;
+  for (int c = 0; c < 6; ++c) {
+    const Vector3 load = weight * by_point.col(c);
+    double* const column = columns[static_cast<std::size_t>(c)].data();
+    const int at = block >= 0 ? block : map_.translation_block();
+    Eigen::Map<Vector3>{column + 3 * at} += load;
+    if (block >= 0) continue;
+    Eigen::Map<Vector3>{column + 3 * map_.rotation_block()} +=
+        lever_arms_[static_cast<std::size_t>(node)].cross(load);
+  }
 }
 
 void FingerPotential::evaluate_trial(double t) {
@@ -357,51 +430,6 @@ double FingerPotential::largest_free_force() const {
     largest = std::max(largest, std::abs(current_.gradient[static_cast<std::size_t>(i)]));
   }
   return largest;
-}
-
-NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOptions& options) {
-  int iterations = 0;
-  int factorisations = 0;
-  if (potential.is_tangled()) {
-    potential.limit_strain(false);
-    const NewtonSummary untangled = minimise(potential, options);
-    potential.limit_strain(true);
-    iterations = untangled.iterations;
-    factorisations = untangled.factorisations;
-  }
-  NewtonSummary summary = minimise(potential, options);
-  summary.iterations += iterations;
-  summary.factorisations += factorisations;
-  return summary;
-}
-
-NewtonSummary minimise_in_cone(FingerPotential& potential, const NewtonOptions& options,
-                               std::span<FrictionAnchor> anchors) {
-  NewtonOptions rough = options;
-  rough.tolerance = std::max(options.tolerance, kRoughly);
-  NewtonSummary summary = untangle_and_minimise(potential, rough);
-  int pass = 0;
-  for (bool fully = false;;) {
-    potential.settle();
-    const bool inside = potential.contact().is_in_cone();
-    const bool last = inside || pass == kConePasses;
-    if (fully && last) {
-      summary.converged = summary.converged && inside;
-      return summary;
-    }
-    fully = last;
-    if (!fully) {
-      // Limits that only fall come to an end.
-      potential.contact().update_limits(anchors, pass > 0);
-      potential.renew();
-      ++pass;
-    }
-    const NewtonSummary again = minimise(potential, fully ? options : rough);
-    summary.iterations += again.iterations;
-    summary.factorisations += again.factorisations;
-    summary.converged = again.converged;
-    summary.residual = again.residual;
-  }
 }
 
 }  // namespace softfinger

@@ -10,6 +10,7 @@
 #include "softfinger/finger/contact_correction.hpp"
 #include "softfinger/finger/feature_points.hpp"
 #include "softfinger/finger/finger_model.hpp"
+#include "softfinger/finger/obstacle_coupling.hpp"
 #include "softfinger/numerics/newton.hpp"
 
 namespace softfinger {
@@ -73,6 +74,8 @@ class FingerPotential {
   void forget_sightings() { contact_.forget(); }
   /// Leaves the strain limits out, or in again, and evaluates the current point anew.
   void limit_strain(bool limited);
+  /// Friction limits of the step's anchors from the normal forces last evaluated.
+  void update_limits(bool only_lower) { contact_.update_limits(step_.anchors, only_lower); }
   /// Whether an element is inside out at the last evaluation.
   [[nodiscard]] bool is_tangled() const;
   /// Makes what is cached (stretches, contact) that of the current point.
@@ -88,6 +91,25 @@ class FingerPotential {
   void evaluate_trial(double t);
   /// x = A^-1 x with the factor at hand, by unknowns as gradient(); exact right after factorise().
   void solve(std::span<double> x) const { assembly_.solve(x, team_); }
+  // What the step of a world asks for besides, where poses of obstacles are unknowns as well.
+  /// The obstacle's pose has been changed in place; what was evaluated is out of date.
+  void follow_obstacle(std::size_t o) { contact_.follow(o); }
+  [[nodiscard]] ObstacleCoupling make_coupling() const;
+  /// How the finger, as just factored, and obstacle o depend on each other.
+  void couple(std::size_t o, HessianKind kind, ObstacleCoupling& coupling) const;
+  /// d = -A^-1 g.
+  void solve_alone();
+  /// d -= A^-1 B xi for an obstacle that moves by xi (translation, rotation), as coupled.
+  void yield_to(const ObstacleCoupling& coupling, const Vector6& xi);
+  /// The direction as solve_direction() refines it, in two parts: the first where the obstacles
+  /// are, the second where they will be.
+  void start_correction();
+  void correct_direction(std::span<const Vector3> carried, double way);
+  [[nodiscard]] std::span<const double> direction() const { return direction_; }
+  /// g . d
+  [[nodiscard]] double slope() const;
+  [[nodiscard]] bool is_in_cone() const { return contact_.is_in_cone(); }
+
   [[nodiscard]] double trial_energy() const { return trial_.energy; }
   [[nodiscard]] double trial_residual() const { return trial_.residual; }
   void accept_trial() {
@@ -129,6 +151,10 @@ class FingerPotential {
   void put_contact_points(std::span<const Vector3> nodes);
   void put_tied_nodes(Point& point) const;
   void reduce_gradient(Point& point, double& squared_norm) const;
+  void apply_correction();
+  /// Adds a load at a contact point, by each of six columns, where the node carries this part of it.
+  void add_load(int node, double weight, const Matrix36& by_point,
+                std::array<std::vector<double>, 6>& columns) const;
 
   const FingerModel& model_;
   Bone bone_mode_;
@@ -154,15 +180,5 @@ class FingerPotential {
   std::vector<Matrix3> contact_blocks_;
   std::vector<Vector3> lever_arms_;
 };
-
-/// Minimises from where the potential stands. Strain limits turn states with elements inside out
-/// into minima of their own; from such a start the minimum without limits is sought first, from
-/// which the wanted one is near.
-NewtonSummary untangle_and_minimise(FingerPotential& potential, const NewtonOptions& options);
-/// The same, and where friction is then outside the cone of the normal forces found, again with the
-/// limits of `anchors` (those of the step) brought down to these, until it is inside; if that does
-/// not come to an end the summary says that it did not converge.
-NewtonSummary minimise_in_cone(FingerPotential& potential, const NewtonOptions& options,
-                               std::span<FrictionAnchor> anchors);
 
 }  // namespace softfinger

@@ -3,6 +3,7 @@
 #include "softfinger/base/hash.hpp"
 #include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
+#include "softfinger/finger/minimise_in_cone.hpp"
 
 namespace softfinger {
 namespace {

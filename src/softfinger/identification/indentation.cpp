@@ -10,6 +10,7 @@
 #include "softfinger/contact/deepest_point.hpp"
 #include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
+#include "softfinger/finger/minimise_in_cone.hpp"
 
 namespace softfinger {
 namespace {

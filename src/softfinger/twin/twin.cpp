@@ -6,6 +6,7 @@
 
 #include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
+#include "softfinger/finger/minimise_in_cone.hpp"
 #include "softfinger/twin/piece_motion.hpp"
 
 namespace softfinger {
