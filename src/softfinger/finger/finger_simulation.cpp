@@ -39,11 +39,14 @@ struct FingerSimulation::Implementation {
       obstacles[o].shape = &things[o].shape;
       obstacles[o].friction_coefficient =
           things[o].friction_coefficient.value_or(model->friction_coefficient);
+      obstacles[o].moves = things[o].dynamics.has_value();
+      obstacles[o].X_WO = things[o].motion.sample(0.0);
     }
   }
 
   void place_obstacles(double time) {
     for (std::size_t o = 0; o < objects.size(); ++o) {
+      if (obstacles[o].moves) continue;  // see put_object(), expect_object()
       obstacles[o].X_WO_old = obstacles[o].X_WO;
       obstacles[o].X_WO = objects[o].motion.sample(time);
     }
@@ -81,7 +84,7 @@ struct FingerSimulation::Implementation {
     potential.start_from(positions, bone.X_WF);
   }
 
-  void finish(const Pose& X_WFt) {
+  void finish() {
     std::swap(velocities, old_velocities);
     old_bone = bone;
     const double rate = 1.0 / time_step;
@@ -95,7 +98,7 @@ struct FingerSimulation::Implementation {
     bone.velocity = rate * (X_WF.translation - bone.X_WF.translation);
     bone.rotation_rate = rate * (X_WF.rotation - bone.X_WF.rotation);
     bone.X_WF = X_WF;
-    tracked = X_WFt;
+    tracked = next_tracked;
     potential.settle();
     potential.elastic().end_step(potential.elastic_work(), time_step, history);
     potential.contact().update_anchors(potential.contact_positions(), anchors);
@@ -114,7 +117,7 @@ struct FingerSimulation::Implementation {
   // Only for the start of the next step.
   std::vector<Vector3> old_velocities, extrapolated;
   BoneState old_bone;
-  Pose tracked;
+  Pose tracked, next_tracked;  ///< at the start and the end of the step
   ContactSet contact;
   std::uint64_t steps = 0;
 };
@@ -159,16 +162,41 @@ void FingerSimulation::put_aside(const Pose& X_WFt) {
 }
 
 StepSummary FingerSimulation::step(const Pose& X_WFt, double time) {
+  begin_step(X_WFt, time);
+  const NewtonSummary summary = minimise_in_cone(implementation_->potential, NewtonOptions{});
+  end_step();
+  return {summary.iterations, summary.converged, summary.residual};
+}
+
+void FingerSimulation::begin_step(const Pose& X_WFt, double time) {
   Implementation& self = *implementation_;
   if (self.steps % kRenewalSteps == 0) self.potential.forget();
   ++self.steps;
   self.place_obstacles(time);
+  self.next_tracked = X_WFt;
   self.begin(X_WFt);
   self.start();
-  const NewtonSummary summary = minimise_in_cone(self.potential, NewtonOptions{}, self.anchors);
-  self.finish(X_WFt);
-  return {summary.iterations, summary.converged, summary.residual};
 }
+
+void FingerSimulation::end_step() { implementation_->finish(); }
+
+void FingerSimulation::put_object(std::size_t o, const Pose& X_WO) {
+  implementation_->obstacles[o].X_WO = X_WO;
+  implementation_->obstacles[o].X_WO_old.reset();
+}
+
+void FingerSimulation::expect_object(std::size_t o, const Pose& X_WO) {
+  Obstacle& obstacle = implementation_->obstacles[o];
+  obstacle.X_WO_old = obstacle.X_WO;
+  obstacle.X_WO = X_WO;
+}
+
+void FingerSimulation::move_object(std::size_t o, const Pose& X_WO) {
+  implementation_->obstacles[o].X_WO = X_WO;
+  implementation_->potential.follow_obstacle(o);
+}
+
+FingerPotential& FingerSimulation::potential() { return implementation_->potential; }
 
 const FingerModel& FingerSimulation::model() const { return *implementation_->model; }
 const Pose& FingerSimulation::bone_pose() const { return implementation_->bone.X_WF; }

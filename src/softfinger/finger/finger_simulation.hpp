@@ -13,6 +13,7 @@
 namespace softfinger {
 
 class FingerModel;
+class FingerPotential;
 class ThreadTeam;
 
 /// How one step ended.
@@ -39,8 +40,22 @@ class FingerSimulation {
   /// The same for a finger that is nowhere: nothing is near it, whatever stands at X_WFt. For as
   /// long as no step is made.
   void put_aside(const Pose& X_WFt);
-  /// Advances to the end of the step, `time` (s), where the tracked finger is at X_WFt.
+  /// Advances to the end of the step, `time` (s), where the tracked finger is at X_WFt. Objects with
+  /// dynamics stay where they are put.
   StepSummary step(const Pose& X_WFt, double time);
+
+  // The same in parts, where a world moves such objects in the same step: each is put where it may
+  // be expected, the step begins, all is minimised together by way of potential() and
+  // move_object(), and the step ends.
+  void begin_step(const Pose& X_WFt, double time);
+  void end_step();
+  /// Object o stands there now and at the start of the next step.
+  void put_object(std::size_t o, const Pose& X_WO);
+  /// Object o is expected there at the end of the next step.
+  void expect_object(std::size_t o, const Pose& X_WO);
+  /// Object o stands there within a step, as far as evaluations go.
+  void move_object(std::size_t o, const Pose& X_WO);
+  [[nodiscard]] FingerPotential& potential();
 
   [[nodiscard]] const FingerModel& model() const;
   [[nodiscard]] const Pose& bone_pose() const;                ///< X_WF
