@@ -18,7 +18,7 @@ struct Obstacle {
   Pose X_WO;
   double friction_coefficient = 0.0;
   std::optional<Pose> X_WO_old;  ///< where it was at the start of the step; absent: where it is
-  bool moves = false;  ///< X_WO is an unknown of the step, see ContactPotential::follow()
+  bool moves = false;            ///< X_WO is an unknown of the step, see ContactPotential::follow()
 };
 
 /// An obstacle as one point of the skin meets it: gap = normal . p + offset, in W, m.
@@ -228,7 +228,7 @@ class ContactPotential {
   std::span<const FrictionAnchor> anchors_;
   std::span<const Vector3> starts_;
   std::vector<Pose> X_OW_, X_OW_old_;
-  std::vector<Wrench> wrenches_;  ///< of obstacles that move
+  std::vector<Wrench> wrenches_;              ///< of obstacles that move
   std::vector<ContactSide> entered_;          ///< per pair: where it went in during this step
   std::vector<std::uint8_t> looked_back_;     ///< per pair: that is known
   std::vector<Eigen::AlignedBox3d> boxes_O_;  ///< that hold each obstacle

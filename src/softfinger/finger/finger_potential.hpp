@@ -152,7 +152,8 @@ class FingerPotential {
   void put_tied_nodes(Point& point) const;
   void reduce_gradient(Point& point, double& squared_norm) const;
   void apply_correction();
-  /// Adds a load at a contact point, by each of six columns, where the node carries this part of it.
+  /// Adds a load at a contact point, by each of six columns, where the node carries this part of
+  /// it.
   void add_load(int node, double weight, const Matrix36& by_point,
                 std::array<std::vector<double>, 6>& columns) const;
 

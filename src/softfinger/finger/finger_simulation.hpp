@@ -40,8 +40,8 @@ class FingerSimulation {
   /// The same for a finger that is nowhere: nothing is near it, whatever stands at X_WFt. For as
   /// long as no step is made.
   void put_aside(const Pose& X_WFt);
-  /// Advances to the end of the step, `time` (s), where the tracked finger is at X_WFt. Objects with
-  /// dynamics stay where they are put.
+  /// Advances to the end of the step, `time` (s), where the tracked finger is at X_WFt. Objects
+  /// with dynamics stay where they are put.
   StepSummary step(const Pose& X_WFt, double time);
 
   // The same in parts, where a world moves such objects in the same step: each is put where it may

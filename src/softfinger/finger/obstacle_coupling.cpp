@@ -22,8 +22,8 @@ void ObstacleCoupling::add(std::size_t point, const Vector3& r, const Vector3& g
   by_obstacle.bottomRightCorner<3, 3>() -= arm * K * arm;
   if (with_turning) {
     by_pose.rightCols<3>() -= skew(g);
-    by_obstacle.bottomRightCorner<3, 3>() += 0.5 * (g * r.transpose() + r * g.transpose()) -
-                                             g.dot(r) * Matrix3::Identity();
+    by_obstacle.bottomRightCorner<3, 3>() +=
+        0.5 * (g * r.transpose() + r * g.transpose()) - g.dot(r) * Matrix3::Identity();
   }
   by_obstacle.topRightCorner<3, 3>() -= by_pose.rightCols<3>();
   by_obstacle.bottomLeftCorner<3, 3>() -= by_pose.rightCols<3>().transpose();

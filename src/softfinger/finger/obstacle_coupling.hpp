@@ -22,7 +22,7 @@ using Matrix36 = Eigen::Matrix<double, 3, 6>;
 struct ObstacleCoupling {
   bool touches = false;
   Matrix6 by_obstacle = Matrix6::Zero();
-  std::vector<Matrix36> by_point;  ///< by each contact point and the pose
+  std::vector<Matrix36> by_point;                ///< by each contact point and the pose
   std::array<std::vector<double>, 6> columns;    ///< B, by the unknowns and each of the pose
   std::array<std::vector<double>, 6> responses;  ///< A^-1 B
 

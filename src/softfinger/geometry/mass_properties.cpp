@@ -1,0 +1,98 @@
+#include "softfinger/geometry/mass_properties.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace softfinger {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Area and integrals of x^2 and y^2 of a cross-section at one height.
+struct Section {
+  double area = 0.0, xx = 0.0, yy = 0.0;
+};
+
+/// Integral of x^2 over the rectangle of half sizes (a, b) swept by a disc of this radius.
+double second_moment(double a, double b, double radius) {
+  const double r2 = radius * radius;
+  const double outer = a + radius;
+  const double middle = 4.0 / 3.0 * a * a * a * (b + radius);
+  const double sides =
+      4.0 * (b * (outer * outer * outer - a * a * a) / 3.0 + a * a * kPi * r2 / 4.0 +
+             2.0 / 3.0 * a * r2 * radius + kPi * r2 * r2 / 16.0);
+  return middle + sides;
+}
+
+Section rounded_rectangle(double a, double b, double radius) {
+  return {4.0 * a * b + 4.0 * (a + b) * radius + kPi * radius * radius, second_moment(a, b, radius),
+          second_moment(b, a, radius)};
+}
+
+Section disc(double radius) {
+  const double r2 = radius * radius;
+  return {kPi * r2, kPi / 4.0 * r2 * r2, kPi / 4.0 * r2 * r2};
+}
+
+/// Of a solid that is even in x, y and z: the same section up to |z| = straight, and above it that
+/// of each height edge sin(phi), which section(edge cos(phi)) gives.
+template <typename SectionAt>
+MassProperties of_sections(double straight, double edge, const SectionAt& section) {
+  MassProperties sum;
+  const auto add = [&](const Section& s, double height_weight, double zz_weight) {
+    sum.volume += height_weight * s.area;
+    sum.second_moment_O.diagonal() +=
+        Vector3(height_weight * s.xx, height_weight * s.yy, zz_weight * s.area);
+  };
+  add(section(edge), 2.0 * straight, 2.0 / 3.0 * straight * straight * straight);
+  // Trigonometric polynomials of low degree in phi: Gauss and Legendre's rule is exact to rounding.
+  constexpr std::array<std::pair<double, double>, 8> kGauss{{
+      {0.0950125098376374, 0.1894506104550685},
+      {0.2816035507792589, 0.1826034150449236},
+      {0.4580167776572274, 0.1691565193950025},
+      {0.6178762444026438, 0.1495959888165767},
+      {0.7554044083550030, 0.1246289712555339},
+      {0.8656312023878318, 0.0951585116824928},
+      {0.9445750230732326, 0.0622535239386479},
+      {0.9894009349916499, 0.0271524594117541},
+  }};
+  for (const auto& [node, weight] : kGauss) {
+    for (const double x : {-node, node}) {
+      const double phi = kPi / 4.0 * (1.0 + x);
+      const double z = straight + edge * std::sin(phi);
+      // Both ends.
+      const double w = 2.0 * weight * kPi / 4.0 * edge * std::cos(phi);
+      add(section(edge * std::cos(phi)), w, w * z * z);
+    }
+  }
+  return sum;
+}
+
+struct Moments {
+  std::optional<MassProperties> operator()(const HalfSpace& /*shape*/) const { return {}; }
+  std::optional<MassProperties> operator()(const Ball& ball) const {
+    return of_sections(0.0, ball.radius, [](double radius) { return disc(radius); });
+  }
+  std::optional<MassProperties> operator()(const RoundedBox& box) const {
+    const Vector3 inner = box.half_size.array() - box.edge_radius;
+    return of_sections(inner.z(), box.edge_radius, [&](double radius) {
+      return rounded_rectangle(inner.x(), inner.y(), radius);
+    });
+  }
+  std::optional<MassProperties> operator()(const RoundedCylinder& cylinder) const {
+    const double inner = cylinder.radius - cylinder.edge_radius;
+    return of_sections(cylinder.half_length - cylinder.edge_radius, cylinder.edge_radius,
+                       [&](double radius) { return disc(inner + radius); });
+  }
+  std::optional<MassProperties> operator()(const MeshShape& /*mesh*/) const { return {}; }
+};
+
+}  // namespace
+
+std::optional<MassProperties> mass_properties(const Shape& shape) {
+  return std::visit(Moments{}, shape);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,259 @@
+#include "softfinger/world/solid_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger {
+namespace {
+
+/// A point is looked at where it is this near, and twice as near as objects are expected to move,
+/// m.
+constexpr double kNear = 1e-3;
+/// Tangential stiffness as a part of the normal one.
+constexpr double kTangentialRatio = 0.3;
+/// Friction may be beyond the cone by this part, and this force (N).
+constexpr double kConeRelative = 1e-3;
+constexpr double kConeAbsolute = 1e-7;
+/// What is left of a limit of what came off within a step, N.
+constexpr double kLeastLimit = 1e-12;
+/// More are never in reach of each other at once; the nearest of later ones are left out.
+constexpr std::size_t kMostCandidates = 4096;
+
+double friction_between(const VirtualObject& a, const VirtualObject& b) {
+  if (!a.friction_coefficient && !b.friction_coefficient) return SolidContact::kFriction;
+  return std::max(a.friction_coefficient.value_or(0.0), b.friction_coefficient.value_or(0.0));
+}
+
+/// Corners of a box at a pose.
+Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Pose& X) {
+  const Vector3 half = 0.5 * box.sizes();
+  if (!half.allFinite()) return box;
+  const Vector3 centre = X * Vector3(box.min() + half);
+  const Vector3 extent = X.rotation.cwiseAbs() * half;
+  return {centre - extent, centre + extent};
+}
+
+}  // namespace
+
+SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<const double> masses,
+                           std::span<const std::array<int, 2>> apart, double time_step)
+    : objects_(objects), touched_(objects.size(), 0.0) {
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    points_.push_back(surface_points(objects[o].shape));
+    bounds_.push_back(bounds(objects[o].shape));
+    memories_.emplace_back(points_.back().size());
+  }
+  const auto are_apart = [&](std::size_t a, std::size_t b) {
+    return std::ranges::any_of(apart, [&](const std::array<int, 2>& pair) {
+      const auto x = static_cast<std::size_t>(pair[0]);
+      const auto y = static_cast<std::size_t>(pair[1]);
+      return (x == a && y == b) || (x == b && y == a);
+    });
+  };
+  for (std::size_t a = 0; a < objects.size(); ++a) {
+    for (std::size_t b = a + 1; b < objects.size(); ++b) {
+      if (!(masses[a] > 0.0 || masses[b] > 0.0) || are_apart(a, b)) continue;
+      // The lighter one moves.
+      double mass = std::max(masses[a], masses[b]);
+      if (masses[a] > 0.0 && masses[b] > 0.0) mass = std::min(masses[a], masses[b]);
+      const double stiffness =
+          std::max(kStiffness * mass / (time_step * time_step), kLeastForce / kDepth);
+      const double friction = friction_between(objects[a], objects[b]);
+      const bool both = !points_[a].empty() && !points_[b].empty();
+      const double share = both ? 0.5 : 1.0;
+      if (!points_[a].empty()) pairs_.push_back({a, b, share * stiffness, friction});
+      if (!points_[b].empty()) pairs_.push_back({b, a, share * stiffness, friction});
+    }
+  }
+  std::size_t most = 0;
+  for (const Pair& pair : pairs_) most += points_[pair.of].size();
+  candidates_.resize(std::min(most, kMostCandidates));
+}
+
+void SolidContact::reset() {
+  for (auto& of : memories_) {
+    for (auto& point : of) point.fill(Memory{});
+  }
+  candidate_count_ = 0;
+  std::fill(touched_.begin(), touched_.end(), 0.0);
+}
+
+SolidContact::Memory* SolidContact::memory_of(std::size_t of, std::size_t point, std::size_t on) {
+  for (Memory& memory : memories_[of][point]) {
+    if (memory.on == static_cast<int>(on)) return &memory;
+  }
+  return nullptr;
+}
+
+void SolidContact::begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected) {
+  candidate_count_ = 0;
+  for (const Pair& pair : pairs_) add_candidates(pair, X_WO, X_WO_expected);
+}
+
+void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
+                                  std::span<const Pose> X_WO_expected) {
+  const auto way = [&](std::size_t o) {
+    return (X_WO_expected[o].translation - X_WO[o].translation).norm() +
+           bounds_[o].diagonal().norm() * (X_WO_expected[o].rotation - X_WO[o].rotation).norm();
+  };
+  double reach = kNear;
+  for (const std::size_t o : {pair.of, pair.on}) {
+    if (bounds_[o].diagonal().allFinite()) reach += 2.0 * way(o);
+  }
+  const Pose X_OW = X_WO[pair.on].inverse();
+  const Pose X_on_of = X_OW * X_WO[pair.of];
+  Eigen::AlignedBox3d near = bounds_[pair.on];
+  near.min().array() -= reach;
+  near.max().array() += reach;
+  if (!near.intersects(moved(bounds_[pair.of], X_on_of))) return;
+  const Shape& shape = objects_[pair.on].shape;
+  for (std::size_t i = 0; i < points_[pair.of].size(); ++i) {
+    const SurfacePoint& point = points_[pair.of][i];
+    const Vector3 centre_on = X_on_of * point.centre_O;
+    if (near.exteriorDistance(centre_on) > point.radius) continue;
+    const SignedDistance at = distance_and_gradient(shape, centre_on);
+    Memory* const memory = memory_of(pair.of, i, pair.on);
+    if (at.distance - point.radius > reach && memory == nullptr) continue;
+    if (candidate_count_ == candidates_.size()) return;
+    Candidate& c = candidates_[candidate_count_++];
+    c = Candidate{.of = pair.of,
+                  .on = pair.on,
+                  .point = i,
+                  .stiffness = pair.stiffness,
+                  .friction_coefficient = pair.friction_coefficient};
+    const Vector3 surface_on = centre_on - point.radius * at.gradient;
+    c.material_of = X_on_of.inverse() * surface_on;
+    c.free_on = surface_on;
+    c.normal_on = at.gradient;
+    if (memory == nullptr) continue;
+    c.limit = memory->limit;
+    // Slip lies in the surface, which may have turned.
+    Vector3 slip = memory->slip_O - at.gradient * at.gradient.dot(memory->slip_O);
+    const double length = slip.norm();
+    if (length > 0.0) slip *= std::min(1.0, memory->slip_O.norm() / length);
+    c.free_on -= slip;
+  }
+}
+
+double SolidContact::friction_stiffness(const Candidate& c) const {
+  return kTangentialRatio * c.stiffness;
+}
+
+double SolidContact::evaluate(Candidate& c, std::span<const Pose> X_WO) const {
+  const Pose& X_of = X_WO[c.of];
+  const Pose& X_on = X_WO[c.on];
+  const SurfacePoint& point = points_[c.of][c.point];
+  c.centre_W = X_of * point.centre_O;
+  const SignedDistance at =
+      distance_and_gradient(objects_[c.on].shape, X_on.inverse() * c.centre_W);
+  c.gap = at.distance - point.radius;
+  c.normal = X_on.rotation * at.gradient;
+  c.pressing = 0.0;
+  c.friction_force.setZero();
+  double energy = 0.0;
+  if (c.gap < 0.0) {
+    c.pressing = -c.stiffness * c.gap;
+    c.normal_stiffness = c.stiffness * c.normal * c.normal.transpose();
+    energy += 0.5 * c.stiffness * c.gap * c.gap;
+  }
+  if (!(c.limit > 0.0)) return energy;
+  c.material_W = X_of * c.material_of;
+  const Vector3 n = X_on.rotation * c.normal_on;
+  const Vector3 way = c.material_W - X_on * c.free_on;
+  c.slip = way - n * n.dot(way);
+  const double k = friction_stiffness(c);
+  const double length = c.slip.norm();
+  const Matrix3 tangent = Matrix3::Identity() - n * n.transpose();
+  if (k * length <= c.limit) {
+    c.friction_force = -k * c.slip;
+    c.friction_stiffness = k * tangent;
+    return energy + 0.5 * k * length * length;
+  }
+  const Vector3 along = c.slip / length;
+  c.friction_force = -c.limit * along;
+  c.friction_stiffness = c.limit / length * (tangent - along * along.transpose());
+  return energy + c.limit * (length - 0.5 * c.limit / k);
+}
+
+double SolidContact::evaluate(std::span<const Pose> X_WO, std::span<Vector6> wrenches) {
+  double energy = 0.0;
+  double squared = 0.0;
+  std::fill(touched_.begin(), touched_.end(), 0.0);
+  const auto add = [&](const Candidate& c, const Vector3& at, const Vector3& force) {
+    for (const std::size_t o : {c.of, c.on}) {
+      const double sign = o == c.of ? -1.0 : 1.0;
+      const Vector3 arm = at - X_WO[o].translation;
+      wrenches[o].head<3>() += sign * force;
+      wrenches[o].tail<3>() += sign * arm.cross(force);
+    }
+    squared += force.squaredNorm();
+  };
+  for (std::size_t k = 0; k < candidate_count_; ++k) {
+    Candidate& c = candidates_[k];
+    energy += evaluate(c, X_WO);
+    if (c.pressing > 0.0) {
+      for (const std::size_t o : {c.of, c.on}) touched_[o] += c.stiffness;
+      add(c, c.centre_W, c.pressing * c.normal);
+    }
+    if (c.limit > 0.0) add(c, c.material_W, c.friction_force);
+  }
+  force_norm_ = std::sqrt(squared);
+  return energy;
+}
+
+bool SolidContact::is_in_cone() const {
+  return std::all_of(
+      candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(candidate_count_),
+      [](const Candidate& c) {
+        const double limit = c.friction_coefficient * c.pressing;
+        return c.friction_force.norm() <= (1.0 + kConeRelative) * limit + kConeAbsolute;
+      });
+}
+
+void SolidContact::update_limits(bool only_lower) {
+  for (std::size_t k = 0; k < candidate_count_; ++k) {
+    Candidate& c = candidates_[k];
+    const double limit = c.friction_coefficient * c.pressing;
+    if (only_lower && limit >= c.limit) continue;
+    c.limit = std::max(limit, c.limit > 0.0 ? kLeastLimit : 0.0);
+  }
+}
+
+void SolidContact::end(std::span<const Pose> X_WO) {
+  for (std::size_t k = 0; k < candidate_count_; ++k) {
+    const Candidate& c = candidates_[k];
+    Memory* memory = memory_of(c.of, c.point, c.on);
+    if (!(c.pressing > 0.0)) {
+      if (memory != nullptr) *memory = Memory{};
+      continue;
+    }
+    if (memory == nullptr) {
+      for (Memory& free : memories_[c.of][c.point]) {
+        if (free.on < 0) memory = &free;
+      }
+    }
+    if (memory == nullptr) continue;
+    memory->on = static_cast<int>(c.on);
+    memory->normal_O = X_WO[c.on].rotation.transpose() * c.normal;
+    const double limit = c.friction_coefficient * c.pressing;
+    Vector3 slip = Vector3::Zero();
+    if (c.limit > 0.0) {
+      slip = c.slip;
+      const double longest = std::min(limit, c.limit) / friction_stiffness(c);
+      if (slip.norm() > longest) slip *= longest / slip.norm();
+    }
+    memory->slip_O = X_WO[c.on].rotation.transpose() * slip;
+    memory->limit = limit;
+  }
+}
+
+double SolidContact::normal_force(std::size_t a, std::size_t b) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < candidate_count_; ++k) {
+    const Candidate& c = candidates_[k];
+    if ((c.of == a && c.on == b) || (c.of == b && c.on == a)) sum += c.pressing;
+  }
+  return sum;
+}
+
+}  // namespace softfinger

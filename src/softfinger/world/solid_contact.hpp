@@ -1,0 +1,135 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "softfinger/contact/virtual_object.hpp"
+#include "softfinger/finger/obstacle_coupling.hpp"
+#include "softfinger/geometry/surface_points.hpp"
+
+namespace softfinger {
+
+/// Potential energy of rigid objects that touch each other, of which at least one moves: lasting
+/// points of each, small balls at its corners and edges, against the distance of the other; where
+/// both have points, both ways at half the stiffness. All is a function of where a point of one
+/// object is in the frame of the other, so forces and moments cancel to rounding.
+///
+/// Normal contact is a stiff penalty as of skin (contact_potential.hpp), stiff enough to rest
+/// within micrometres whatever the mass: k = max(kStiffness m / h^2, kLeastForce / kDepth).
+/// Friction is a Huber potential of the slip since contact began, carried along from step to step,
+/// so that what is held stays; its limit is that of the normal force at the end of the last step,
+/// see update_limits().
+class SolidContact {
+ public:
+  static constexpr double kStiffness = 10.0;
+  static constexpr double kLeastForce = 1.0;  ///< N
+  static constexpr double kDepth = 5e-6;      ///< m
+  static constexpr double kFriction = 0.5;    ///< where no object has a coefficient
+
+  /// Who touches whom. masses: kg, by object; 0: it does not move by forces. `apart`: pairs that do
+  /// not touch, such as a jointed object and its parent.
+  SolidContact(std::span<const VirtualObject> objects, std::span<const double> masses,
+               std::span<const std::array<int, 2>> apart, double time_step);
+
+  /// Objects stand at X_WO at the start of the step and are expected at X_WO_expected.
+  void begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected);
+  /// Nothing has touched.
+  void reset();
+
+  /// Energy with the objects there, J. wrenches: derivative by the translation of each object's
+  /// origin and its rotation, W; added to.
+  double evaluate(std::span<const Pose> X_WO, std::span<Vector6> wrenches);
+  /// Of all points that touched the object at the last evaluation, N/m; 0: none did.
+  [[nodiscard]] double stiffness(std::size_t object) const { return touched_[object]; }
+  /// Norm of all forces last evaluated, N.
+  [[nodiscard]] double force_norm() const { return force_norm_; }
+
+  /// One point of an object against another as last evaluated.
+  struct Touch {
+    std::size_t of = 0, on = 0;           ///< objects: the point is one of `of`
+    Vector3 at = Vector3::Zero();         ///< where the force acts, W
+    Matrix3 stiffness = Matrix3::Zero();  ///< second derivative by the point's position on `on`
+  };
+  /// Calls touch(Touch) for all that do something to each other.
+  template <typename Visitor>
+  void for_each_touch(const Visitor& visit) const {
+    for (std::size_t k = 0; k < candidate_count_; ++k) {
+      const Candidate& c = candidates_[k];
+      if (c.pressing > 0.0) visit(Touch{c.of, c.on, c.centre_W, c.normal_stiffness});
+      if (c.limit > 0.0) visit(Touch{c.of, c.on, c.material_W, c.friction_stiffness});
+    }
+  }
+
+  [[nodiscard]] bool is_in_cone() const;
+  /// Friction limits from the normal forces last evaluated.
+  void update_limits(bool only_lower);
+  /// The step has ended as last evaluated.
+  void end(std::span<const Pose> X_WO);
+
+  /// Whether an object touched another at the last evaluation.
+  [[nodiscard]] bool touches(std::size_t object) const { return touched_[object] > 0.0; }
+  /// Sum of normal forces between two objects at the last evaluation, N.
+  [[nodiscard]] double normal_force(std::size_t a, std::size_t b) const;
+
+  template <typename Hash>
+  void add_to(Hash& hash) const {
+    for (const std::vector<std::array<Memory, kPartners>>& of : memories_) {
+      for (const std::array<Memory, kPartners>& point : of) {
+        for (const Memory& memory : point) {
+          if (memory.on < 0) continue;
+          hash.add(memory.on).add(memory.slip_O).add(memory.normal_O).add(memory.limit);
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kPartners = 3;
+  /// What a point remembers of an object that it touched at the end of the last step.
+  struct Memory {
+    int on = -1;
+    Vector3 slip_O = Vector3::Zero();  ///< in the frame of that object, m
+    Vector3 normal_O = Vector3::UnitZ();
+    double limit = 0.0;  ///< N
+  };
+  /// A point that may touch in this step.
+  struct Candidate {
+    std::size_t of = 0, on = 0, point = 0;
+    double stiffness = 0.0;  ///< N/m
+    double friction_coefficient = 0.0;
+    // Of friction: the point of the surface of `of` that touched, and where it was without slip.
+    double limit = 0.0;
+    Vector3 material_of = Vector3::Zero();  ///< in the frame of `of`
+    Vector3 free_on = Vector3::Zero();      ///< in that of `on`
+    Vector3 normal_on = Vector3::UnitZ();
+    // As last evaluated.
+    double gap = 0.0, pressing = 0.0;
+    Vector3 normal = Vector3::UnitZ();  ///< W, out of `on`
+    Vector3 centre_W = Vector3::Zero(), material_W = Vector3::Zero();
+    Vector3 slip = Vector3::Zero();            ///< W
+    Vector3 friction_force = Vector3::Zero();  ///< on `of`
+    Matrix3 normal_stiffness = Matrix3::Zero(), friction_stiffness = Matrix3::Zero();
+  };
+  struct Pair {
+    std::size_t of = 0, on = 0;
+    double stiffness = 0.0, friction_coefficient = 0.0;
+  };
+  void add_candidates(const Pair& pair, std::span<const Pose> X_WO,
+                      std::span<const Pose> X_WO_expected);
+  double evaluate(Candidate& candidate, std::span<const Pose> X_WO) const;
+  [[nodiscard]] double friction_stiffness(const Candidate& c) const;
+  [[nodiscard]] Memory* memory_of(std::size_t of, std::size_t point, std::size_t on);
+
+  std::span<const VirtualObject> objects_;
+  std::vector<std::vector<SurfacePoint>> points_;  ///< by object
+  std::vector<Eigen::AlignedBox3d> bounds_;        ///< by object, O
+  std::vector<Pair> pairs_;
+  std::vector<std::vector<std::array<Memory, kPartners>>> memories_;  ///< by object and point
+  std::vector<Candidate> candidates_;
+  std::size_t candidate_count_ = 0;
+  std::vector<double> touched_;  ///< by object: stiffness, N/m
+  double force_norm_ = 0.0;
+};
+
+}  // namespace softfinger

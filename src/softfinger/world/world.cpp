@@ -1,0 +1,293 @@
+#include "softfinger/world/world.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "softfinger/base/hash.hpp"
+#include "softfinger/finger/finger_potential.hpp"
+#include "softfinger/finger/minimise_in_cone.hpp"
+#include "softfinger/threads/thread_team.hpp"
+#include "softfinger/world/world_problem.hpp"
+
+namespace softfinger {
+namespace {
+
+/// A finger this near to an object that moves takes part in its step, m.
+constexpr double kTakesPart = 5e-3;
+/// Steps without contact after which motion counts as smooth.
+constexpr int kSmoothAfter = 2;
+/// Residual of a step without fingers, whose matrix is exact.
+constexpr double kBodiesTolerance = 1e-10;
+
+std::vector<double> masses_of(std::span<const VirtualObject> objects) {
+  std::vector<double> masses;
+  for (const VirtualObject& object : objects) {
+    masses.push_back(object.dynamics ? object.dynamics->mass : 0.0);
+  }
+  return masses;
+}
+
+/// A jointed object does not touch what it hangs on.
+std::vector<std::array<int, 2>> joined(std::span<const VirtualObject> objects) {
+  std::vector<std::array<int, 2>> pairs;
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    if (!objects[o].dynamics || !objects[o].dynamics->joint) continue;
+    const int parent = objects[o].dynamics->joint->parent;
+    if (parent >= 0) pairs.push_back({static_cast<int>(o), parent});
+  }
+  return pairs;
+}
+
+/// What the joint allows of a velocity at the start: m/s along a slider, rad/s about a hinge.
+double joint_rate(const Body& body, const BodyTree::Columns& columns, const ObjectDynamics& starts,
+                  const Vector3& from_centre) {
+  if (!body.joint || body.freedoms != 1) return 0.0;
+  const Vector6& twist = columns.columns[columns.count - 1].twist;
+  const Vector3 turn = twist.tail<3>();
+  if (body.joint->kind == JointKind::kHinge) return turn.dot(starts.angular_velocity_W);
+  const Vector3 along = twist.head<3>();
+  return along.dot(starts.velocity_W + starts.angular_velocity_W.cross(from_centre));
+}
+
+}  // namespace
+
+struct World::Implementation {
+  Implementation(std::span<const VirtualObject> things, const Vector3& g, double dt,
+                 ThreadTeam* helpers)
+      : objects(things),
+        time_step(dt),
+        team(helpers),
+        tree(things),
+        contact(things, masses_of(things), joined(things), dt),
+        poses(things.size()),
+        expected(things.size()),
+        states(things.size()),
+        quiet(tree.bodies().size(), 0) {
+    start();
+    problem = std::make_unique<WorldProblem>(tree, motions, contact, g, dt, helpers);
+  }
+
+  void start() {
+    places = tree.start();
+    std::vector<BodyTree::Columns> columns(places.size());
+    tree.columns(places, 0.0, columns);
+    motions.clear();
+    for (std::size_t b = 0; b < places.size(); ++b) {
+      const Body& body = tree.bodies()[b];
+      const ObjectDynamics& starts = *objects[body.object].dynamics;
+      Vector3 velocity = starts.velocity_W;
+      Vector3 spin = starts.angular_velocity_W;
+      double rate = 0.0;
+      if (body.joint) {
+        const Vector3 way = tree.centre(b, places[b].X_WO) - places[b].X_WO.translation;
+        rate = joint_rate(body, columns[b], starts, -way);
+        const Vector6 own = body.freedoms == 1
+                                ? Vector6(rate * columns[b].columns[columns[b].count - 1].twist)
+                                : Vector6(Vector6::Zero());
+        spin = own.tail<3>();
+        velocity = own.head<3>() + spin.cross(way);
+      }
+      motions.emplace_back(body, places[b], velocity, spin, rate);
+    }
+    std::fill(quiet.begin(), quiet.end(), kSmoothAfter);
+    contact.reset();
+    for (std::size_t o = 0; o < objects.size(); ++o) poses[o] = objects[o].motion.sample(0.0);
+    tell();
+  }
+
+  void tell() {
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      const Body& body = tree.bodies()[b];
+      states[body.object] = {.X_WO = motions[b].place().X_WO,
+                             .velocity = motions[b].velocity(),
+                             .angular_velocity = motions[b].angular_velocity(),
+                             .joint = motions[b].place().q,
+                             .has_joint = body.joint && body.freedoms == 1};
+    }
+  }
+
+  void expect(double end) {
+    for (std::size_t o = 0; o < objects.size(); ++o) {
+      expected[o] = poses[o];
+      if (!objects[o].dynamics) expected[o] = objects[o].motion.sample(end);
+    }
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      const Body& body = tree.bodies()[b];
+      motions[b].begin(time_step, quiet[b] >= kSmoothAfter);
+      places[b] = motions[b].prediction();
+      if (body.joint) tree.put_on_parent(b, end, places);
+      motions[b].refer_to(places[b].X_WO);
+      expected[body.object] = places[b].X_WO;
+    }
+    contact.begin(poses, expected);
+  }
+
+  [[nodiscard]] bool is_near(FingerSimulation& finger) const {
+    Eigen::AlignedBox3d box;
+    for (const Vector3& p : finger.positions()) box.extend(p);
+    box.min().array() -= kTakesPart;
+    box.max().array() += kTakesPart;
+    return std::ranges::any_of(tree.bodies(), [&](const Body& body) {
+      const Eigen::AlignedBox3d own = bounds(objects[body.object].shape);
+      const Vector3 half = 0.5 * own.sizes();
+      if (!half.allFinite()) return true;
+      const auto covers = [&](const Pose& X_WO) {
+        const Vector3 centre = X_WO * Vector3(own.min() + half);
+        const Vector3 extent = X_WO.rotation.cwiseAbs() * half;
+        return box.intersects({centre - extent, centre + extent});
+      };
+      return covers(poses[body.object]) || covers(expected[body.object]);
+    });
+  }
+
+  void end() {
+    const std::span<const BodyPlace> ended = problem->places();
+    for (std::size_t b = 0; b < motions.size(); ++b) motions[b].end(ended[b]);
+    for (std::size_t o = 0; o < objects.size(); ++o) {
+      if (!objects[o].dynamics) poses[o] = expected[o];
+    }
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      poses[tree.bodies()[b].object] = motions[b].place().X_WO;
+    }
+    contact.end(poses);
+    tell();
+  }
+
+  /// Anything that a body, or what hangs together with it, touches makes its motion rough.
+  void count_quiet() {
+    const auto touched = [&](std::size_t object) {
+      if (contact.touches(object)) return true;
+      return std::ranges::any_of(near, [&](FingerSimulation* finger) {
+        return finger->potential().contact().wrench(object).by_translation.squaredNorm() > 0.0;
+      });
+    };
+    for (std::size_t b = 0; b < quiet.size(); ++b) {
+      quiet[b] = touched(tree.bodies()[b].object) ? 0 : std::min(quiet[b] + 1, kSmoothAfter);
+    }
+    for (std::size_t b = quiet.size(); b-- > 0;) {
+      const int parent = tree.bodies()[b].parent;
+      if (parent < 0) continue;
+      int& own = quiet[static_cast<std::size_t>(parent)];
+      own = std::min(own, quiet[b]);
+    }
+    for (std::size_t b = 0; b < quiet.size(); ++b) {
+      const int parent = tree.bodies()[b].parent;
+      if (parent >= 0) quiet[b] = std::min(quiet[b], quiet[static_cast<std::size_t>(parent)]);
+    }
+  }
+
+  std::span<const VirtualObject> objects;
+  double time_step;
+  ThreadTeam* team;
+  BodyTree tree;
+  SolidContact contact;
+  std::vector<BodyMotion> motions;
+  std::unique_ptr<WorldProblem> problem;
+  std::vector<BodyPlace> places;
+  std::vector<Pose> poses, expected;  ///< of objects, at the start of the step and at its end
+  std::vector<ObjectState> states;
+  std::vector<int> quiet;  ///< by body: steps without contact
+  std::vector<FingerSimulation*> fingers, near;
+  std::vector<std::size_t> alone;
+  double time = 0.0;
+  StepSummary last;
+};
+
+World::World(std::span<const VirtualObject> objects, const Vector3& gravity, double time_step,
+             ThreadTeam* team)
+    : implementation_(std::make_unique<Implementation>(objects, gravity, time_step, team)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+bool World::moves() const { return !implementation_->motions.empty(); }
+
+void World::add(FingerSimulation& finger) {
+  Implementation& self = *implementation_;
+  if (!moves()) return;
+  self.problem->reserve(finger);
+  self.fingers.push_back(&finger);
+  self.near.reserve(self.fingers.size());
+  self.alone.reserve(self.fingers.size());
+}
+
+void World::reset() {
+  Implementation& self = *implementation_;
+  self.start();
+  self.problem->forget();
+  self.time = 0.0;
+  self.last = {};
+  for (FingerSimulation* finger : self.fingers) {
+    for (const Body& body : self.tree.bodies()) {
+      finger->put_object(body.object, self.poses[body.object]);
+    }
+  }
+}
+
+void World::begin_step(double time) {
+  Implementation& self = *implementation_;
+  self.time = time;
+  self.expect(time);
+  for (FingerSimulation* finger : self.fingers) {
+    for (const Body& body : self.tree.bodies()) {
+      finger->expect_object(body.object, self.expected[body.object]);
+    }
+  }
+}
+
+void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSummary> summaries) {
+  Implementation& self = *implementation_;
+  self.near.clear();
+  self.alone.clear();
+  for (std::size_t f = 0; f < fingers.size(); ++f) {
+    if (self.is_near(*fingers[f])) {
+      self.near.push_back(fingers[f]);
+    } else {
+      self.alone.push_back(f);
+    }
+  }
+  const auto solve_alone = [&](std::size_t k, int) {
+    const std::size_t f = self.alone[k];
+    const NewtonSummary one = minimise_in_cone(fingers[f]->potential(), NewtonOptions{});
+    summaries[f] = {one.iterations, one.converged, one.residual};
+  };
+  if (self.team != nullptr) {
+    self.team->run(self.alone.size(), solve_alone);
+  } else {
+    for (std::size_t k = 0; k < self.alone.size(); ++k) solve_alone(k, 0);
+  }
+  std::vector<Pose>& at_end = self.expected;
+  self.problem->begin(self.time, at_end, self.places, self.near);
+  NewtonOptions options;
+  if (self.near.empty()) options.tolerance = kBodiesTolerance;
+  const NewtonSummary summary = minimise_in_cone(*self.problem, options);
+  self.problem->settle();
+  self.last = {summary.iterations, summary.converged, summary.residual};
+  for (std::size_t f = 0; f < fingers.size(); ++f) {
+    if (std::ranges::find(self.near, fingers[f]) != self.near.end()) summaries[f] = self.last;
+  }
+  self.count_quiet();
+  self.end();
+  for (FingerSimulation* finger : self.fingers) {
+    for (const Body& body : self.tree.bodies()) {
+      finger->move_object(body.object, self.poses[body.object]);
+    }
+  }
+}
+
+std::size_t World::size() const { return implementation_->objects.size(); }
+const ObjectState& World::state(std::size_t object) const {
+  return implementation_->states[object];
+}
+const StepSummary& World::summary() const { return implementation_->last; }
+
+std::uint64_t World::state_hash() const {
+  const Implementation& self = *implementation_;
+  Hash hash;
+  for (const BodyMotion& motion : self.motions) motion.add_to(hash);
+  self.contact.add_to(hash);
+  for (const int steps : self.quiet) hash.add(steps);
+  return hash.value();
+}
+
+}  // namespace softfinger

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "softfinger/contact/virtual_object.hpp"
+#include "softfinger/finger/finger_simulation.hpp"
+
+namespace softfinger {
+
+class ThreadTeam;
+
+/// An object as it is and moves at the end of a step, W.
+struct ObjectState {
+  Pose X_WO;
+  Vector3 velocity = Vector3::Zero();          ///< of the centre of mass, m/s
+  Vector3 angular_velocity = Vector3::Zero();  ///< rad/s
+  double joint = 0.0;                          ///< q of slider (m) or hinge (rad)
+  bool has_joint = false;                      ///< a slider or hinge
+};
+
+/// The objects of a scene that move by the forces on them, and the steps in which they and the
+/// fingers that touch them move together. After the first steps nothing allocates, and nothing
+/// throws.
+///
+///     world.reset();
+///     each step:
+///       world.begin_step(time);             // where objects are expected
+///       finger.begin_step(X_WFt, time);     // each that takes part
+///       world.solve(fingers);
+///       finger.end_step();
+class World {
+ public:
+  /// `objects` must outlive the world, as must the `team` that fingers share. gravity in m/s^2, W;
+  /// time_step in s. Throws InputError where joints make a loop or a shape has no volume.
+  World(std::span<const VirtualObject> objects, const Vector3& gravity, double time_step,
+        ThreadTeam* team = nullptr);
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  /// Whether any object moves by forces: else there is nothing to step.
+  [[nodiscard]] bool moves() const;
+  /// A finger that is to touch these objects, before reset(); it must outlive the world.
+  void add(FingerSimulation& finger);
+  /// Objects as the scene has them at the start.
+  void reset();
+
+  void begin_step(double time);
+  /// Ends the step of objects together with that of the fingers, which have begun theirs. One
+  /// summary a finger.
+  void solve(std::span<FingerSimulation* const> fingers, std::span<StepSummary> summaries);
+
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] const ObjectState& state(std::size_t object) const;
+  /// How the objects' step ended.
+  [[nodiscard]] const StepSummary& summary() const;
+  /// 64-bit hash of all that the next step depends on.
+  [[nodiscard]] std::uint64_t state_hash() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger

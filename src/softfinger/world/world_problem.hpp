@@ -1,0 +1,105 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <span>
+#include <vector>
+
+#include "softfinger/finger/finger_simulation.hpp"
+#include "softfinger/numerics/newton.hpp"
+#include "softfinger/world/body_motion.hpp"
+#include "softfinger/world/body_tree.hpp"
+#include "softfinger/world/solid_contact.hpp"
+
+namespace softfinger {
+
+class ThreadTeam;
+
+/// One step of objects that move and of the fingers that may touch them, as one potential: that of
+/// each finger, inertia, weight and joints of each body, and contact between objects. It is a
+/// problem for minimise_in_cone().
+///
+/// The matrix is an arrowhead: each finger's factor A_f with its contact blocks held, columns B_f
+/// by the coordinates of the bodies it touches, and the bodies' own D. With Z_f = A_f^-1 B_f the
+/// bodies move by S xi = -g + sum B_f^T A_f^-1 g_f, S = D - sum B_f^T Z_f, and each finger by d_f =
+/// -A_f^-1 g_f - Z_f xi.
+class WorldProblem {
+ public:
+  WorldProblem(const BodyTree& tree, std::span<BodyMotion> motions, SolidContact& contact,
+               const Vector3& gravity, double time_step, ThreadTeam* team);
+  /// Reserves memory for one more finger; to be called for each that begin() may name.
+  void reserve(FingerSimulation& finger);
+
+  /// Objects stand at X_WO, bodies among them at `places`, from where minimisation starts at the
+  /// end of the step, `time` (s). Fingers have begun theirs; spans must outlive the step.
+  void begin(double time, std::span<Pose> X_WO, std::span<const BodyPlace> places,
+             std::span<FingerSimulation* const> fingers);
+  [[nodiscard]] std::span<const BodyPlace> places() const { return current_.places; }
+  /// Forgets factors.
+  void forget();
+
+  // What minimise_in_cone() asks for.
+  [[nodiscard]] double energy() const { return current_.energy; }
+  [[nodiscard]] double residual() const { return current_.residual; }
+  [[nodiscard]] bool has_factor() const;
+  [[nodiscard]] bool factorise(HessianKind kind);
+  double solve_direction(bool refined);
+  void evaluate_trial(double t);
+  [[nodiscard]] double trial_energy() const { return trial_.energy; }
+  [[nodiscard]] double trial_residual() const { return trial_.residual; }
+  void accept_trial();
+  void settle();
+  void renew();
+  [[nodiscard]] bool is_tangled() const;
+  void limit_strain(bool limited);
+  [[nodiscard]] bool is_in_cone() const;
+  void update_limits(bool only_lower);
+
+ private:
+  struct Point {
+    std::vector<BodyPlace> places;
+    Eigen::VectorXd gradient;
+    double energy = 0.0, residual = 0.0;
+  };
+  /// How a finger and the bodies that it touches depend on each other.
+  struct Partner {
+    FingerSimulation* finger = nullptr;
+    std::vector<ObstacleCoupling> couplings;
+    std::vector<std::size_t> bodies;  ///< of the couplings in use
+    std::vector<Vector3> carried;     ///< by contact point, N
+    bool taking_part = false;
+  };
+  template <typename Work>
+  void for_each_finger(const Work& work);
+  void show(std::span<const BodyPlace> places);
+  /// Of what the fingers have evaluated, and the rest at point.places.
+  void evaluate(Point& point);
+  void add_bodies(Point& point);
+  void build_system();
+  void add_pair(std::size_t a, std::size_t b, const Matrix6& block);
+  void correct_directions();
+  [[nodiscard]] Vector6 twist_of(std::size_t body) const;
+
+  const BodyTree& tree_;
+  std::span<BodyMotion> motions_;
+  SolidContact& contact_;
+  Vector3 gravity_;
+  double time_step_;
+  ThreadTeam* team_;
+  std::vector<Partner> partners_;
+  std::vector<Partner*> fingers_;  ///< that take part
+  double time_ = 0.0;
+  std::span<Pose> X_WO_;
+  std::vector<Vector6> wrenches_;           ///< by object
+  std::vector<BodyTree::Columns> columns_;  ///< by body, as last evaluated
+  std::vector<double> lengths_;             ///< by coordinate, that moments are measured at, m
+  std::vector<double> reaches_;             ///< by body, of its surface from O's origin, m
+  Point current_, trial_;
+  std::vector<BodyPlace> expected_;
+  Eigen::MatrixXd system_;
+  Eigen::VectorXd direction_;
+  HessianKind kind_ = HessianKind::kFull;
+  bool cache_is_current_ = false;
+  bool has_factor_ = false;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,142 @@
+// Objects without fingers: against what Newton's laws say.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "play.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/geometry/mass_properties.hpp"
+
+namespace softfinger {
+namespace {
+
+RoundedBox cube(double size) { return {Vector3::Constant(0.5 * size), 0.5 * mm}; }
+
+TEST(RigidMotion, FallsAsGravitySays) {
+  Play play({loose("ball", Ball{10.0 * mm}, Vector3(0.0, 0.0, 2.0), 0.02)});
+  play.run(0.5);
+  EXPECT_NEAR(play.state(0).X_WO.translation.z(), 2.0 - 0.5 * kGravity * 0.25,
+              0.5 * kGravity * 0.5 * kStep * 1.1);
+  EXPECT_NEAR(play.state(0).velocity.z(), -kGravity * 0.5, 1e-3);
+  EXPECT_EQ(play.unconverged(), 0);
+}
+
+TEST(RigidMotion, SpinOfAnUnevenBodyKeepsItsMomentum) {
+  VirtualObject box =
+      loose("box", RoundedBox{Vector3(30, 10, 4) * mm, 1.0 * mm}, Vector3::Zero(), 0.1);
+  box.dynamics->angular_velocity_W = Vector3(3.0, 11.0, 0.5);
+  Play play({box}, Vector3::Zero());
+  const MassProperties even = *mass_properties(box.shape);
+  const Matrix3 second = 0.1 / even.volume * even.second_moment_O;
+  const Matrix3 inertia = second.trace() * Matrix3::Identity() - second;
+  const auto momentum = [&] {
+    const Matrix3& R = play.state(0).X_WO.rotation;
+    return Vector3(R * inertia * R.transpose() * play.state(0).angular_velocity);
+  };
+  const auto energy = [&] { return 0.5 * momentum().dot(play.state(0).angular_velocity); };
+  const Vector3 before = momentum();
+  const double energy_before = energy();
+  play.run(3.0);
+  EXPECT_LT((momentum() - before).norm(), 1e-9 * before.norm());
+  EXPECT_NEAR(energy(), energy_before, 2e-3 * energy_before);
+  // It tumbles: the axis has turned.
+  EXPECT_LT(play.state(0).angular_velocity.normalized().dot(Vector3(3.0, 11.0, 0.5).normalized()),
+            0.999);
+}
+
+TEST(RigidMotion, RestsOnAPlaneWithinAMicrometre) {
+  for (const double mass : {1e-3, 0.05, 2.0}) {
+    Play play({still("ground", HalfSpace{}),
+               loose("cube", cube(30.0 * mm), Vector3(0, 0, 16.0 * mm), mass)});
+    play.run(0.5);
+    EXPECT_NEAR(play.state(1).X_WO.translation.z(), 15.0 * mm, 1e-6) << mass;
+    EXPECT_LT(play.state(1).X_WO.translation.z(), 15.0 * mm) << mass;
+    const Pose settled = play.state(1).X_WO;
+    play.run(1.0);
+    EXPECT_LT((play.state(1).X_WO.translation - settled.translation).norm(), 1e-8) << mass;
+    EXPECT_EQ(play.unconverged(), 0) << mass;
+  }
+}
+
+TEST(RigidMotion, SticksOnAnInclineUpToTheAngleOfFriction) {
+  const double mu = 0.4;
+  const double critical = std::atan(mu);
+  for (const double off : {-0.3 * deg, 0.3 * deg}) {
+    const double angle = critical + off;
+    const Vector3 along(std::cos(angle), 0.0, -std::sin(angle));
+    const Vector3 gravity = kGravity * Vector3(std::sin(angle), 0.0, -std::cos(angle));
+    Play play({still("ground", HalfSpace{}, Vector3::Zero(), mu),
+               loose("cube", RoundedBox{Vector3(20, 20, 5) * mm, 0.5 * mm}, Vector3(0, 0, 5.0 * mm),
+                     0.05, mu)},
+              gravity);
+    play.run(0.5);
+    const double start = play.state(1).X_WO.translation.x();
+    const double speed = play.state(1).velocity.x();
+    play.run(1.0);
+    const double way = play.state(1).X_WO.translation.x() - start;
+    if (off < 0.0) {
+      EXPECT_LT(std::abs(way), 1e-6) << angle / deg;
+    } else {
+      const double wanted = kGravity * (std::sin(angle) - mu * std::cos(angle));
+      const double got = play.state(1).velocity.x() - speed;
+      EXPECT_NEAR(got, wanted, 0.01 * wanted);
+      EXPECT_GT(way, 1e-3);
+    }
+  }
+}
+
+TEST(RigidMotion, MomentumIsKeptInACollision) {
+  VirtualObject a = loose("a", Ball{8.0 * mm}, Vector3(-20.0 * mm, 0.0, 0.0), 0.03);
+  a.dynamics->velocity_W = Vector3(0.5, 0.02, 0.0);
+  Play play({a, loose("b", cube(20.0 * mm), Vector3(10.0 * mm, 5.0 * mm, 2.0 * mm), 0.05)},
+            Vector3::Zero());
+  const auto momentum = [&] {
+    return Vector3(0.03 * play.state(0).velocity + 0.05 * play.state(1).velocity);
+  };
+  const auto about = [&](std::size_t o, double mass) {
+    const VirtualObject& object = play.objects()[o];
+    const MassProperties even = *mass_properties(object.shape);
+    const Matrix3 second = mass / even.volume * even.second_moment_O;
+    const Matrix3 inertia = second.trace() * Matrix3::Identity() - second;
+    const ObjectState& s = play.state(o);
+    return Vector3(s.X_WO.rotation * inertia * s.X_WO.rotation.transpose() * s.angular_velocity +
+                   mass * s.X_WO.translation.cross(s.velocity));
+  };
+  const Vector3 before = momentum();
+  const Vector3 angular_before = about(0, 0.03) + about(1, 0.05);
+  play.run(0.2);
+  EXPECT_GT(play.state(1).velocity.norm(), 0.05);  // it was hit
+  EXPECT_LT((momentum() - before).norm(), 1e-9 * before.norm());
+  // To first order in the step: a blow is given where the ball is at the step's end.
+  const double impulse = 0.05 * play.state(1).velocity.norm();
+  EXPECT_LT((about(0, 0.03) + about(1, 0.05) - angular_before).norm(), 0.5 * kStep * 0.5 * impulse);
+}
+
+TEST(RigidMotion, APendulumKeepsSwinging) {
+  // A rod that is mostly its bob: 1 Hz.
+  VirtualObject bob = loose("bob", Ball{5.0 * mm}, Vector3::Zero(), 0.05);
+  const double length = kGravity / std::pow(2.0 * std::numbers::pi, 2);
+  Joint hinge{
+      .kind = JointKind::kHinge, .axis_O = Vector3::UnitY(), .point_O = Vector3(0.0, 0.0, length)};
+  bob.dynamics->joint = hinge;
+  bob.dynamics->angular_velocity_W = Vector3(0.0, 0.5, 0.0);
+  Play play({bob});
+  const auto greatest = [&](double duration) {
+    double most = 0.0;
+    for (int k = 0; k < static_cast<int>(duration / kStep); ++k) {
+      play.step();
+      most = std::max(most, std::abs(play.state(0).joint));
+    }
+    return most;
+  };
+  const double first = greatest(1.1);
+  play.run(8.0);
+  const double later = greatest(1.1);
+  EXPECT_NEAR(first, 0.5 / (2.0 * std::numbers::pi), 2e-3);
+  EXPECT_NEAR(later, first, 1e-3 * first);
+  EXPECT_EQ(play.unconverged(), 0);
+}
+
+}  // namespace
+}  // namespace softfinger
