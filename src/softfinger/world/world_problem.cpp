@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <limits>
 
 #include "softfinger/finger/finger_potential.hpp"
 #include "softfinger/threads/thread_team.hpp"
@@ -20,6 +19,9 @@ constexpr double kForceFloor = 1e-6;
 /// as a force so large that no residual below kAccuracy is asked for.
 constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
 constexpr double kAccuracy = 1e-11;
+/// Heights are measured from this far below, m, so that the rounding of an energy, which the line
+/// search allows for as a part of it, does not vanish where the energy does.
+constexpr double kLevel = 1.0;
 
 }  // namespace
 
@@ -139,7 +141,8 @@ void WorldProblem::add_bodies(Point& point) {
     const BodyMotion::Value inertia = motions_[b].evaluate(X_WO);
     const Vector3 centre = tree_.centre(b, X_WO);
     const Vector3 force = inertia.by_centre - body.inertia.mass * gravity_;
-    point.energy += inertia.energy - body.inertia.mass * gravity_.dot(centre);
+    point.energy +=
+        inertia.energy + body.inertia.mass * (kLevel * gravity_.norm() - gravity_.dot(centre));
     wrench.head<3>() += force;
     wrench.tail<3>() += inertia.by_turn + (centre - X_WO.translation).cross(force);
     const double stiffness =
