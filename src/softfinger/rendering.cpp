@@ -9,7 +9,7 @@
 #include "softfinger/actuation/guard_program.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/files/shipped_file.hpp"
-#include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
@@ -124,7 +124,9 @@ struct Rendering::Implementation {
         rate(setup->scene.simulation_rate),
         conditioned(softfinger::conditioned(std::make_unique<HandedPose>(handed),
                                             conditioning_of(options), false)),
-        chain(chain_of(*setup, options)) {
+        chain(chain_of(*setup, options)),
+        scene(setup->scene.objects, setup->scene.gravity, rate, nullptr) {
+    scene.add(chain);
     if (chain.has_device()) describe_device();
     if (options.recording.empty()) return;
     recording = std::make_unique<RecordingWriter>(
@@ -169,6 +171,8 @@ struct Rendering::Implementation {
     if (!begun) {
       begun = true;
       origin = time;
+      scene.start();
+      record_objects();
       record(chain.start(TrackedInput(target)));
       return command;
     }
@@ -184,7 +188,9 @@ struct Rendering::Implementation {
       TrackedPose tracked = target;
       tracked.time = static_cast<double>(++done) / rate;
       if (i < steps) tracked.X_WFt = interpolate(start, target.X_WFt, fraction);
-      chain.step(done, TrackedInput(tracked));
+      const TrackedInput input(tracked);
+      scene.step(done, {&input, 1});
+      record_objects();
       if (chain.tick_is_due()) tick(arrival);
       record(chain.seal());
     }
@@ -219,11 +225,16 @@ struct Rendering::Implementation {
     if (recording) recording->push(row);
   }
 
+  void record_objects() {
+    for (const ObjectRecord& row : scene.objects()) record(row);
+  }
+
   std::shared_ptr<const RunSetup> setup;  // of the one finger
   double rate;
   TrackedPose handed;                    // by the caller
   std::unique_ptr<Tracker> conditioned;  // what is made of it
   FingerChain chain;
+  SceneLoop scene;
   std::unique_ptr<RecordingWriter> recording;  // null: none
   RenderingCommand command;
   double servo_step = 0.0;  // set point of one step of the wire
@@ -297,8 +308,8 @@ void Rendering::snapshot(RenderingSnapshot& snapshot) const {
     snapshot.in_contact.push_back(sample.touched() > 0.0);
   }
   snapshot.sums() = contact.sums();
-  for (const VirtualObject& object : implementation_->setup->scene.objects) {
-    snapshot.X_WO.push_back(object.motion.sample(loop.record().time));
+  for (std::size_t o = 0; o < implementation_->setup->scene.objects.size(); ++o) {
+    snapshot.X_WO.push_back(implementation_->scene.object_pose(o));
   }
 }
 

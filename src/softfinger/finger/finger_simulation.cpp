@@ -163,8 +163,13 @@ void FingerSimulation::put_aside(const Pose& X_WFt) {
 
 StepSummary FingerSimulation::step(const Pose& X_WFt, double time) {
   begin_step(X_WFt, time);
-  const NewtonSummary summary = minimise_in_cone(implementation_->potential, NewtonOptions{});
+  const StepSummary summary = solve_step();
   end_step();
+  return summary;
+}
+
+StepSummary FingerSimulation::solve_step() {
+  const NewtonSummary summary = minimise_in_cone(implementation_->potential, NewtonOptions{});
   return {summary.iterations, summary.converged, summary.residual};
 }
 

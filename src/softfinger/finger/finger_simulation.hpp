@@ -46,8 +46,9 @@ class FingerSimulation {
 
   // The same in parts, where a world moves such objects in the same step: each is put where it may
   // be expected, the step begins, all is minimised together by way of potential() and
-  // move_object(), and the step ends.
+  // move_object() instead of solve_step(), and the step ends.
   void begin_step(const Pose& X_WFt, double time);
+  StepSummary solve_step();
   void end_step();
   /// Object o stands there now and at the start of the next step.
   void put_object(std::size_t o, const Pose& X_WO);

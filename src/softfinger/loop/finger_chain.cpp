@@ -21,6 +21,17 @@ void FingerChain::step(std::int64_t step, const TrackedInput& tracked) {
   tick_is_due_ = device_ && clock_.ticks(step);
 }
 
+bool FingerChain::begin_step(std::int64_t step, const TrackedInput& tracked) {
+  tick_is_due_ = device_ && clock_.ticks(step);
+  return loop_.begin_step(step, tracked);
+}
+
+void FingerChain::end_step(const StepSummary& summary, FingerLoop::SolvingTime solving,
+                           std::uint64_t world) {
+  loop_.end_step(summary, solving);
+  world_ = world;
+}
+
 TickInput FingerChain::tick_input(std::chrono::steady_clock::time_point taken) const {
   const StepRecord& step = loop_.record();
   return {.step = step.step,
@@ -50,7 +61,7 @@ void FingerChain::know(std::int64_t tick, std::uint64_t hash) {
   known_hash_ = hash;
 }
 
-const StepRecord& FingerChain::seal() { return loop_.seal(known_tick_, known_hash_); }
+const StepRecord& FingerChain::seal() { return loop_.seal(known_tick_, known_hash_, world_); }
 
 void FingerChain::finish() noexcept {
   if (device_) device_->actuator().finish();

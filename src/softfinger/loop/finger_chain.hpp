@@ -48,6 +48,9 @@ class FingerChain {
   const StepRecord& start(const TrackedInput& tracked);
   /// Step `step` (from 1, one after the other).
   void step(std::int64_t step, const TrackedInput& tracked);
+  /// The same in two parts, see FingerLoop; see SceneLoop for who calls them.
+  bool begin_step(std::int64_t step, const TrackedInput& tracked);
+  void end_step(const StepSummary& summary, FingerLoop::SolvingTime solving, std::uint64_t world);
   /// Whether a device tick falls in the last step; never without a device.
   [[nodiscard]] bool tick_is_due() const { return tick_is_due_; }
   /// About the last step, which took its pose at `taken` and hands its contact on now.
@@ -66,6 +69,7 @@ class FingerChain {
   void finish() noexcept;
 
   [[nodiscard]] const FingerLoop& loop() const { return loop_; }
+  [[nodiscard]] FingerSimulation& simulation() { return loop_.simulation(); }
   [[nodiscard]] bool has_device() const { return device_ != nullptr; }
   /// Only with a device.
   [[nodiscard]] DeviceLoop& device() { return *device_; }
@@ -76,6 +80,7 @@ class FingerChain {
   DeviceClock clock_;
   std::unique_ptr<DeviceLoop> device_;  ///< null: none
   bool tick_is_due_ = false;
+  std::uint64_t world_ = 0;       ///< hash of what moves beside the finger
   std::int64_t known_tick_ = -1;  ///< newest known to the steps; -1: none
   std::uint64_t known_hash_ = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "softfinger/base/hash.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 
@@ -28,7 +29,10 @@ void FingerLoop::start(const TrackedInput& tracked) {
   if (placed_) {
     simulation_.reset(X_WFt_limited_, 0.0);
     // Of a finger that starts inside something, what it touches is known once the skin gave way.
-    if (simulation_.contact().normal_force > 0.0) place(0);
+    if (simulation_.contact().normal_force > 0.0) {
+      place(0);
+      (void)simulation_.step(X_WFt_limited_, 0.0);
+    }
   } else {
     simulation_.put_aside(X_WFt_limited_);
   }
@@ -41,36 +45,54 @@ void FingerLoop::start(const TrackedInput& tracked) {
 }
 
 void FingerLoop::step(std::int64_t step, const TrackedInput& tracked) {
+  const bool takes_part = begin_step(step, tracked);
+  const auto began = std::chrono::steady_clock::now();
+  const double cpu_began = thread_cpu_time();
+  const StepSummary summary = takes_part ? simulation_.solve_step() : StepSummary{};
+  end_step(summary,
+           {thread_cpu_time() - cpu_began,
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()});
+}
+
+bool FingerLoop::begin_step(std::int64_t step, const TrackedInput& tracked) {
   const auto began = std::chrono::steady_clock::now();
   const double cpu_began = thread_cpu_time();
   record_.step = step;
   record_.time = static_cast<double>(step) / simulation_rate_;
   record_.tracked = tracked;
-  StepSummary summary;
-  if (!placed_ && !tracked.valid) {
-    // Nowhere yet: the finger waits where it was put aside.
-  } else if (!placed_) {
-    placed_ = true;
-    X_WFt_limited_ = tracked.X_WFt.pose();
-    summary = place(step);
-  } else {
+  // Until there is a pose the finger waits where it was put aside.
+  takes_part_ = placed_ || tracked.valid;
+  if (placed_) {
     X_WFt_limited_ =
         moved_towards(X_WFt_limited_, tracked.X_WFt.pose(), kMaxTrackedSpeed / simulation_rate_,
                       kMaxTrackedAngularSpeed / simulation_rate_);
-    summary = simulation_.step(X_WFt_limited_, record_.time);
+  } else if (tracked.valid) {
+    placed_ = true;
+    X_WFt_limited_ = tracked.X_WFt.pose();
+    place(step);
   }
+  if (takes_part_) simulation_.begin_step(X_WFt_limited_, record_.time);
+  cpu_time_ = thread_cpu_time() - cpu_began;
+  wall_time_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return takes_part_;
+}
+
+void FingerLoop::end_step(const StepSummary& summary, SolvingTime solving) {
+  const auto began = std::chrono::steady_clock::now();
+  const double cpu_began = thread_cpu_time();
+  if (takes_part_) simulation_.end_step();
   record_.iterations = summary.iterations;
   record_.converged = summary.converged;
   record_.residual = summary.relative_residual;
   read_simulation();
-  record_.cpu_time = thread_cpu_time() - cpu_began;
+  record_.cpu_time = cpu_time_ + solving.cpu + thread_cpu_time() - cpu_began;
   record_.wall_time =
+      wall_time_ + solving.wall +
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
-StepSummary FingerLoop::place(std::int64_t step) {
+void FingerLoop::place(std::int64_t step) {
   simulation_.reset(X_WFt_limited_, static_cast<double>(step - 1) / simulation_rate_);
-  return simulation_.step(X_WFt_limited_, static_cast<double>(step) / simulation_rate_);
 }
 
 void FingerLoop::read_simulation() {
@@ -88,9 +110,12 @@ void FingerLoop::read_simulation() {
   }
 }
 
-const StepRecord& FingerLoop::seal(std::int64_t tick, std::uint64_t tick_hash) {
+const StepRecord& FingerLoop::seal(std::int64_t tick, std::uint64_t tick_hash,
+                                   std::uint64_t world) {
   record_.tick = tick;
-  record_.hash = hash_of(record_, simulation_.state_hash(), tick_hash);
+  std::uint64_t state = simulation_.state_hash();
+  if (world != 0) state = Hash().add(state).add(world).value();
+  record_.hash = hash_of(record_, state, tick_hash);
   return record_;
 }
 

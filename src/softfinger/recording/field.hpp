@@ -23,13 +23,15 @@ enum class RecordPart {
   kMatching,
   kCommand,
   kTickOutcome,
+  kObject,
   kNotCompared  ///< clocks and what the hash covers
 };
 inline constexpr std::array kRecordPartNames = {"step",        "tracked pose",
                                                 "bone pose",   "contact",
                                                 "solution",    "state, configuration or command",
                                                 "device tick", "matching",
-                                                "command",     "configuration or command"};
+                                                "command",     "configuration or command",
+                                                "object"};
 
 /// The CSV files that fields of a record go to; see export_csv.
 enum class CsvFile {
@@ -41,7 +43,8 @@ enum class CsvFile {
   kConfiguration,
   kForce,
   kJoints,
-  kCommand
+  kCommand,
+  kObjects
 };
 
 /// Where a field is in the exported CSV.

@@ -98,4 +98,8 @@ const char* first_difference(const TickRecord& recorded, const TickRecord& repla
   return first_part(kTickFields, recorded, replayed);
 }
 
+const char* first_difference(const ObjectRecord& recorded, const ObjectRecord& replayed) {
+  return first_part(kObjectFields, recorded, replayed);
+}
+
 }  // namespace softfinger

@@ -99,6 +99,19 @@ struct TickRecord {
   StageTimes stages;      ///< send and servo: of the newest command that was sent; not recorded
 };
 
+/// An object that moves by the forces on it, in one step; step 0 is where it starts. Compared bit
+/// by bit by a replay.
+struct ObjectRecord {
+  std::int64_t object = 0;  ///< its number in the scene
+  std::int64_t step = 0;
+  double time = 0.0;  ///< s, end of the step
+  StoredPose X_WO;
+  Vector3 velocity = Vector3::Zero();          ///< of its centre of mass, W, m/s
+  Vector3 angular_velocity = Vector3::Zero();  ///< W, rad/s
+  /// Of a slider (m) or hinge (rad); NaN: it has neither.
+  double joint = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// Sum over everything of a tick that a replay must reproduce.
 [[nodiscard]] std::uint64_t hash_of(const TickRecord& tick);
 /// The same for a step; `state` is the hash of the finger's whole state, `tick` that of the tick
@@ -110,5 +123,7 @@ struct TickRecord {
 /// null where all bits agree.
 [[nodiscard]] const char* first_difference(const StepRecord& recorded, const StepRecord& replayed);
 [[nodiscard]] const char* first_difference(const TickRecord& recorded, const TickRecord& replayed);
+[[nodiscard]] const char* first_difference(const ObjectRecord& recorded,
+                                           const ObjectRecord& replayed);
 
 }  // namespace softfinger

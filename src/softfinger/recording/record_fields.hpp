@@ -173,4 +173,30 @@ struct TickFields {
 };
 inline constexpr TickFields kTickFields;
 
+template <auto... Path>
+constexpr Field<ObjectRecord, Path...> object_field(const FieldUse<ObjectRecord>& use) {
+  return {use};
+}
+
+struct ObjectFields {
+  static constexpr std::tuple all{
+      object_field<&ObjectRecord::step>({.columns = "step", .part = RecordPart::kObject}),
+      object_field<&ObjectRecord::object>({.columns = "object", .part = RecordPart::kObject}),
+      object_field<&ObjectRecord::time>({.columns = "time_s"}),
+      object_field<&ObjectRecord::X_WO>({.columns = "x_m,y_m,z_m,qw,qx,qy,qz",
+                                         .part = RecordPart::kObject,
+                                         .csv = {CsvFile::kObjects, "x_mm,y_mm,z_mm,qw,qx,qy,qz"}}),
+      object_field<&ObjectRecord::velocity>(
+          {.columns = "vx_m_per_s,vy_m_per_s,vz_m_per_s",
+           .part = RecordPart::kObject,
+           .csv = {CsvFile::kObjects, "vx_mm_per_s,vy_mm_per_s,vz_mm_per_s"}}),
+      object_field<&ObjectRecord::angular_velocity>(
+          {.columns = "wx_rad_per_s,wy_rad_per_s,wz_rad_per_s",
+           .part = RecordPart::kObject,
+           .csv = {CsvFile::kObjects, "wx_deg_per_s,wy_deg_per_s,wz_deg_per_s"}}),
+      object_field<&ObjectRecord::joint>({.columns = "joint", .part = RecordPart::kObject}),
+  };
+};
+inline constexpr ObjectFields kObjectFields;
+
 }  // namespace softfinger

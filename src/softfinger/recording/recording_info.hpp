@@ -56,6 +56,13 @@ struct RecordingInfo {
   bool live = false;             ///< device ticks ran on their own thread
   bool with_state = false;       ///< nodes and samples of every step
   std::vector<Finger> fingers;
+  /// Those that move by the forces on them.
+  struct Object {
+    std::int64_t object = 0;  ///< number in the scene
+    std::string name;
+    std::string joint_unit;  ///< of its joint's value, for people: mm, deg; empty: it has none
+  };
+  std::vector<Object> objects;
   std::vector<File> files;
   std::vector<Mesh> meshes;
 };

@@ -17,6 +17,8 @@ create table files(path text primary key, content blob not null) without rowid;
 create table fingers(finger integer primary key, name text not null, model text not null,
   device text not null, tracker text not null, configuration_names text not null,
   joints integer not null, device_rate_Hz real not null);
+create table moving_objects(object integer primary key, name text not null,
+  joint_unit text not null);
 create table messages(number integer primary key, step integer not null, time_s real not null,
   since_start_s real not null, message text not null);
 create table states(step integer not null, finger integer not null, nodes blob not null,
@@ -86,7 +88,8 @@ std::string query(Fields fields, const std::set<std::string>& present, const cha
 
 std::string create_tables() {
   return kOtherTables + create<StepRecord>("steps", kStepFields, "step, finger") +
-         create<TickRecord>("ticks", kTickFields, "step, finger, tick");
+         create<TickRecord>("ticks", kTickFields, "step, finger, tick") +
+         create<ObjectRecord>("objects", kObjectFields, "step, object");
 }
 
 std::string insert_into(const char* table, int columns) {
@@ -97,12 +100,16 @@ std::string insert_into(const char* table, int columns) {
 
 std::string insert_step() { return insert("steps", kStepFields); }
 std::string insert_tick() { return insert("ticks", kTickFields); }
+std::string insert_object() { return insert("objects", kObjectFields); }
 
 std::string step_query(const std::set<std::string>& present) {
   return query(kStepFields, present, "steps order by step, finger");
 }
 std::string tick_query(const std::set<std::string>& present) {
   return query(kTickFields, present, "ticks order by step, finger, tick");
+}
+std::string object_query(const std::set<std::string>& present) {
+  return query(kObjectFields, present, "objects order by step, object");
 }
 
 }  // namespace softfinger::recording_layout

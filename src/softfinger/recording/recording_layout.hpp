@@ -27,6 +27,8 @@ inline const std::string kServoStepKey = "servo_step:";
 
 /// Where step_query and tick_query have the number of the finger.
 inline constexpr int kFingerColumn = 1;
+/// Where object_query has that of the object.
+inline constexpr int kObjectColumn = 1;
 
 /// SQL that makes every table.
 [[nodiscard]] std::string create_tables();
@@ -36,10 +38,12 @@ inline constexpr int kFingerColumn = 1;
 /// A row of steps, a row of ticks, with a parameter for each column.
 [[nodiscard]] std::string insert_step();
 [[nodiscard]] std::string insert_tick();
+[[nodiscard]] std::string insert_object();
 
 /// All rows of steps, of ticks, in order. `present` are the columns that the recording has: what
 /// may be lacking (FieldUse::newer) is null then.
 [[nodiscard]] std::string step_query(const std::set<std::string>& present);
 [[nodiscard]] std::string tick_query(const std::set<std::string>& present);
+[[nodiscard]] std::string object_query(const std::set<std::string>& present);
 
 }  // namespace softfinger::recording_layout

@@ -102,6 +102,17 @@ std::uint64_t hash_of(const std::string& hexadecimal) {
   return hash;
 }
 
+bool read_next(SqliteStatement& rows, const RecordingInfo& info, ObjectRecord& record) {
+  if (!rows.next()) return false;
+  const std::int64_t object = rows.integer(recording_layout::kObjectColumn);
+  const bool known = std::ranges::any_of(
+      info.objects, [&](const RecordingInfo::Object& one) { return one.object == object; });
+  if (!known) throw SqliteFailure{true};
+  RowReader reader{rows, 1.0};
+  for_each_field(kObjectFields, [&](const auto& field) { reader.read(field.of(record)); });
+  return true;
+}
+
 /// The next row of `rows`; false at the end.
 template <typename Fields, typename Record>
 bool read_next(SqliteStatement& rows, Fields fields, const RecordingInfo& info, Record& record) {
@@ -146,6 +157,11 @@ struct RecordingReader::Database {
     steps.emplace(connection, recording_layout::step_query(columns_of("steps")));
     states.emplace(connection, "select nodes, samples from states where step = ? and finger = ?");
     ticks.emplace(connection, recording_layout::tick_query(columns_of("ticks")));
+    // Older recordings have no such table.
+    const std::set<std::string> of_objects = columns_of("objects");
+    if (!of_objects.empty()) {
+      objects.emplace(connection, recording_layout::object_query(of_objects));
+    }
   }
 
   [[nodiscard]] std::set<std::string> columns_of(const char* table) {
@@ -221,13 +237,19 @@ struct RecordingReader::Database {
       if (!(finger.servo_step > 0.0)) throw SqliteFailure{true};
       info.fingers.push_back(std::move(finger));
     }
+    if (!columns_of("moving_objects").empty()) {
+      SqliteStatement moving(connection, "select * from moving_objects order by object");
+      while (moving.next()) {
+        info.objects.push_back({moving.integer(0), moving.text(1), moving.text(2)});
+      }
+    }
     SqliteStatement files(connection, "select path, content from files order by path");
     while (files.next()) info.files.push_back({files.text(0), files.text(1)});
     return info;
   }
 
   SqliteDatabase connection;
-  std::optional<SqliteStatement> steps, states, ticks;
+  std::optional<SqliteStatement> steps, states, ticks, objects;
   bool with_state = false;
 };
 
@@ -316,7 +338,10 @@ void RecordingReader::rewind() {
 std::int64_t RecordingReader::last_step() {
   try {
     SqliteStatement query(database_->connection, "select max(step) from steps");
-    return query.next() ? query.integer(0) : 0;
+    const std::int64_t last = query.next() ? query.integer(0) : 0;
+    if (!info_.fingers.empty() || !database_->objects) return last;
+    SqliteStatement moved(database_->connection, "select max(step) from objects");
+    return moved.next() ? moved.integer(0) : 0;
   } catch (const SqliteFailure&) {
     fail();
   }
@@ -364,6 +389,14 @@ bool RecordingReader::next(StepRecord& r) {
       }
     }
     return true;
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+bool RecordingReader::next(ObjectRecord& r) {
+  try {
+    return database_->objects && read_next(*database_->objects, info_, r);
   } catch (const SqliteFailure&) {
     fail();
   }

@@ -34,9 +34,11 @@ class RecordingReader {
   bool next(StepRecord& record);
   /// Next tick in order of (step, finger, tick); false at the end.
   bool next(TickRecord& record);
+  /// Next row of an object in order of (step, object); false at the end, or where none moved.
+  bool next(ObjectRecord& record);
   /// In the order in which they were told; none in recordings from before there were any.
   [[nodiscard]] std::vector<RecordedMessage> messages();
-  /// Starts both over.
+  /// Starts all over.
   void rewind();
 
  private:

@@ -83,6 +83,7 @@ void for_each_field_of(CsvFile file, Visit&& visit) {
     };
     for_each_field(kStepFields, take);
     for_each_field(kTickFields, take);
+    for_each_field(kObjectFields, take);
   }
 }
 
@@ -124,7 +125,7 @@ void write_fields(TableWriter& table, CsvFile file, const StepRecord* step,
       file, [&]<typename Record, auto... Path>(const Field<Record, Path...>& field) {
         if constexpr (std::is_same_v<Record, StepRecord>) {
           write_one(field, step);
-        } else {
+        } else if constexpr (std::is_same_v<Record, TickRecord>) {
           write_one(field, tick);
         }
       });
@@ -150,6 +151,7 @@ class Export {
     write_ticks();
     write_steps();
     write_messages();
+    if (!reader_.info().objects.empty()) write_objects();
     if (reader_.info().with_state) write_states();
   }
 
@@ -303,6 +305,31 @@ class Export {
       table->number(message.time);
       table->number(message.since_start);
       table->words(message.text);
+      table->end_row();
+    }
+    table->close();
+  }
+
+  void write_objects() {
+    reader_.rewind();
+    std::vector<std::string> names;
+    for (const RecordingInfo::Object& object : reader_.info().objects) {
+      names.push_back(object.name);
+    }
+    Columns columns{{.name = "time_s"}, words_of("object", names)};
+    add(columns, columns_of(CsvFile::kObjects));
+    columns.push_back({.name = "joint"});
+    const auto table = store_.open("objects", columns);
+    ObjectRecord record;
+    while (reader_.next(record)) {
+      const auto object =
+          std::ranges::find(reader_.info().objects, record.object, &RecordingInfo::Object::object);
+      table->number(record.time);
+      table->words(object->name);
+      for_each_field(kObjectFields, [&](const auto& field) {
+        if (field.use.csv.file == CsvFile::kObjects) write_field(*table, field, record);
+      });
+      table->number(record.joint / unit_scale("_" + object->joint_unit));
       table->end_row();
     }
     table->close();

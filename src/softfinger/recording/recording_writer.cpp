@@ -24,6 +24,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kStepCapacity = 8192;
 constexpr std::size_t kStateStepCapacity = 512;
 constexpr std::size_t kTickCapacity = 256;
+constexpr std::size_t kObjectCapacity = 1024;  // for each object
+constexpr std::size_t kObjectsARound = 1024;
 constexpr std::size_t kStepsARound = 64;  // of a round
 constexpr auto kDrainInterval = std::chrono::milliseconds(5);
 
@@ -106,6 +108,7 @@ struct RecordingWriter::Database {
     insert_meta.emplace(connection, "insert or replace into meta values (?,?)");
     insert_step.emplace(connection, recording_layout::insert_step());
     insert_tick.emplace(connection, recording_layout::insert_tick());
+    insert_object.emplace(connection, recording_layout::insert_object());
     insert_state.emplace(connection, recording_layout::insert_into("states", 4));
     insert_message.emplace(connection, recording_layout::insert_into("messages", 5));
   }
@@ -116,6 +119,7 @@ struct RecordingWriter::Database {
     insert_meta.reset();
     insert_step.reset();
     insert_tick.reset();
+    insert_object.reset();
     insert_state.reset();
     insert_message.reset();
     try {
@@ -161,6 +165,13 @@ struct RecordingWriter::Database {
     for (const RecordingInfo::Mesh& mesh : info.meshes) {
       meta(recording_layout::kMeshKey + mesh.path.string(), fmt::format("{:016x}", mesh.hash));
     }
+    SqliteStatement insert_moving(connection, recording_layout::insert_into("moving_objects", 3));
+    for (const RecordingInfo::Object& object : info.objects) {
+      insert_moving.bind(0, object.object);
+      insert_moving.bind(1, object.name);
+      insert_moving.bind(2, object.joint_unit);
+      insert_moving.run();
+    }
     SqliteStatement insert_finger(connection, recording_layout::insert_into("fingers", 8));
     for (std::size_t i = 0; i < info.fingers.size(); ++i) {
       const RecordingInfo::Finger& finger = info.fingers[i];
@@ -199,6 +210,8 @@ struct RecordingWriter::Database {
 
   void write(const TickRecord& r) { insert(*insert_tick, kTickFields, r, servo_step_of(r.finger)); }
 
+  void write(const ObjectRecord& r) { insert(*insert_object, kObjectFields, r, 1.0); }
+
   void write(const RecordedMessage& message) {
     insert_message->bind(0, ++messages);
     insert_message->bind(1, message.step);
@@ -227,7 +240,7 @@ struct RecordingWriter::Database {
 
   SqliteDatabase connection;
   std::vector<double> servo_steps;  ///< of the fingers
-  std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_state,
+  std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_object, insert_state,
       insert_message;
   std::int64_t messages = 0;  ///< written
   bool in_transaction = true;
@@ -240,7 +253,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
                                  LogLimits log)
     : file_(file),
       when_full_(when_full),
-      steps_(info.with_state ? kStateStepCapacity : kStepCapacity, step_prototype) {
+      steps_(info.with_state ? kStateStepCapacity : kStepCapacity, step_prototype),
+      objects_(std::max<std::size_t>(1, info.objects.size()) * kObjectCapacity) {
   create_empty(file);
   for (std::size_t i = 0; i < info.fingers.size(); ++i) {
     ticks_.push_back(std::make_unique<RingBuffer<TickRecord>>(kTickCapacity));
@@ -280,6 +294,8 @@ void RecordingWriter::push_to(RingBuffer<Record>& ring, const Record& record) {
 }
 
 void RecordingWriter::push(const StepRecord& record) { push_to(steps_, record); }
+
+void RecordingWriter::push(const ObjectRecord& record) { push_to(objects_, record); }
 
 void RecordingWriter::push(const TickRecord& record) {
   push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);
@@ -326,12 +342,13 @@ bool RecordingWriter::drain() {
   };
   write_messages();
   bool more = take(steps_, kStepsARound);
+  more = take(objects_, kObjectsARound) || more;
   for (auto& ring : ticks_) more = take(*ring, ring->capacity()) || more;
   return more;
 }
 
 bool RecordingWriter::rows_wait() {
-  if (steps_.front() != nullptr) return true;
+  if (steps_.front() != nullptr || objects_.front() != nullptr) return true;
   if (std::ranges::any_of(ticks_, [](auto& ring) { return ring->front() != nullptr; })) return true;
   const std::lock_guard lock(messages_mutex_);
   return !messages_.empty();

@@ -37,6 +37,8 @@ void refuse_unless_recordable(const std::filesystem::path& file);
 ///     ticks(step, finger, tick, ...)   one TickRecord a row (kTickFields); vectors are float64
 ///     blobs,
 ///                                   little-endian
+///     moving_objects(object, name, joint_unit)
+///     objects(step, object, ...)    one ObjectRecord a row (kObjectFields); step 0 is the start
 ///     messages(number, step, time_s, since_start_s, message)   what people were told: one
 ///                                   RecordedMessage a row
 ///     states(step, finger, nodes, samples)   with_state only; float64 blobs, row by row:
@@ -57,6 +59,8 @@ class RecordingWriter {
 
   /// Simulation thread only. Copies the record; allocates nothing, takes no lock.
   void push(const StepRecord& record);
+  /// Simulation thread only. Copies the record; allocates nothing, takes no lock.
+  void push(const ObjectRecord& record);
   /// One thread per finger. Copies the record; allocates nothing, takes no lock.
   void push(const TickRecord& record);
 
@@ -95,7 +99,8 @@ class RecordingWriter {
   WhenFull when_full_;
   RingBuffer<StepRecord> steps_;
   std::vector<std::unique_ptr<RingBuffer<TickRecord>>> ticks_;  // one per finger
-  std::mutex messages_mutex_;                                   ///< of the next line
+  RingBuffer<ObjectRecord> objects_;
+  std::mutex messages_mutex_;  ///< of the next line
   std::vector<RecordedMessage> messages_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::unique_ptr<Database> database_;

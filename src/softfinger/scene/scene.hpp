@@ -27,7 +27,8 @@ struct Scene {
   std::string description;  ///< one line for people; may be empty
   std::vector<SceneFinger> fingers;
   std::vector<VirtualObject> objects;
-  double simulation_rate = 1000.0;  ///< Hz
+  double simulation_rate = 1000.0;   ///< Hz
+  Vector3 gravity{0.0, 0.0, -9.81};  ///< on objects that move by the forces on them, W, m/s^2
 };
 
 /// 1 to 64 letters, digits, - or _: names of fingers stand before the = of --device NAME=FILE, in

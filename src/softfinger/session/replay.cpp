@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/recorded_files.hpp"
@@ -30,24 +30,32 @@ bool same_bytes(const std::vector<Row>& a, const std::vector<Row>& b) {
 class Replayer {
  public:
   Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
+    const Scene& scene = setup_->scene;
+    scene_.emplace(scene.objects, scene.gravity, scene.simulation_rate, nullptr);
     for (std::size_t i = 0; i < setup_->models.size(); ++i) {
       FingerChainOptions options =
           chain_options(*setup_, i, {.port = "emulator", .simulated_time = true});
       options.with_state = with_state;
       options.device_loop.replay = true;
       fingers_.push_back({std::make_unique<FingerChain>(options), {}});
+      scene_->add(*fingers_.back().chain);
     }
   }
 
-  /// The part of a row that only needs the recorded pose.
-  void simulate(const StepRecord& recorded) {
-    FingerChain& chain = *finger_of(recorded).chain;
-    if (recorded.step == 0) {
-      chain.start(recorded.tracked);
-    } else {
-      chain.step(recorded.step, recorded.tracked);
+  /// The part of a step that only needs the recorded poses: a row a finger.
+  void simulate(std::int64_t step, std::span<const StepRecord> recorded) {
+    tracked_.clear();
+    for (const StepRecord& row : recorded) tracked_.push_back(row.tracked);
+    if (step > 0) {
+      scene_->step(step, tracked_);
+      return;
     }
+    scene_->start();
+    for (std::size_t i = 0; i < fingers_.size(); ++i) fingers_[i].chain->start(tracked_[i]);
   }
+
+  /// Where objects are that move by the forces on them.
+  [[nodiscard]] std::span<const ObjectRecord> objects() const { return scene_->objects(); }
 
   /// What differs in a tick of the step just simulated; null: nothing.
   const char* tick(const TickRecord& recorded) {
@@ -106,7 +114,9 @@ class Replayer {
   }
 
   std::shared_ptr<const RunSetup> setup_;
+  std::optional<SceneLoop> scene_;
   std::vector<Finger> fingers_;
+  std::vector<TrackedInput> tracked_;
 };
 
 }  // namespace
@@ -153,27 +163,42 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
     return result;
   };
 
-  StepRecord step;
+  const auto differ_in_object = [&](std::int64_t step, std::int64_t object) {
+    result.agree = false;
+    result.first_difference = step;
+    result.difference =
+        fmt::format("object {}", setup->scene.objects[static_cast<std::size_t>(object)].name);
+    return result;
+  };
+  std::vector<StepRecord> rows(info.fingers.size());
   TickRecord tick;
   bool more_ticks = reader.next(tick);
-  std::int64_t expected_step = 0;
-  std::int64_t expected_finger = 0;
-  while (reader.next(step)) {
-    if (step.step != expected_step || step.finger != expected_finger) {
-      return differ(expected_step, expected_finger, "a missing row");
+  for (std::int64_t step = 0; step <= result.steps; ++step) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto finger = static_cast<std::int64_t>(i);
+      const bool there = reader.next(rows[i]);
+      // A cut may fall between the fingers of a step.
+      if (!there && step == result.steps && !reader.complete()) return result;
+      if (!there || rows[i].step != step || rows[i].finger != finger) {
+        return differ(step, finger, "a missing row");
+      }
     }
-    if (++expected_finger == static_cast<std::int64_t>(info.fingers.size())) {
-      expected_finger = 0;
-      ++expected_step;
+    replayer.simulate(step, rows);
+    for (const StepRecord& row : rows) {
+      while (more_ticks && tick.step == step && tick.finger == row.finger) {
+        if (const char* what = replayer.tick(tick)) return differ(step, row.finger, what);
+        more_ticks = reader.next(tick);
+      }
+      if (const char* what = replayer.finish(row)) return differ(step, row.finger, what);
     }
-    replayer.simulate(step);
-    while (more_ticks && tick.step == step.step && tick.finger == step.finger) {
-      if (const char* what = replayer.tick(tick)) return differ(step.step, step.finger, what);
-      more_ticks = reader.next(tick);
+    for (const ObjectRecord& object : replayer.objects()) {
+      ObjectRecord recorded;
+      if (!reader.next(recorded) || first_difference(recorded, object) != nullptr) {
+        return differ_in_object(step, object.object);
+      }
     }
-    if (const char* what = replayer.finish(step)) return differ(step.step, step.finger, what);
-    if (progress && result.steps > 0 && step.step % 100 == 0) {
-      progress(static_cast<double>(step.step) / static_cast<double>(result.steps));
+    if (progress && result.steps > 0 && step % 100 == 0) {
+      progress(static_cast<double>(step) / static_cast<double>(result.steps));
     }
   }
   return result;

@@ -221,6 +221,13 @@ RecordingInfo recording_info(const RunSetup& setup) {
     info.fingers.push_back(std::move(finger));
   }
   for (const VirtualObject& object : setup.scene.objects) {
+    if (object.dynamics) {
+      const auto& joint = object.dynamics->joint;
+      const char* unit = "";
+      if (joint && joint->kind == JointKind::kSlider) unit = "mm";
+      if (joint && joint->kind == JointKind::kHinge) unit = "deg";
+      info.objects.push_back({&object - setup.scene.objects.data(), object.name, unit});
+    }
     if (const auto* mesh = std::get_if<MeshShape>(&object.shape)) {
       info.meshes.push_back({absolute_path((*mesh)->source()), (*mesh)->source_hash()});
     }

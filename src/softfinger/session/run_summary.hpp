@@ -58,11 +58,19 @@ struct FingerSummary {
   void merge(const FingerSummary& other);
 };
 
+/// An object that moves by the forces on it, at the end of a run.
+struct ObjectSummary {
+  std::string name;
+  std::string joint_unit;  ///< mm or deg; empty: no joint value
+  ObjectRecord last;
+};
+
 struct RunSummary {
   std::int64_t steps = 0;
   std::optional<std::uint64_t> deadline_misses;  ///< empty: not paced by the wall clock
   FingerSummary all;                             ///< every step and tick of every finger
   std::vector<std::pair<std::string, FingerSummary>> fingers;
+  std::vector<ObjectSummary> objects;
   /// What its user should know besides figures, one line each.
   std::vector<std::string> remarks;
   std::optional<std::filesystem::path> recording;

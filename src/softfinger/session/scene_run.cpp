@@ -49,6 +49,10 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
   for (const auto& finger : fingers_) {
     finger->open(*setup_, options, mode == Mode::kLive, count == 1 ? team_.get() : nullptr);
   }
+  const Scene& scene = setup_->scene;
+  scene_.emplace(scene.objects, scene.gravity, rate_, team_.get());
+  for (const auto& finger : fingers_) scene_->add(*finger->chain);
+  tracked_.resize(count);
   std::optional<double> end = options.duration;
   if (!end) {
     end = 0.0;
@@ -193,6 +197,8 @@ void SceneRun::simulate() {
     prefer_this_thread(LoopThread::kSimulation);
     awake.emplace();
   }
+  scene_->start();
+  record_objects();
   for (const auto& finger : fingers_) {
     const StepRecord& record = finger->chain->start(TrackedInput(finger->tracker.sample(0.0)));
     if (recording_) recording_->push(record);
@@ -225,20 +231,20 @@ void SceneRun::simulate() {
 }
 
 void SceneRun::simulate_step(std::int64_t step) {
-  const bool side_by_side = team_ && fingers_.size() > 1;
-  if (side_by_side) {
-    team_->run(fingers_.size(), [&](std::size_t i, int) { step_finger(*fingers_[i], step); });
+  for (std::size_t i = 0; i < fingers_.size(); ++i) {
+    RunFinger& finger = *fingers_[i];
+    finger.taken = std::chrono::steady_clock::now();
+    finger.tracked = finger.tracker.sample(static_cast<double>(step) / rate_);
+    tracked_[i] = TrackedInput(finger.tracked);
   }
-  for (const auto& finger : fingers_) {
-    if (!side_by_side) step_finger(*finger, step);
-    conclude_step(*finger, step);
-  }
+  scene_->step(step, tracked_);
+  record_objects();
+  for (const auto& finger : fingers_) conclude_step(*finger, step);
 }
 
-void SceneRun::step_finger(RunFinger& finger, std::int64_t step) {
-  finger.taken = std::chrono::steady_clock::now();
-  finger.tracked = finger.tracker.sample(static_cast<double>(step) / rate_);
-  finger.chain->step(step, TrackedInput(finger.tracked));
+void SceneRun::record_objects() {
+  if (!recording_) return;
+  for (const ObjectRecord& record : scene_->objects()) recording_->push(record);
 }
 
 void SceneRun::conclude_step(RunFinger& finger, std::int64_t step) {
@@ -291,7 +297,7 @@ void SceneRun::publish_snapshot(std::int64_t step, bool finished) {
                        .stopped = stopped(),
                        .finished = finished,
                        .deadline_misses = deadline_misses_.load(std::memory_order_relaxed)},
-                      fingers_);
+                      *scene_, fingers_);
 }
 
 void SceneRun::end_threads() {
@@ -338,6 +344,16 @@ RunSummary SceneRun::finish() {
     if (setup_->devices[i]) one.mount_shift = setup_->devices[i]->settings().mount_shift;
     summary.fingers.emplace_back(name, one);
     finger.close();
+  }
+  for (const ObjectRecord& last : scene_->objects()) {
+    const VirtualObject& object = setup_->scene.objects[static_cast<std::size_t>(last.object)];
+    const std::optional<Joint>& joint = object.dynamics->joint;
+    const bool slides = joint && joint->kind == JointKind::kSlider;
+    summary.objects.push_back({object.name,
+                               slides                   ? "mm"
+                               : std::isnan(last.joint) ? ""
+                                                        : "deg",
+                               last});
   }
   if (recording_) {
     summary.recording = recording_->file();

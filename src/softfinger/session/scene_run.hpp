@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/run_finger.hpp"
 #include "softfinger/session/run_messages.hpp"
@@ -93,7 +94,7 @@ class SceneRun {
   void open_recording();
   void simulate();
   void simulate_step(std::int64_t step);
-  void step_finger(RunFinger& finger, std::int64_t step);
+  void record_objects();
   void conclude_step(RunFinger& finger, std::int64_t step);
   void tick_here(RunFinger& finger, const TickInput& input);
   void obey_signals() noexcept;
@@ -110,6 +111,8 @@ class SceneRun {
   std::optional<std::int64_t> total_steps_;
   std::unique_ptr<ThreadTeam> team_;  ///< null: one thread
   std::vector<std::unique_ptr<RunFinger>> fingers_;
+  std::optional<SceneLoop> scene_;        ///< of their chains
+  std::vector<TrackedInput> tracked_;     ///< by finger, of the step under way
   std::filesystem::path recording_file_;  ///< empty: none
   bool record_state_ = false;
   std::unique_ptr<RecordingWriter> recording_;

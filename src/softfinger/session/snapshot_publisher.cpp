@@ -27,7 +27,8 @@ SnapshotPublisher::SnapshotPublisher(std::shared_ptr<const RunSetup> setup,
                                      std::uint64_t generation, const Fingers& fingers)
     : setup_(std::move(setup)), snapshots_(first_snapshot(*setup_, generation, fingers)) {}
 
-void SnapshotPublisher::publish(const Moment& moment, const Fingers& fingers) {
+void SnapshotPublisher::publish(const Moment& moment, const SceneLoop& scene,
+                                const Fingers& fingers) {
   Snapshot& draft = snapshots_.draft();
   draft.step = static_cast<std::uint64_t>(moment.step);
   draft.time = moment.time;
@@ -40,7 +41,7 @@ void SnapshotPublisher::publish(const Moment& moment, const Fingers& fingers) {
   draft.match_cpu_time = 0.0;
   draft.deadline_misses = moment.deadline_misses;
   for (std::size_t i = 0; i < draft.X_WO.size(); ++i) {
-    draft.X_WO[i] = setup_->scene.objects[i].motion.sample(draft.time);
+    draft.X_WO[i] = scene.object_pose(i);
   }
   for (std::size_t i = 0; i < fingers.size(); ++i) {
     Snapshot::Finger& finger = draft.fingers[i];

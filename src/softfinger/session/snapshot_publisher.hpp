@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/session/live_feed.hpp"
 #include "softfinger/session/run_finger.hpp"
 #include "softfinger/threads/mailbox.hpp"
@@ -30,7 +31,7 @@ class SnapshotPublisher {
                     const Fingers& fingers);
 
   /// Simulation thread; wait-free, allocates nothing.
-  void publish(const Moment& moment, const Fingers& fingers);
+  void publish(const Moment& moment, const SceneLoop& scene, const Fingers& fingers);
   /// For one reader thread.
   [[nodiscard]] Mailbox<Snapshot>& snapshots() { return snapshots_; }
 

@@ -248,8 +248,7 @@ void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSumm
   }
   const auto solve_alone = [&](std::size_t k, int) {
     const std::size_t f = self.alone[k];
-    const NewtonSummary one = minimise_in_cone(fingers[f]->potential(), NewtonOptions{});
-    summaries[f] = {one.iterations, one.converged, one.residual};
+    summaries[f] = fingers[f]->solve_step();
   };
   if (self.team != nullptr) {
     self.team->run(self.alone.size(), solve_alone);

@@ -92,6 +92,17 @@ Json run_report(const RunSummary& summary) {
     result["recording"] = summary.recording->string();
     result["dropped_rows"] = summary.dropped_rows;
   }
+  if (!summary.objects.empty()) result["objects"] = Json::object();
+  for (const ObjectSummary& object : summary.objects) {
+    const Pose X_WO = object.last.X_WO.pose();
+    const double joint = object.last.joint / unit_scale("_" + object.joint_unit);
+    const auto numbers = [](const Vector3& v) { return Json{v.x(), v.y(), v.z()}; };
+    result["objects"][object.name] = {
+        {"position_mm", numbers(X_WO.translation / mm)},
+        {"rotation_vector_deg", numbers(log_rotation(X_WO.rotation) / deg)},
+        {"velocity_mm_per_s", numbers(object.last.velocity / mm)},
+        {"joint", std::isnan(joint) ? Json(nullptr) : Json(joint)}};
+  }
   result["fingers"] = Json::object();
   for (const auto& [name, finger] : summary.fingers) {
     Json& one = result["fingers"][name] = report(finger, summary.steps, misses);

@@ -1,0 +1,91 @@
+#include "softfinger/loop/scene_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include "softfinger/threads/thread_clock.hpp"
+#include "softfinger/threads/thread_team.hpp"
+
+namespace softfinger {
+
+SceneLoop::SceneLoop(std::span<const VirtualObject> objects, const Vector3& gravity,
+                     double simulation_rate, ThreadTeam* team)
+    : objects_(objects), simulation_rate_(simulation_rate), team_(team) {
+  const auto moves = [](const VirtualObject& object) { return object.dynamics.has_value(); };
+  if (std::ranges::none_of(objects, moves)) return;
+  world_.emplace(objects, gravity, 1.0 / simulation_rate, team);
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    if (!moves(objects[o])) continue;
+    records_.emplace_back().object = static_cast<std::int64_t>(o);
+  }
+}
+
+void SceneLoop::add(FingerChain& chain) {
+  chains_.push_back(&chain);
+  takes_part_.push_back(0);
+  simulations_.reserve(chains_.size());
+  summaries_.resize(chains_.size());
+  if (world_) world_->add(chain.simulation());
+}
+
+void SceneLoop::start() {
+  step_ = 0;
+  if (!world_) return;
+  world_->reset();
+  record();
+}
+
+void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked) {
+  step_ = step;
+  const auto for_each_chain = [&](const auto& work) {
+    if (team_ != nullptr) {
+      team_->run(chains_.size(), [&](std::size_t i, int) { work(i); });
+    } else {
+      for (std::size_t i = 0; i < chains_.size(); ++i) work(i);
+    }
+  };
+  if (!world_) {
+    for_each_chain([&](std::size_t i) { chains_[i]->step(step, tracked[i]); });
+    return;
+  }
+  world_->begin_step(static_cast<double>(step) / simulation_rate_);
+  for_each_chain(
+      [&](std::size_t i) { takes_part_[i] = chains_[i]->begin_step(step, tracked[i]) ? 1 : 0; });
+  const auto began = std::chrono::steady_clock::now();
+  const double cpu_began = thread_cpu_time();
+  simulations_.clear();
+  for (std::size_t i = 0; i < chains_.size(); ++i) {
+    if (takes_part_[i] != 0) simulations_.push_back(&chains_[i]->simulation());
+  }
+  world_->solve(simulations_, summaries_);
+  const FingerLoop::SolvingTime solving{
+      thread_cpu_time() - cpu_began,
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()};
+  const std::uint64_t hash = world_->state_hash();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < chains_.size(); ++i) {
+    const StepSummary summary = takes_part_[i] != 0 ? summaries_[next++] : StepSummary{};
+    chains_[i]->end_step(summary, solving, hash);
+  }
+  record();
+}
+
+Pose SceneLoop::object_pose(std::size_t object) const {
+  if (objects_[object].dynamics) return world_->state(object).X_WO;
+  return objects_[object].motion.sample(static_cast<double>(step_) / simulation_rate_);
+}
+
+void SceneLoop::record() {
+  for (ObjectRecord& record : records_) {
+    const ObjectState& state = world_->state(static_cast<std::size_t>(record.object));
+    record.step = step_;
+    record.time = static_cast<double>(step_) / simulation_rate_;
+    record.X_WO = StoredPose(state.X_WO);
+    record.velocity = state.velocity;
+    record.angular_velocity = state.angular_velocity;
+    record.joint = state.has_joint ? state.joint : std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace softfinger

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/world/world.hpp"
+
+namespace softfinger {
+
+/// Steps the chains of a scene: each by itself, or where objects move by the forces on them, all
+/// together with these. Runs, replays and the library go through the same calls.
+class SceneLoop {
+ public:
+  /// `objects` must outlive the loop, as must the `team` that chains are shared out to; null: they
+  /// follow one another. gravity in m/s^2, W; simulation_rate in Hz. Throws InputError, see World.
+  SceneLoop(std::span<const VirtualObject> objects, const Vector3& gravity, double simulation_rate,
+            ThreadTeam* team);
+  /// In the order of the scene; each must outlive the loop.
+  void add(FingerChain& chain);
+
+  /// Objects where the scene has them, before the chains start.
+  void start();
+  /// Step `step` (from 1) of every chain, with a pose for each. Allocates nothing.
+  void step(std::int64_t step, std::span<const TrackedInput> tracked);
+
+  /// Whether any object moves by forces.
+  [[nodiscard]] bool moves_objects() const { return world_.has_value(); }
+  /// Where an object is after the last step.
+  [[nodiscard]] Pose object_pose(std::size_t object) const;
+  /// A row for each object that moves by forces, in their order, after the last step.
+  [[nodiscard]] std::span<const ObjectRecord> objects() const { return records_; }
+  /// How the step of objects ended that no finger touches.
+  [[nodiscard]] const StepSummary& summary() const { return world_->summary(); }
+
+ private:
+  void record();
+
+  std::span<const VirtualObject> objects_;
+  double simulation_rate_;
+  ThreadTeam* team_;
+  std::optional<World> world_;
+  std::vector<FingerChain*> chains_;
+  std::vector<std::uint8_t> takes_part_;        ///< by chain
+  std::vector<FingerSimulation*> simulations_;  ///< of those
+  std::vector<StepSummary> summaries_;          ///< and how they ended
+  std::int64_t step_ = 0;
+  std::vector<ObjectRecord> records_;
+};
+
+}  // namespace softfinger
