@@ -125,8 +125,8 @@ struct Rendering::Implementation {
         conditioned(softfinger::conditioned(std::make_unique<HandedPose>(handed),
                                             conditioning_of(options), false)),
         chain(chain_of(*setup, options)),
-        scene(setup->scene.objects, setup->scene.gravity, rate, nullptr) {
-    scene.add(chain);
+        together(setup->scene.objects, setup->scene.gravity, rate, nullptr) {
+    together.add(chain);
     if (chain.has_device()) describe_device();
     if (options.recording.empty()) return;
     recording = std::make_unique<RecordingWriter>(
@@ -171,7 +171,7 @@ struct Rendering::Implementation {
     if (!begun) {
       begun = true;
       origin = time;
-      scene.start();
+      together.start();
       record_objects();
       record(chain.start(TrackedInput(target)));
       return command;
@@ -189,7 +189,7 @@ struct Rendering::Implementation {
       tracked.time = static_cast<double>(++done) / rate;
       if (i < steps) tracked.X_WFt = interpolate(start, target.X_WFt, fraction);
       const TrackedInput input(tracked);
-      scene.step(done, {&input, 1});
+      together.step(done, {&input, 1});
       record_objects();
       if (chain.tick_is_due()) tick(arrival);
       record(chain.seal());
@@ -226,7 +226,7 @@ struct Rendering::Implementation {
   }
 
   void record_objects() {
-    for (const ObjectRecord& row : scene.objects()) record(row);
+    for (const ObjectRecord& row : together.objects()) record(row);
   }
 
   std::shared_ptr<const RunSetup> setup;  // of the one finger
@@ -234,7 +234,7 @@ struct Rendering::Implementation {
   TrackedPose handed;                    // by the caller
   std::unique_ptr<Tracker> conditioned;  // what is made of it
   FingerChain chain;
-  SceneLoop scene;
+  SceneLoop together;
   std::unique_ptr<RecordingWriter> recording;  // null: none
   RenderingCommand command;
   double servo_step = 0.0;  // set point of one step of the wire
@@ -309,7 +309,7 @@ void Rendering::snapshot(RenderingSnapshot& snapshot) const {
   }
   snapshot.sums() = contact.sums();
   for (std::size_t o = 0; o < implementation_->setup->scene.objects.size(); ++o) {
-    snapshot.X_WO.push_back(implementation_->scene.object_pose(o));
+    snapshot.X_WO.push_back(implementation_->together.object_pose(o));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -136,6 +137,27 @@ TEST(SerialPort, AFullLineNeverBlocksAndNeverCutsACommand) {
   for (std::size_t i = 0; i < arrived.size(); ++i) {
     ASSERT_EQ(arrived[i], bytes[i % bytes.size()]) << i;
   }
+}
+
+TEST(SerialPort, ATerminalUnderTheNumberOfOneThatIsGoneIsAnotherPort) {
+  SerialPort port;
+  // Numbers are free again at once, but other programs take some too.
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    auto terminal = std::make_unique<Terminal>();
+    const std::string name = terminal->port();
+    ASSERT_EQ(port.open(name, 115200), "");
+    port.close();
+    ASSERT_EQ(port.open(name, 115200), "") << "the same once more";
+    port.close();
+    terminal = nullptr;
+    const Terminal next;
+    if (next.port() != name) continue;
+    EXPECT_EQ(port.open(name, 115200), "there is no such port");
+    SerialPort other;
+    EXPECT_EQ(other.open(name, 115200), "");
+    return;
+  }
+  FAIL() << "no number came back";
 }
 
 TEST(SerialPort, SaysWhyAPortCannotBeOpened) {

@@ -29,6 +29,7 @@ const Unit& unit_of(std::string_view key) {
       Unit{"_us_per_mm", us / mm, "microseconds per mm", "us/mm"},
       Unit{"_per_deg", 1.0 / deg, "per degree", "1/deg"},
       Unit{"_per_mm", 1.0 / mm, "per mm", "1/mm"},
+      Unit{"_m_per_s2", 1.0, "metres per second squared", "m/s2"},
       Unit{"_deg_per_s2", deg, "degrees per second squared", "deg/s2"},
       Unit{"_mm_per_s2", mm, "mm per second squared", "mm/s2"},
       Unit{"_deg_per_s", deg, "degrees per second", "deg/s"},

@@ -162,6 +162,20 @@ Eigen::VectorXd ConfigTable::numbers(std::string_view key, int size, Range range
   return fallback;
 }
 
+Eigen::VectorXd ConfigTable::some_numbers(std::string_view key, int least, int most,
+                                          Range range) const {
+  Json schema = numbers_schema(key, most, range);
+  schema["minItems"] = least;
+  node_->rule(key, true, schema);
+  const std::string expected = fmt::format("an array of {} to {} numbers", least, most);
+  const toml::node& value = node_->require(key, expected);
+  const toml::array* const array = value.as_array();
+  const int size =
+      array != nullptr ? static_cast<int>(std::min<std::size_t>(array->size(), 1000000)) : -1;
+  if (size < least || size > most) node_->fail_type(key, expected, value);
+  return node_->take_numbers(key, value, size, range);
+}
+
 bool ConfigTable::has(std::string_view key) const {
   return node_->table != nullptr && node_->table->contains(key);
 }

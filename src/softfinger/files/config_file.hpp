@@ -63,6 +63,10 @@ class ConfigTable {
   Eigen::VectorXd numbers(std::string_view key, int size, Range range,
                           const Eigen::VectorXd& fallback) const;
 
+  /// Array of as many numbers as it has, from `least` to `most`, in SI.
+  Eigen::VectorXd some_numbers(std::string_view key, int least, int most,
+                               Range range = Range::any()) const;
+
   /// Whether the file has the key (does not count as asking for it).
   [[nodiscard]] bool has(std::string_view key) const;
   /// Names of all keys of this table, in file order.

@@ -1,5 +1,6 @@
 #include "softfinger/geometry/mass_properties.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -70,6 +71,41 @@ MassProperties of_sections(double straight, double edge, const SectionAt& sectio
   return sum;
 }
 
+/// By cells that the surface cuts in proportion to its distance from their middle.
+MassProperties of_distance(const Shape& shape) {
+  constexpr int kMomentCells = 96;  // along the longest side
+  const Eigen::AlignedBox3d box = bounds(shape);
+  const double cell = box.sizes().maxCoeff() / kMomentCells;
+  if (!(cell > 0.0) || !std::isfinite(cell)) return {};
+  Vector3 first = Vector3::Zero();
+  Matrix3 second = Matrix3::Zero();
+  double sum = 0.0;
+  const Eigen::Array3i count = (box.sizes() / cell).array().ceil().cast<int>() + 1;
+  const Vector3 middle = box.center();
+  for (int i = 0; i < count.x(); ++i) {
+    for (int j = 0; j < count.y(); ++j) {
+      for (int k = 0; k < count.z(); ++k) {
+        const Vector3 x =
+            cell * (Eigen::Array3d(i, j, k) - 0.5 * (count.cast<double>() - 1.0)).matrix();
+        const double depth = -distance_and_gradient(shape, middle + x).distance / cell;
+        const double part = std::clamp(0.5 + depth, 0.0, 1.0);
+        sum += part;
+        first += part * x;
+        second += part * x * x.transpose();
+      }
+    }
+  }
+  if (!(sum > 0.0)) return {};
+  MassProperties even;
+  const Vector3 centre = first / sum;
+  const double volume = cell * cell * cell;
+  even.volume = sum * volume;
+  even.centre_O = middle + centre;
+  even.second_moment_O = volume * (second - sum * centre * centre.transpose());
+  even.second_moment_O.diagonal().array() += even.volume * cell * cell / 12.0;
+  return even;
+}
+
 struct Moments {
   std::optional<MassProperties> operator()(const HalfSpace& /*shape*/) const { return {}; }
   std::optional<MassProperties> operator()(const Ball& ball) const {
@@ -86,7 +122,10 @@ struct Moments {
     return of_sections(cylinder.half_length - cylinder.edge_radius, cylinder.edge_radius,
                        [&](double radius) { return disc(inner + radius); });
   }
-  std::optional<MassProperties> operator()(const MeshShape& /*mesh*/) const { return {}; }
+  std::optional<MassProperties> operator()(const MeshShape& mesh) const {
+    const MassProperties even = of_distance(mesh);
+    return even.volume > 0.0 ? std::optional(even) : std::nullopt;
+  }
 };
 
 }  // namespace

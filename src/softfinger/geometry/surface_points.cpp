@@ -1,7 +1,9 @@
 #include "softfinger/geometry/surface_points.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace softfinger {
@@ -12,6 +14,65 @@ constexpr int kEdgeParts = 4;
 /// Points around a rim: a circle that rolls on them goes up and down by radius / 2 (pi / n)^2.
 constexpr int kRimPoints = 48;
 constexpr int kLengthParts = 4;
+
+/// Where the distance is almost zero, by its gradient from cells about the surface.
+std::vector<Vector3> on_surface(const Shape& shape) {
+  constexpr int kSearchCells = 48;    // along the longest side
+  constexpr double kOn = 1e-3;  // of a cell
+  const Eigen::AlignedBox3d box = bounds(shape);
+  const double cell = box.sizes().maxCoeff() / kSearchCells;
+  const Eigen::Array3i count = (box.sizes() / cell).array().ceil().cast<int>() + 1;
+  std::vector<Vector3> points;
+  for (int i = 0; i < count.x(); ++i) {
+    for (int j = 0; j < count.y(); ++j) {
+      for (int k = 0; k < count.z(); ++k) {
+        Vector3 x = box.min() + cell * Eigen::Array3d(i, j, k).matrix();
+        SignedDistance at = distance_and_gradient(shape, x);
+        if (std::abs(at.distance) > cell) continue;
+        for (int step = 0; step < 8; ++step) {
+          x -= at.distance * at.gradient / std::max(at.gradient.squaredNorm(), 0.1);
+          at = distance_and_gradient(shape, x);
+        }
+        if (std::abs(at.distance) < kOn * cell) points.push_back(x);
+      }
+    }
+  }
+  return points;
+}
+
+/// Those that stick out furthest in even directions, corners among them, then whichever is furthest
+/// from all before.
+std::vector<SurfacePoint> spread(const Shape& shape) {
+  constexpr std::size_t kMostPoints = 300;
+  constexpr int kDirections = 64;
+  const std::vector<Vector3> all = on_surface(shape);
+  std::vector<SurfacePoint> points;
+  if (all.empty()) return points;
+  std::vector<double> distance(all.size(), std::numeric_limits<double>::infinity());
+  const auto take = [&](std::size_t index) {
+    if (!(distance[index] > 0.0)) return;
+    points.push_back({all[index], 0.0});
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      distance[i] = std::min(distance[i], (all[i] - all[index]).squaredNorm());
+    }
+  };
+  for (int d = 0; d < kDirections; ++d) {
+    // A spiral from pole to pole (Saff and Kuijlaars, 1997).
+    const double z = 1.0 - (2.0 * d + 1.0) / kDirections;
+    const double angle = 3.6 / std::sqrt(kDirections) * d / std::sqrt(1.0 - z * z);
+    const double r = std::sqrt(1.0 - z * z);
+    const Vector3 direction(r * std::cos(angle), r * std::sin(angle), z);
+    const auto furthest =
+        std::ranges::max_element(all, {}, [&](const Vector3& x) { return x.dot(direction); });
+    take(static_cast<std::size_t>(furthest - all.begin()));
+  }
+  while (points.size() < kMostPoints) {
+    const auto furthest = std::ranges::max_element(distance);
+    if (!(*furthest > 0.0)) break;
+    take(static_cast<std::size_t>(furthest - distance.begin()));
+  }
+  return points;
+}
 
 struct Points {
   std::vector<SurfacePoint> operator()(const HalfSpace& /*shape*/) const { return {}; }
@@ -65,7 +126,7 @@ struct Points {
     }
     return points;
   }
-  std::vector<SurfacePoint> operator()(const MeshShape& /*mesh*/) const { return {}; }
+  std::vector<SurfacePoint> operator()(const MeshShape& mesh) const { return spread(mesh); }
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "softfinger/geometry/mesh_import.hpp"
 #include "softfinger/geometry/mesh_units.hpp"
 #include "softfinger/geometry/shape_names.hpp"
+#include "softfinger/scene/object_dynamics_file.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
@@ -164,7 +165,8 @@ std::string free_name(std::string_view shape, const std::set<std::string>& taken
   return name;
 }
 
-VirtualObject read_object(const ConfigTable& table, const std::string& default_name) {
+VirtualObject read_object(const ConfigTable& table, const std::string& default_name,
+                          std::optional<ReadDynamics>& dynamics) {
   const ShapeKind kind = read_shape_kind(table);
   VirtualObject object{.name = table.text("name", default_name),
                        .shape = read_shape(table, kind),
@@ -173,7 +175,9 @@ VirtualObject read_object(const ConfigTable& table, const std::string& default_n
   const Pose origin;
   const Pose X_WO = read_pose(table, &origin);
   object.friction_coefficient = table.optional_number("friction_coefficient", kFriction);
-  auto waypoints = read_waypoints(table, &X_WO);
+  dynamics = read_dynamics(table, kind == ShapeKind::kPlane);
+  std::vector<Waypoint> waypoints;
+  if (!dynamics) waypoints = read_waypoints(table, &X_WO);
   object.motion = waypoints.empty() ? Trajectory(X_WO) : Trajectory(std::move(waypoints));
   return object;
 }
@@ -206,6 +210,7 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
 /// All of a scene file but the meshes that it names.
 struct ReadScene {
   Scene scene;
+  std::vector<std::pair<std::size_t, ReadDynamics>> dynamics;
   std::vector<NamedMesh> meshes;
 };
 
@@ -216,10 +221,11 @@ ReadScene read_scene(const ConfigFile& config, bool trackers_given) {
   scene.file = config.file();
   scene.description = root.text("description", "");
   const auto fingers = root.tables("finger");
-  root.needs_one("finger");
   const auto objects = root.tables("object");
   const ConfigTable rates = root.table_or_empty("rates");
   scene.simulation_rate = rates.number("simulation_Hz", kSimulationRate, scene.simulation_rate);
+  scene.gravity = root.table_or_empty("world").numbers(
+      "gravity_m_per_s2", 3, Range::between(-100.0, 100.0), scene.gravity);
   std::set<std::string> names;
   for (const ConfigTable& table : fingers) {
     scene.fingers.push_back(read_finger(table, trackers_given));
@@ -241,11 +247,19 @@ ReadScene read_scene(const ConfigFile& config, bool trackers_given) {
     const ShapeKind kind = read_shape_kind(table);
     table.decides("shape");
     if (kind == ShapeKind::kMesh) read.meshes.push_back(read_mesh(table, scene.objects.size()));
-    scene.objects.push_back(read_object(table, free_name(row_of(kShapes, kind).name, names)));
+    std::optional<ReadDynamics> dynamics;
+    scene.objects.push_back(
+        read_object(table, free_name(row_of(kShapes, kind).name, names), dynamics));
+    if (dynamics) read.dynamics.emplace_back(scene.objects.size() - 1, *dynamics);
+    if (read.dynamics.size() > kMostMovingObjects) {
+      table.fail("motion", fmt::format("at most {} objects can be dynamic", kMostMovingObjects));
+    }
     names.insert(scene.objects.back().name);
   }
   root.finish();  // first: a misspelt key may be the reason that there is no finger
-  if (fingers.empty()) root.fail("finger", "a scene needs at least one [[finger]]");
+  if (fingers.empty() && read.dynamics.empty()) {
+    root.fail("finger", "a scene needs at least one [[finger]]");
+  }
   return read;
 }
 
@@ -266,6 +280,16 @@ constexpr std::array kExampleObjects{
     "shape = \"cylinder\"\nradius_mm = 10.0\nlength_mm = 40.0\n",
     "shape = \"mesh\"\nfile = \"relief.ply\"\nunit = \"mm\"\n",
     "shape = \"mesh\"\nfile = \"relief.glb\"\n",
+    "shape = \"box\"\nsize_mm = [60.0, 60.0, 20.0]\nmotion = \"dynamic\"\nmass_g = 10.0\n"
+    "[object.joint]\nkind = \"slider\"\naxis = [0.0, 0.0, 1.0]\n"
+    "[object.joint.curve]\ntravel_mm = [0.0, 1.0]\nforce_N = [0.0, 1.0]\n",
+    "shape = \"cylinder\"\nradius_mm = 10.0\nlength_mm = 40.0\nmotion = \"dynamic\"\n"
+    "density_kg_per_m3 = 1000.0\n[object.joint]\nkind = \"hinge\"\naxis = [0.0, 0.0, 1.0]\n"
+    "parent = \"box\"\n[object.joint.detents]\ncount = 24\ntorque_N_mm = 4.0\n",
+    "shape = \"sphere\"\nradius_mm = 20.0\nmotion = \"dynamic\"\nmass_g = 10.0\n"
+    "[object.joint]\nkind = \"ball\"\n",
+    "shape = \"mesh\"\nfile = \"relief.ply\"\nunit = \"mm\"\nmotion = \"dynamic\"\nmass_g = 10.0\n"
+    "[object.joint]\nkind = \"fixed\"\n",
 };
 
 }  // namespace
@@ -283,13 +307,16 @@ Scene load_scene(const std::filesystem::path& file, bool trackers_given,
   const ConfigFile config(file);
   ReadScene read = read_scene(config, trackers_given);
   load_meshes(read.meshes, read.scene, observer);
+  finish_dynamics(read.dynamics, read.scene.objects);
   return std::move(read.scene);
 }
 
 std::string scene_schema() {
   std::string text = kExample;
   for (const char* object : kExampleObjects) {
-    text += fmt::format("[[object]]\n{}[[object.waypoint]]\ntime_s = 0.0\n", object);
+    const bool moves = std::string_view(object).find("dynamic") != std::string_view::npos;
+    text +=
+        fmt::format("[[object]]\n{}{}", object, moves ? "" : "[[object.waypoint]]\ntime_s = 0.0\n");
   }
   const ConfigFile config("scene.toml", text);
   static_cast<void>(read_scene(config, false));

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "softfinger/base/error.hpp"
 #include "softfinger/loop/step_pacer.hpp"
 #include "softfinger/threads/awake_processors.hpp"
 #include "softfinger/threads/thread_priority.hpp"
@@ -53,6 +54,12 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
   scene_.emplace(scene.objects, scene.gravity, rate_, team_.get());
   for (const auto& finger : fingers_) scene_->add(*finger->chain);
   tracked_.resize(count);
+  if (fingers_.empty() && !options.duration) {
+    throw InputError(
+        fmt::format("{}: has no finger whose script would end the run; give "
+                    "--duration-s",
+                    setup_->scene.file.string()));
+  }
   std::optional<double> end = options.duration;
   if (!end) {
     end = 0.0;

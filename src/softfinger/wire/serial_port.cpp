@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <utility>
 // After <utility>, which its headers need and do not include.
 #include <boost/asio/io_context.hpp>
@@ -63,6 +64,16 @@ std::string SerialPort::open(const std::string& port, unsigned baud) {
     }
   }
   if (::isatty(line_->port.native_handle()) == 0) return refuse("it is no serial port");
+  struct stat status {};
+  if (is_pseudo_terminal(line_->port.native_handle()) && !std::filesystem::is_symlink(port) &&
+      ::fstat(line_->port.native_handle(), &status) == 0) {
+    Terminal found{port, status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
+    if (terminal_.name == port &&
+        (terminal_.seconds != found.seconds || terminal_.nanoseconds != found.nanoseconds)) {
+      return refuse("there is no such port");
+    }
+    terminal_ = std::move(found);
+  }
   // Two that move one device would move it against each other.
   if (::flock(line_->port.native_handle(), LOCK_EX | LOCK_NB) != 0) {
     return refuse("another program uses it");

@@ -18,7 +18,8 @@ class SerialPort {
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
 
-  /// Opens a tty. Returns an empty text, or in few words why it cannot be opened.
+  /// Opens a tty. Returns an empty text, or in few words why it cannot be opened. A pseudo-terminal
+  /// that is gone stays gone: another one under its number is not what was opened before.
   [[nodiscard]] std::string open(const std::string& port, unsigned baud);
   void close() noexcept;
   [[nodiscard]] bool is_open() const noexcept;
@@ -48,8 +49,15 @@ class SerialPort {
  private:
   bool flush() noexcept;  ///< false: vanished
 
+  /// Which pseudo-terminal stood under a name.
+  struct Terminal {
+    std::string name;
+    std::int64_t seconds = 0, nanoseconds = 0;  ///< since when
+  };
+
   struct Line;
   std::unique_ptr<Line> line_;
+  Terminal terminal_;  ///< the last one opened
   std::array<std::uint8_t, kMaxWrite> waiting_{};
   std::size_t waiting_from_ = 0;
   std::size_t waiting_to_ = 0;
