@@ -6,6 +6,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_potential.hpp"
+#include "softfinger/finger/minimise_in_cone.hpp"
 #include "softfinger/identification/indentation.hpp"
 
 namespace softfinger {
