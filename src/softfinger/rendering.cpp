@@ -25,6 +25,7 @@ std::size_t finger_index(const Scene& scene, const std::string& name) {
     if (name.empty() || scene.fingers[i].name == name) return i;
     names.push_back(scene.fingers[i].name);
   }
+  if (names.empty()) throw InputError(fmt::format("{}: has no finger", scene.file.string()));
   throw InputError(fmt::format("{}: no finger named {}; there is {}", scene.file.string(), name,
                                fmt::join(names, ", ")));
 }

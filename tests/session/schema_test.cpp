@@ -64,5 +64,22 @@ TEST(Schemas, HoldForEveryShippedFileAndNoUnknownKey) {
   }
 }
 
+TEST(Schemas, OfScenesKnowWhatMovesByForces) {
+  const json schema = json::parse(scene_schema());
+  const auto scene = [](const std::string& object) {
+    return to_json(toml::parse("[[object]]\nshape = \"sphere\"\nradius_mm = 5\n" + object));
+  };
+  const std::string moves = "motion = \"dynamic\"\nmass_g = 1\n";
+  EXPECT_EQ(breach(schema, scene("")), "");
+  EXPECT_EQ(breach(schema, scene(moves)), "");
+  EXPECT_EQ(breach(schema, scene(moves + "joint = {kind = \"ball\", parent = \"a\"}")), "");
+  EXPECT_EQ(breach(schema, scene(moves + "joint = {kind = \"slider\", axis = [0, 0, 1]}")), "");
+  EXPECT_NE(breach(schema, scene(moves + "joint = {kind = \"ball\", axis = [0, 0, 1]}")), "");
+  EXPECT_NE(breach(schema, scene(moves + "joint = {kind = \"slider\"}")), "");
+  EXPECT_NE(breach(schema, scene(moves + "waypoint = [{time_s = 0}]")), "");
+  EXPECT_NE(breach(schema, scene("mass_g = 1")), "");
+  EXPECT_NE(breach(schema, scene("motion = \"free\"")), "");
+}
+
 }  // namespace
 }  // namespace softfinger

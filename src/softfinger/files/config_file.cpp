@@ -162,6 +162,14 @@ Eigen::VectorXd ConfigTable::numbers(std::string_view key, int size, Range range
   return fallback;
 }
 
+std::optional<Eigen::VectorXd> ConfigTable::optional_numbers(std::string_view key, int size,
+                                                             Range range) const {
+  node_->rule(key, false, numbers_schema(key, size, range));
+  const toml::node* value = node_->find(key);
+  if (value == nullptr) return std::nullopt;
+  return node_->take_numbers(key, *value, size, range);
+}
+
 Eigen::VectorXd ConfigTable::some_numbers(std::string_view key, int least, int most,
                                           Range range) const {
   Json schema = numbers_schema(key, most, range);

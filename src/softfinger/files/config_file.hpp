@@ -62,7 +62,8 @@ class ConfigTable {
   Eigen::VectorXd numbers(std::string_view key, int size, Range range = Range::any()) const;
   Eigen::VectorXd numbers(std::string_view key, int size, Range range,
                           const Eigen::VectorXd& fallback) const;
-
+  std::optional<Eigen::VectorXd> optional_numbers(std::string_view key, int size,
+                                                  Range range = Range::any()) const;
   /// Array of as many numbers as it has, from `least` to `most`, in SI.
   Eigen::VectorXd some_numbers(std::string_view key, int least, int most,
                                Range range = Range::any()) const;

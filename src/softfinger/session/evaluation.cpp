@@ -125,6 +125,10 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
   run.actuator.port = "emulator";
   const std::shared_ptr<const RunSetup> setup = load_unless_stopped(run, stop);
   if (!setup) throw OperationError("evaluate: ended while the scene was loading");
+  if (setup->models.empty()) {
+    throw InputError(
+        fmt::format("{}: has no finger to judge a device by", setup->scene.file.string()));
+  }
   std::vector<Judge> judges;
   Evaluation answer;
   answer.has_lagged = true;

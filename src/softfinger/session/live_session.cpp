@@ -104,7 +104,9 @@ void LiveSession::begin(std::shared_ptr<const RunSetup> setup) {
   description->generation = generation_;
   description->scene_names = scene_names_;
   description->duration = run->duration().value_or(0.0);
-  description->fingers[0].twin = options_.twin && setup_->devices[0];
+  if (!description->fingers.empty()) {
+    description->fingers[0].twin = options_.twin && setup_->devices[0];
+  }
   const std::lock_guard lock(mutex_);
   if (run_) run->continue_after(*run_);
   loading_.clear();
