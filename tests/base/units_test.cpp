@@ -27,6 +27,7 @@ constexpr std::array kCases{
     Case{"torque_N_mm", 1e-3, "N mm", "N mm"},
     Case{"compliance_deg_per_N_mm", 17.453292519943295, "degrees per N mm", "deg/(N mm)"},
     Case{"compliance_mm_per_N", 1e-3, "mm per N", "mm/N"},
+    Case{"gravity_m_per_s2", 1.0, "metres per second squared", "m/s2"},
     Case{"max_force_N", 1.0, "N", "N"},
     Case{"us_per_deg", 1e-6 / 0.017453292519943295, "microseconds per degree", "us/deg"},
     Case{"count", 1.0, "", ""},
