@@ -33,6 +33,8 @@ TrackedPose CsvTracker::sample(double time) {
   if (after == rows_.end() || after->time - last.time > limit) {
     return tracked(last, time - last.time <= limit);
   }
+  // To the bit: other ways to hand over the same pose take no turn through an interpolation.
+  if (time == last.time) return tracked(last, true);
   const double s = (time - last.time) / (after->time - last.time);
   PoseSample between{.time = time,
                      .p_WFt = last.p_WFt + s * (after->p_WFt - last.p_WFt),

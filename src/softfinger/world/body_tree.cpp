@@ -44,6 +44,14 @@ Vector6 twist_of(const Vector3& translation, const Vector3& rotation) {
 
 }  // namespace
 
+double inertia_about(const Joint& joint, const BodyInertia& inertia) {
+  if (joint.kind == JointKind::kSlider) return inertia.mass;
+  const Vector3 way = inertia.centre_O - joint.point_O;
+  const Vector3& axis = joint.axis_O;
+  return inertia.second_O.trace() - axis.dot(inertia.second_O * axis) +
+         inertia.mass * axis.cross(way).squaredNorm();
+}
+
 BodyTree::BodyTree(std::span<const VirtualObject> objects)
     : objects_(objects), body_of_object_(objects.size(), -1) {
   std::size_t count = 0;

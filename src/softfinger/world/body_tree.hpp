@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "softfinger/contact/virtual_object.hpp"
@@ -16,6 +17,9 @@ struct BodyInertia {
   Vector3 centre_O = Vector3::Zero();  ///< of mass, m
   Matrix3 second_O = Matrix3::Zero();  ///< sum m x x^T about the centre, kg m^2
 };
+
+/// What a slider (kg) or hinge (kg m^2) moves of its own object.
+[[nodiscard]] double inertia_about(const Joint& joint, const BodyInertia& inertia);
 
 /// An object that moves by the forces on it, and what it hangs on.
 struct Body {
@@ -48,6 +52,7 @@ class BodyTree {
 
   [[nodiscard]] std::span<const Body> bodies() const { return bodies_; }
   [[nodiscard]] int freedoms() const { return freedoms_; }
+  [[nodiscard]] const std::string& name(std::size_t object) const { return objects_[object].name; }
   /// The body that is this object; -1: it follows its script.
   [[nodiscard]] int body_of(std::size_t object) const { return body_of_object_[object]; }
 

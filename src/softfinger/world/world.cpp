@@ -141,6 +141,7 @@ struct World::Implementation {
   }
 
   void end() {
+    problem->end();
     const std::span<const BodyPlace> ended = problem->places();
     for (std::size_t b = 0; b < motions.size(); ++b) motions[b].end(ended[b]);
     for (std::size_t o = 0; o < objects.size(); ++o) {
@@ -214,7 +215,7 @@ void World::add(FingerSimulation& finger) {
 void World::reset() {
   Implementation& self = *implementation_;
   self.start();
-  self.problem->forget();
+  self.problem->reset();
   self.time = 0.0;
   self.last = {};
   for (FingerSimulation* finger : self.fingers) {
@@ -284,6 +285,7 @@ std::uint64_t World::state_hash() const {
   const Implementation& self = *implementation_;
   Hash hash;
   for (const BodyMotion& motion : self.motions) motion.add_to(hash);
+  for (std::size_t b = 0; b < self.motions.size(); ++b) hash.add(self.problem->anchor(b));
   self.contact.add_to(hash);
   for (const int steps : self.quiet) hash.add(steps);
   return hash.value();

@@ -1,9 +1,14 @@
 #include "softfinger/world/world_problem.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
+#include "softfinger/base/error.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 #include "softfinger/threads/thread_team.hpp"
 
@@ -22,6 +27,13 @@ constexpr double kAccuracy = 1e-11;
 /// Heights are measured from this far below, m, so that the rounding of an energy, which the line
 /// search allows for as a part of it, does not vanish where the energy does.
 constexpr double kLevel = 1.0;
+/// Of a joint's limits, times the inertia of a step.
+constexpr double kLimitStiffness = 10.0;
+std::string too_steep(const Body& body, double times) {
+  const bool curve = body.joint->curve.has_value();
+  return fmt::format("its {} falls too steeply for this mass and simulation_Hz; {:.3g} g would do",
+                     curve ? "curve" : "detents", 1.05 * times * body.inertia.mass * 1e3);
+}
 
 }  // namespace
 
@@ -45,6 +57,18 @@ WorldProblem::WorldProblem(const BodyTree& tree, std::span<BodyMotion> motions,
     for (int c = turns_only ? 0 : 3; c < body.freedoms; ++c) {
       lengths_[static_cast<std::size_t>(body.first + c)] = reach;
     }
+  }
+  for (const Body& body : tree.bodies()) {
+    joints_.emplace_back();
+    if (!body.joint || body.freedoms != 1) continue;
+    const double per_step = inertia_about(*body.joint, body.inertia) / (time_step * time_step);
+    const JointLaw law(*body.joint, kLimitStiffness * per_step);
+    // Else a step would have two minima.
+    if (!(per_step > -law.least_stiffness())) {
+      throw InputError(fmt::format("object '{}': {}", tree.name(body.object),
+                                   too_steep(body, -law.least_stiffness() / per_step)));
+    }
+    joints_.back().emplace(JointForces{.law = law, .damping = body.joint->damping});
   }
   const auto freedoms = static_cast<Eigen::Index>(tree.freedoms());
   for (Point* point : {&current_, &trial_}) {
@@ -97,10 +121,39 @@ void WorldProblem::begin(double time, std::span<Pose> X_WO, std::span<const Body
     partner.taking_part = takes_part;
     if (takes_part) fingers_.push_back(&partner);
   }
+  for (std::size_t b = 0; b < joints_.size(); ++b) {
+    if (joints_[b]) joints_[b]->old_q = motions_[b].place().q;
+  }
   std::copy(places.begin(), places.end(), current_.places.begin());
   show(current_.places);
   evaluate(current_);
   cache_is_current_ = true;
+}
+
+void WorldProblem::end() {
+  for (std::size_t b = 0; b < joints_.size(); ++b) {
+    if (!joints_[b]) continue;
+    JointForces& joint = *joints_[b];
+    joint.anchor = joint.law.anchor_after(current_.places[b].q, joint.anchor);
+  }
+}
+
+void WorldProblem::reset() {
+  for (std::optional<JointForces>& joint : joints_) {
+    if (joint) joint->anchor = 0.0;
+  }
+  forget();
+}
+
+LawValue WorldProblem::joint_value(const JointForces& joint, double q) const {
+  LawValue sum = joint.law.evaluate(q);
+  const LawValue friction = joint.law.friction(q, joint.anchor);
+  const double damping = joint.damping / time_step_;
+  const double moved = q - joint.old_q;
+  sum.energy += friction.energy + 0.5 * damping * moved * moved;
+  sum.force += friction.force + damping * moved;
+  sum.stiffness += friction.stiffness + damping;
+  return sum;
 }
 
 void WorldProblem::show(std::span<const BodyPlace> places) {
@@ -154,6 +207,15 @@ void WorldProblem::add_bodies(Point& point) {
       point.gradient[column.coordinate] += column.twist.dot(wrench);
     }
   }
+  for (std::size_t b = 0; b < joints_.size(); ++b) {
+    if (!joints_[b]) continue;
+    const LawValue value = joint_value(*joints_[b], point.places[b].q);
+    const int c = tree_.bodies()[b].first;
+    point.energy += value.energy;
+    point.gradient[c] += value.force;
+    const double force = value.force / lengths_[static_cast<std::size_t>(c)];
+    scale += force * force;
+  }
   double squared = 0.0;
   for (Eigen::Index c = 0; c < point.gradient.size(); ++c) {
     const double force = point.gradient[c] / lengths_[static_cast<std::size_t>(c)];
@@ -205,6 +267,11 @@ void WorldProblem::build_system() {
   system_.setZero();
   for (std::size_t b = 0; b < motions_.size(); ++b) {
     add_pair(b, b, motions_[b].hessian(current_.places[b].X_WO));
+  }
+  for (std::size_t b = 0; b < joints_.size(); ++b) {
+    if (!joints_[b]) continue;
+    const int c = tree_.bodies()[b].first;
+    system_(c, c) += joint_value(*joints_[b], current_.places[b].q).stiffness;
   }
   contact_.for_each_touch([&](const SolidContact::Touch& touch) {
     const int of = tree_.body_of(touch.of);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "softfinger/numerics/newton.hpp"
 #include "softfinger/world/body_motion.hpp"
 #include "softfinger/world/body_tree.hpp"
+#include "softfinger/world/joint_law.hpp"
 #include "softfinger/world/solid_contact.hpp"
 
 namespace softfinger {
@@ -34,6 +36,18 @@ class WorldProblem {
   void begin(double time, std::span<Pose> X_WO, std::span<const BodyPlace> places,
              std::span<FingerSimulation* const> fingers);
   [[nodiscard]] std::span<const BodyPlace> places() const { return current_.places; }
+  /// The step has ended where it stands: dry friction of joints follows.
+  void end();
+  /// Joints as at the start.
+  void reset();
+  /// Null: the body has neither slider nor hinge.
+  [[nodiscard]] const JointLaw* law(std::size_t body) const {
+    return joints_[body] ? &joints_[body]->law : nullptr;
+  }
+  /// Where friction holds the joint of a body; 0 without.
+  [[nodiscard]] double anchor(std::size_t body) const {
+    return joints_[body] ? joints_[body]->anchor : 0.0;
+  }
   /// Forgets factors.
   void forget();
 
@@ -68,6 +82,14 @@ class WorldProblem {
     std::vector<Vector3> carried;     ///< by contact point, N
     bool taking_part = false;
   };
+  /// What acts on the coordinate of a slider or hinge.
+  struct JointForces {
+    JointLaw law;
+    double damping = 0.0;  ///< N s/m or N m s/rad
+    double anchor = 0.0;   ///< q where dry friction holds
+    double old_q = 0.0;    ///< at the start of the step
+  };
+  [[nodiscard]] LawValue joint_value(const JointForces& joint, double q) const;
   template <typename Work>
   void for_each_finger(const Work& work);
   void show(std::span<const BodyPlace> places);
@@ -85,6 +107,7 @@ class WorldProblem {
   Vector3 gravity_;
   double time_step_;
   ThreadTeam* team_;
+  std::vector<std::optional<JointForces>> joints_;  ///< by body
   std::vector<Partner> partners_;
   std::vector<Partner*> fingers_;  ///< that take part
   double time_ = 0.0;
