@@ -150,6 +150,8 @@ TEST(SerialPort, ATerminalUnderTheNumberOfOneThatIsGoneIsAnotherPort) {
     ASSERT_EQ(port.open(name, 115200), "") << "the same once more";
     port.close();
     terminal = nullptr;
+    // The clock that tells them apart has steps of some milliseconds.
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const Terminal next;
     if (next.port() != name) continue;
     EXPECT_EQ(port.open(name, 115200), "there is no such port");
