@@ -57,12 +57,23 @@ Json sizes_of(const MeshShape& mesh) {
           {"grid_memory_MB", mesh->memory() >> 20}};
 }
 
-Json describe(const VirtualObject& object) {
+Json describe(const Joint& joint, const Scene& scene) {
+  Json json{{"kind", row_of(kJointKinds, joint.kind).name}, {"parent", nullptr}};
+  if (joint.parent >= 0)
+    json["parent"] = scene.objects[static_cast<std::size_t>(joint.parent)].name;
+  return json;
+}
+
+Json describe(const VirtualObject& object, const Scene& scene) {
   Json json{{"name", object.name}, {"shape", name_of(object.shape)}};
   json.update(std::visit([](const auto& shape) { return sizes_of(shape); }, object.shape));
   json["friction_coefficient"] = nullptr;
   if (object.friction_coefficient) json["friction_coefficient"] = *object.friction_coefficient;
-  json["moves"] = object.motion.moves();
+  json["moves"] = object.motion.moves() || object.dynamics;
+  if (!object.dynamics) return json;
+  json["mass_g"] = std::round(object.dynamics->mass / unit_scale("mass_g") * 1e9) / 1e9;
+  json["joint"] = nullptr;
+  if (object.dynamics->joint) json["joint"] = describe(*object.dynamics->joint, scene);
   return json;
 }
 
@@ -104,7 +115,7 @@ Json check(const std::string& file) {
     fingers.back()["notices"] = notices_json(setup->notices[i]);
   }
   Json objects = Json::array();
-  for (const VirtualObject& object : scene.objects) objects.push_back(describe(object));
+  for (const VirtualObject& object : scene.objects) objects.push_back(describe(object, scene));
   Json result{{"scene", scene.file.string()},           {"description", scene.description},
               {"simulation_Hz", scene.simulation_rate}, {"duration_s", nullptr},
               {"fingers", std::move(fingers)},          {"objects", std::move(objects)}};
@@ -132,6 +143,17 @@ std::string sizes(const Json& object) {
                          fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "));
   }
   return "";
+}
+
+/// How an object moves, for people.
+std::string motion(const Json& object) {
+  if (!object.contains("mass_g")) return object.at("moves").get<bool>() ? ", moves" : "";
+  std::string words = fmt::format(", {:.6g} g", object.at("mass_g").get<double>());
+  const Json& joint = object.at("joint");
+  if (joint.is_null()) return words + ", free";
+  const Json& parent = joint.at("parent");
+  return words + fmt::format(", {} on {}", joint.at("kind").get<std::string>(),
+                             parent.is_null() ? "the world" : parent.get<std::string>());
 }
 
 void print_summary(const Json& scene) {
@@ -164,7 +186,7 @@ void print_summary(const Json& scene) {
     fmt::print("  object {}: {}{}, friction {}{}\n", text(object, "name"), text(object, "shape"),
                sizes(object),
                friction.is_null() ? "of the finger" : fmt::format("{}", friction.get<double>()),
-               object.at("moves").get<bool>() ? ", moves" : "");
+               motion(object));
   }
   fmt::print("  simulation at {:g} Hz\n", scene.at("simulation_Hz").get<double>());
 }

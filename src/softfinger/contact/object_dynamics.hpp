@@ -4,11 +4,18 @@
 #include <optional>
 #include <vector>
 
+#include "softfinger/base/name_table.hpp"
 #include "softfinger/geometry/pose.hpp"
 
 namespace softfinger {
 
 enum class JointKind { kSlider, kHinge, kBall, kFixed };
+inline constexpr std::array<NameRow<JointKind>, 4> kJointKinds{{
+    {JointKind::kSlider, "slider"},
+    {JointKind::kHinge, "hinge"},
+    {JointKind::kBall, "ball"},
+    {JointKind::kFixed, "fixed"},
+}};
 
 /// Force of a slider by how far it is pressed in: along its axis (N) at travel = -q (m). A monotone
 /// cubic between the points; beyond them it goes on with its end slopes. Travel strictly increases.

@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "softfinger/base/name_table.hpp"
 #include "softfinger/base/units.hpp"
 
 namespace softfinger {
@@ -20,13 +19,6 @@ const Range kConstant = Range::between(0.0, 1e6);  // of springs, dampers and fr
 const Range kForce = Range::between(-1e4, 1e4);    // N
 constexpr int kMostPoints = 200;
 constexpr int kMostDetents = 1000;
-
-constexpr std::array<NameRow<JointKind>, 4> kJointKinds{{
-    {JointKind::kSlider, "slider"},
-    {JointKind::kHinge, "hinge"},
-    {JointKind::kBall, "ball"},
-    {JointKind::kFixed, "fixed"},
-}};
 
 /// Keys of a joint with one coordinate, by the unit of that.
 struct CoordinateKeys {

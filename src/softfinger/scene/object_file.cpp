@@ -204,6 +204,7 @@ int number_of(const std::string& name, const std::vector<VirtualObject>& objects
   const auto found = std::ranges::find(objects, name, &VirtualObject::name);
   if (found != objects.end()) return static_cast<int>(found - objects.begin());
   std::vector<std::string> names;
+  names.reserve(objects.size());
   for (const VirtualObject& object : objects) names.push_back(object.name);
   const std::string near = nearest_word(name, names);
   joint.fail("parent", fmt::format("no object is named '{}'{}", name,
@@ -296,6 +297,7 @@ std::vector<ReadObject> read_objects(const std::vector<ConfigTable>& tables) {
 std::vector<VirtualObject> complete(const std::vector<ReadObject>& read,
                                     const LoadObserver& observer) {
   std::vector<VirtualObject> objects;
+  objects.reserve(read.size());
   for (const ReadObject& each : read) objects.push_back(each.object);
   join(read, objects);
   load_meshes(read, objects, observer);

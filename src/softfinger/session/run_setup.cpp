@@ -53,6 +53,14 @@ void apply_overrides(const std::vector<std::string>& overrides, const char* flag
   }
 }
 
+/// There is nothing to override in a scene of objects alone.
+void refuse_without_finger(const std::vector<std::string>& overrides, const char* flag,
+                           const Scene& scene) {
+  if (overrides.empty() || !scene.fingers.empty()) return;
+  throw InputError(fmt::format("{} {}: {} has no finger; leave it out", flag, overrides.front(),
+                               scene.file.string()));
+}
+
 /// As `--tracker` says; a whole hand without a name moves every finger.
 void override_trackers(const std::vector<std::string>& overrides, RunSetup& setup) {
   std::vector<std::string> named;
@@ -119,6 +127,8 @@ std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
   setup->scene = load_scene(file_or_shipped(Shipped::kScene, options.scene.native()),
                             !options.trackers.empty(), options.load_observer);
   Scene& scene = setup->scene;
+  refuse_without_finger(options.devices, "--device", scene);
+  refuse_without_finger(options.trackers, "--tracker", scene);
   setup->tracker_directories.assign(scene.fingers.size(), scene.file.parent_path());
   apply_overrides(options.devices, "--device", scene, [&](std::size_t i, const std::string& file) {
     scene.fingers[i].device = file_or_shipped(Shipped::kDevice, file);
