@@ -86,7 +86,7 @@ MatchingResult matched(const MatchFlags& flags, const std::shared_ptr<const Devi
   }
   MatchingOptions within = options;  // there is nothing to optimise
   if (within.limits == MatchingLimits::kInside) within.limits = MatchingLimits::kClamp;
-  const ContactPlane plane = contact_plane(points, options.weights, *device);
+  const FittedPlane plane = contact_plane(points, options.weights, *device);
   return matching.answer(points, within,
                          std::ranges::count(points.in_contact, 0) == std::ssize(points.in_contact)
                              ? device->home()

@@ -22,7 +22,7 @@ TEST(ContactPlane, OfPointsIsTheirPlaneTowardsTheFinger) {
   const Pad pad = press_plane(resting_pad(120, random), Vector3(0.0, 0.0, -5.5 * mm), normal);
   ASSERT_GT(pad.contacts(), 5);
   for (const MatchingWeights weights : {MatchingWeights::kUniform, MatchingWeights::kArea}) {
-    const ContactPlane plane = contact_plane(pad.view(), weights, *thimble());
+    const FittedPlane plane = contact_plane(pad.view(), weights, *thimble());
     EXPECT_LT((plane.normal - normal).norm(), 1e-9);
     EXPECT_NEAR(normal.dot(plane.point - Vector3(0.0, 0.0, -5.5 * mm)), 0.0, 1e-12);
   }
@@ -32,7 +32,7 @@ TEST(ContactPlane, LeavesOpenWhatPointsOnALineDo) {
   Pad pad;
   for (const double x : {-1.0, 0.5, 2.0}) pad.points.emplace_back(Vector3(x, 0.0, -7.0) * mm);
   pad.in_contact = {1, 1, 1};
-  const ContactPlane plane = contact_plane(pad.view(), MatchingWeights::kUniform, *thimble());
+  const FittedPlane plane = contact_plane(pad.view(), MatchingWeights::kUniform, *thimble());
   EXPECT_EQ(plane.normal, Vector3::Zero());
   EXPECT_LT((plane.point - Vector3(0.5, 0.0, -7.0) * mm).norm(), 1e-12);
   const Configuration q = on_plane(*thimble(), plane);
@@ -42,7 +42,7 @@ TEST(ContactPlane, LeavesOpenWhatPointsOnALineDo) {
 
 // A disk lies in the plane; what has no face to turn touches it at the point, by the least way.
 TEST(OnPlane, EveryDeviceMeetsThePoint) {
-  const ContactPlane plane{Vector3(1.0, -0.5, -6.5) * mm, leaning(8.0, 200.0)};
+  const FittedPlane plane{Vector3(1.0, -0.5, -6.5) * mm, leaning(8.0, 200.0)};
   for (const char* name :
        {"thimble-3rrs", "thimble-3rrs-mechanism", "cable-prattichizzo", "plate-6dof", "disk-linear",
         "delta-schorr", "five-bar", "membrane", "roller-provancher", "shear-tactor-gleeson",
@@ -63,8 +63,8 @@ TEST(OnPlane, EveryDeviceMeetsThePoint) {
 TEST(OnPlane, PinsAreAsHighAsThePlaneOverThem) {
   const auto device = device_of_file("pins-wagner-6x6");
   const Pose X_FB = device->surface_pose(device->home());
-  const ContactPlane plane{X_FB * (Vector3(0.5, -1.0, 0.9) * mm),
-                           X_FB.rotation * leaning(7.0, 30.0)};
+  const FittedPlane plane{X_FB * (Vector3(0.5, -1.0, 0.9) * mm),
+                          X_FB.rotation * leaning(7.0, 30.0)};
   const Configuration q = on_plane(*device, plane);
   std::vector<SolidPiece> pins(static_cast<std::size_t>(device->solid_piece_count()));
   device->solid_pieces(q, pins);

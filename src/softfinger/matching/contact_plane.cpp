@@ -16,7 +16,7 @@ constexpr double kSlight = 1e-6;    // of a metre a metre: a length that hardly 
 constexpr double kThin = 1e-3;      // of the greatest spread of points: less is none
 
 /// Pins as high as the plane over their middles.
-Configuration pins_on_plane(const Device& device, const PinField& pins, const ContactPlane& plane) {
+Configuration pins_on_plane(const Device& device, const PinField& pins, const FittedPlane& plane) {
   const Vector3 point_B = pins.in_mount(plane.point);
   const Vector3 normal_B = pins.in_mount(plane.point + plane.normal) - point_B;
   Configuration q = device.home();
@@ -35,9 +35,9 @@ Configuration pins_on_plane(const Device& device, const PinField& pins, const Co
 
 }  // namespace
 
-ContactPlane contact_plane(const ContactPoints& points, MatchingWeights weights,
-                           const Device& device) {
-  ContactPlane plane;
+FittedPlane contact_plane(const ContactPoints& points, MatchingWeights weights,
+                          const Device& device) {
+  FittedPlane plane;
   double sum = 0.0;
   const auto for_each_contact = [&](auto&& visit) {
     for (std::size_t i = 0; i < points.points_F.size(); ++i) {
@@ -69,7 +69,7 @@ bool takes_plane(const Device& device) {
                              [](const ConfigurationAxis& axis) { return !axis.angular; });
 }
 
-Configuration on_plane(const Device& device, const ContactPlane& plane) {
+Configuration on_plane(const Device& device, const FittedPlane& plane) {
   if (const PinField* const pins = device.pin_field()) return pins_on_plane(device, *pins, plane);
   Configuration q = device.home();
   if (plane.normal.squaredNorm() > 0.0) q = device.facing(plane.normal, q);
