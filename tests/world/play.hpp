@@ -56,6 +56,7 @@ class Play {
     for (std::size_t f = 0; f < all_.size(); ++f) all_[f]->begin_step(paths_[f](time()), time());
     world_.solve(all_, summaries_);
     for (FingerSimulation* finger : all_) finger->end_step();
+    events_.insert(events_.end(), world_.events().begin(), world_.events().end());
     unconverged_ += world_.summary().converged ? 0 : 1;
     iterations_ += world_.summary().iterations;
   }
@@ -69,6 +70,7 @@ class Play {
   [[nodiscard]] const FingerSimulation& finger(std::size_t f) const { return *fingers_[f]; }
   [[nodiscard]] const ObjectState& state(std::size_t o) const { return world_.state(o); }
   [[nodiscard]] const World& world() const { return world_; }
+  [[nodiscard]] const std::vector<WorldEvent>& events() const { return events_; }
   [[nodiscard]] int unconverged() const { return unconverged_; }
   /// Newton's iterations a step.
   [[nodiscard]] double iterations() const { return iterations_ / std::max(1, steps_); }
@@ -80,6 +82,7 @@ class Play {
   std::vector<std::unique_ptr<FingerSimulation>> fingers_;
   std::vector<FingerSimulation*> all_;
   std::vector<StepSummary> summaries_;
+  std::vector<WorldEvent> events_;
   int steps_ = 0;
   int unconverged_ = 0;
   double iterations_ = 0.0;

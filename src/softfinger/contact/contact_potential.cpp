@@ -254,6 +254,7 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
       force_squared += force.squaredNorm();
       if (!obstacles_[o].moves) continue;
       wrenches_[o].by_translation += force;
+      wrenches_[o].normal_force += pair.pressing * pair.gradient.norm();
       wrenches_[o].by_rotation += (positions[i] - obstacles_[o].X_WO.translation).cross(force);
     }
   }

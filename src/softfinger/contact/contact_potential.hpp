@@ -108,6 +108,7 @@ class ContactPotential {
   struct Wrench {
     Vector3 by_translation = Vector3::Zero();
     Vector3 by_rotation = Vector3::Zero();
+    double normal_force = 0.0;  ///< sum of magnitudes, N
   };
   [[nodiscard]] const Wrench& wrench(std::size_t o) const { return wrenches_[o]; }
   /// Lower bound of the least gap of sample i at the positions last evaluated, m; exact where it

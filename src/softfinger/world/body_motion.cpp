@@ -31,19 +31,19 @@ BodyMotion::BodyMotion(const Body& body, const BodyPlace& start, const Vector3& 
       old_rotation_(rotation_),
       rotation_rate_(skew(angular_velocity_W) * rotation_),
       old_rotation_rate_(rotation_rate_),
-      momentum_(inertia_W(rotation_) * angular_velocity_W),
+      momentum_(inertia_about_centre(rotation_) * angular_velocity_W),
       rate_(rate),
       old_rate_(rate),
       reference_centre_(centre_),
       reference_rotation_(rotation_) {}
 
-Matrix3 BodyMotion::inertia_W(const Matrix3& R_WO) const {
+Matrix3 BodyMotion::inertia_about_centre(const Matrix3& R_WO) const {
   const Matrix3 second = R_WO * body_.inertia.second_O * R_WO.transpose();
   return second.trace() * Matrix3::Identity() - second;
 }
 
 Vector3 BodyMotion::angular_velocity() const {
-  if (!body_.joint) return inertia_W(rotation_).ldlt().solve(momentum_);
+  if (!body_.joint) return inertia_about_centre(rotation_).ldlt().solve(momentum_);
   const Matrix3 rate = rotation_rate_ * rotation_.transpose();
   return 0.5 * vee(rate);
 }
@@ -78,7 +78,7 @@ void BodyMotion::begin(double h, bool smooth) {
   // Half way, where the axes of inertia are the step's on average.
   const Vector3 spin = angular_velocity();
   const Matrix3 half = exp_rotation(Vector3(0.5 * h * spin)) * rotation_;
-  const Vector3 mean_spin = inertia_W(half).ldlt().solve(momentum_);
+  const Vector3 mean_spin = inertia_about_centre(half).ldlt().solve(momentum_);
   reference_rotation_ = exp_rotation(Vector3(h * mean_spin)) * rotation_;
   predicted_.X_WO.rotation = reference_rotation_;
   predicted_.X_WO.translation = reference_centre_ - reference_rotation_ * body_.inertia.centre_O;
@@ -109,7 +109,7 @@ Matrix6 BodyMotion::hessian(const Pose& X_WO) const {
   h.topLeftCorner<3, 3>() = m * Matrix3::Identity();
   h.topRightCorner<3, 3>() = -m * way;
   h.bottomLeftCorner<3, 3>() = m * way;
-  h.bottomRightCorner<3, 3>() = turn_weight_ * inertia_W(X_WO.rotation) - m * way * way;
+  h.bottomRightCorner<3, 3>() = turn_weight_ * inertia_about_centre(X_WO.rotation) - m * way * way;
   return h;
 }
 

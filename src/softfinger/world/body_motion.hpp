@@ -60,7 +60,7 @@ class BodyMotion {
   [[nodiscard]] bool by_joint() const {
     return body_.joint && body_.stands_still && body_.parent < 0;
   }
-  [[nodiscard]] Matrix3 inertia_W(const Matrix3& R_WO) const;
+  [[nodiscard]] Matrix3 inertia_about_centre(const Matrix3& R_WO) const;
 
   Body body_;
   BodyPlace now_, predicted_;

@@ -38,21 +38,24 @@ LawValue JointLaw::evaluate(double q) const {
     add({at.work, at.force, at.slope}, -1.0);
   }
   if (detents_.count > 0) add(detents(q), 1.0);
-  if (limits_) {
-    if (q < (*limits_)[0]) add(limit((*limits_)[0] - q), -1.0);
-    if (q > (*limits_)[1]) add(limit(q - (*limits_)[1]), 1.0);
-  }
+  if (limits_) add(limits(q), 1.0);
   return sum;
 }
 
-LawValue JointLaw::limit(double beyond) const {
+double JointLaw::limit_force(double q) const { return limits_ ? limits(q).force : 0.0; }
+
+LawValue JointLaw::limits(double q) const {
+  const auto [least, greatest] = *limits_;
+  if (q >= least && q <= greatest) return {};
+  const double beyond = q < least ? least - q : q - greatest;
+  const double sign = q < least ? -1.0 : 1.0;
   const double k = limit_stiffness_;
   const double w = onset_;
   if (beyond < w) {
     const double part = beyond / w;
-    return {k * w * w * part * part * part / 6.0, 0.5 * k * w * part * part, k * part};
+    return {k * w * w * part * part * part / 6.0, sign * 0.5 * k * w * part * part, k * part};
   }
-  return {k * (0.5 * beyond * (beyond - w) + w * w / 6.0), k * (beyond - 0.5 * w), k};
+  return {k * (0.5 * beyond * (beyond - w) + w * w / 6.0), sign * k * (beyond - 0.5 * w), k};
 }
 
 LawValue JointLaw::detents(double q) const {

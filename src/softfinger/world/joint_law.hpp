@@ -25,6 +25,8 @@ class JointLaw {
   JointLaw(const Joint& joint, double limit_stiffness);
 
   [[nodiscard]] LawValue evaluate(double q) const;
+  /// What the limits do of its force, N or N m.
+  [[nodiscard]] double limit_force(double q) const;
   /// The least stiffness that the law has where limits let it come. A step of time_step h is convex
   /// in q if the inertia about q is more than -h^2 times it.
   [[nodiscard]] double least_stiffness() const;
@@ -48,7 +50,7 @@ class JointLaw {
   static constexpr double kStick = 1e-6, kHingeStick = 1e-4;
 
  private:
-  [[nodiscard]] LawValue limit(double beyond) const;
+  [[nodiscard]] LawValue limits(double q) const;
   [[nodiscard]] LawValue detents(double q) const;
   [[nodiscard]] double least_of_detents(double from, double to) const;
 

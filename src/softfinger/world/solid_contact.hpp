@@ -61,6 +61,16 @@ class SolidContact {
     }
   }
 
+  /// Calls press(object, object, normal force in N) for all points that press at the last
+  /// evaluation.
+  template <typename Visitor>
+  void for_each_pressing(const Visitor& press) const {
+    for (std::size_t k = 0; k < candidate_count_; ++k) {
+      const Candidate& c = candidates_[k];
+      if (c.pressing > 0.0) press(c.of, c.on, c.pressing);
+    }
+  }
+
   [[nodiscard]] bool is_in_cone() const;
   /// Friction limits from the normal forces last evaluated.
   void update_limits(bool only_lower);

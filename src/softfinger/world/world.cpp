@@ -1,6 +1,7 @@
 #include "softfinger/world/world.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "softfinger/base/hash.hpp"
@@ -150,8 +151,48 @@ struct World::Implementation {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       poses[tree.bodies()[b].object] = motions[b].place().X_WO;
     }
+    tell_events();
     contact.end(poses);
     tell();
+  }
+
+  void prepare_events() {
+    std::vector<int> moving;
+    std::vector<WorldEvents::Joint> joints;
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      const Body& body = tree.bodies()[b];
+      moving.push_back(static_cast<int>(body.object));
+      const JointLaw* const law = problem->law(b);
+      if (law == nullptr) continue;
+      const bool slides = body.joint->kind == JointKind::kSlider;
+      joints.push_back({.object = static_cast<int>(body.object),
+                        .mass = slides ? body.inertia.mass : 0.0,
+                        .snaps = law->snaps()});
+    }
+    events.emplace(moving, objects.size(), fingers.size(), joints, time_step);
+  }
+
+  void tell_events() {
+    contact.for_each_pressing([&](std::size_t of, std::size_t on, double force) {
+      events->touch(static_cast<int>(of), static_cast<int>(on), force);
+    });
+    for (std::size_t f = 0; f < fingers.size(); ++f) {
+      if (std::ranges::find(near, fingers[f]) == near.end()) continue;
+      for (const Body& body : tree.bodies()) {
+        const ContactPotential& skin = fingers[f]->potential().contact();
+        events->touch(static_cast<int>(body.object), static_cast<int>(objects.size() + f),
+                      skin.wrench(body.object).normal_force);
+      }
+    }
+    std::size_t joint = 0;
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      const JointLaw* const law = problem->law(b);
+      if (law == nullptr) continue;
+      const double q = motions[b].place().q;
+      events->joint(joint++,
+                    {.q = q, .limit_force = law->limit_force(q), .detent = law->detent(q)});
+    }
+    events->end_step();
   }
 
   /// Anything that a body, or what hangs together with it, touches makes its motion rough.
@@ -191,6 +232,7 @@ struct World::Implementation {
   std::vector<FingerSimulation*> fingers, near;
   std::vector<std::size_t> alone;
   double time = 0.0;
+  std::optional<WorldEvents> events;
   StepSummary last;
 };
 
@@ -216,6 +258,7 @@ void World::reset() {
   Implementation& self = *implementation_;
   self.start();
   self.problem->reset();
+  self.prepare_events();
   self.time = 0.0;
   self.last = {};
   for (FingerSimulation* finger : self.fingers) {
@@ -274,6 +317,9 @@ void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSumm
     }
   }
 }
+
+std::span<const WorldEvent> World::events() const { return implementation_->events->told(); }
+void World::finish() { implementation_->events->finish(); }
 
 std::size_t World::size() const { return implementation_->objects.size(); }
 const ObjectState& World::state(std::size_t object) const {

@@ -6,6 +6,7 @@
 
 #include "softfinger/contact/virtual_object.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
+#include "softfinger/world/world_events.hpp"
 
 namespace softfinger {
 
@@ -51,6 +52,12 @@ class World {
   /// Ends the step of objects together with that of the fingers, which have begun theirs. One
   /// summary a finger.
   void solve(std::span<FingerSimulation* const> fingers, std::span<StepSummary> summaries);
+
+  /// What the last step tells of objects that move; a finger's number is that of the objects and
+  /// of the fingers added before it.
+  [[nodiscard]] std::span<const WorldEvent> events() const;
+  /// No step follows: events() tells what is open.
+  void finish();
 
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] const ObjectState& state(std::size_t object) const;

@@ -36,6 +36,7 @@ void WorldEvents::reset() {
   std::fill(meetings_.begin(), meetings_.end(), Meeting{});
   for (JointMemory& memory : joints_) {
     memory.now = memory.before = {};
+    memory.momentum = memory.old_momentum = 0.0;
     memory.limit = {};
     for (std::size_t s = 0; s < memory.passed.size(); ++s) {
       const ForceCurve::Snap& snap = memory.joint.snaps[s];
@@ -109,25 +110,28 @@ void WorldEvents::end_pairs() {
   }
 }
 
-void WorldEvents::find_clicks(const JointMemory& memory, std::vector<Passed>& passed) {
+void WorldEvents::find_clicks(JointMemory& memory) {
   const double travel = -memory.now.q;
-  for (std::size_t s = 0; s < passed.size(); ++s) {
-    const Passed was = passed[s];
-    passed[s] = {travel > memory.joint.snaps[s].top, travel > memory.joint.snaps[s].valley};
-    const bool inwards = passed[s].top && !was.top;
-    const bool outwards = was.valley && !passed[s].valley;
+  for (std::size_t s = 0; s < memory.passed.size(); ++s) {
+    Passed& passed = memory.passed[s];
+    const Passed was = passed;
+    passed = {travel > memory.joint.snaps[s].top, travel > memory.joint.snaps[s].valley};
+    const bool inwards = passed.top && !was.top;
+    const bool outwards = was.valley && !passed.valley;
     if (!inwards && !outwards) continue;
     Open* const made = open(EventKind::kClick, memory.joint.object, -1, apart_);
     if (made == nullptr) continue;
     made->joint = &memory;
     made->snap = s;
     made->inwards = inwards;
-    made->momentum = memory.before.momentum;
+    made->momentum = memory.old_momentum;
   }
 }
 
 void WorldEvents::end_joint(JointMemory& memory) {
-  find_clicks(memory, memory.passed);
+  memory.old_momentum = memory.momentum;
+  memory.momentum = memory.joint.mass * (memory.now.q - memory.before.q) / time_step_;
+  find_clicks(memory);
   if (memory.now.detent != memory.before.detent) {
     open(EventKind::kDetent, memory.joint.object, -1, 0);
   }
@@ -135,8 +139,8 @@ void WorldEvents::end_joint(JointMemory& memory) {
   bool released = false;
   if (meets(memory.limit, released)) {
     Open* const made =
-        open(EventKind::kLimit, memory.joint.object, -1, memory.joint.is_slider ? blow_ : 0);
-    if (made != nullptr && memory.joint.is_slider) {
+        open(EventKind::kLimit, memory.joint.object, -1, memory.joint.mass > 0.0 ? blow_ : 0);
+    if (made != nullptr && memory.joint.mass > 0.0) {
       made->of = &memory.limit;
       made->event.impulse = 0.0;
     }
@@ -149,7 +153,7 @@ void WorldEvents::follow_click(Open& open) const {
   const bool done = open.inwards ? travel > snap.valley : travel <= snap.top;
   const bool back = open.inwards ? travel <= snap.top : travel > snap.valley;
   if (done) {
-    const double gained = open.joint->now.momentum - open.momentum;
+    const double gained = open.joint->momentum - open.momentum;
     open.event.impulse = open.inwards ? -gained : gained;
   }
   open.is_over = done || back;

@@ -46,7 +46,7 @@ class WorldEvents {
   /// A joint with a coordinate.
   struct Joint {
     int object = 0;
-    bool is_slider = false;
+    double mass = 0.0;                        ///< of what a slider moves, kg; 0: a hinge
     std::span<const ForceCurve::Snap> snaps;  ///< must outlive the events
   };
   /// `moving`: numbers of the objects that move; time_step in s.
@@ -59,7 +59,6 @@ class WorldEvents {
   /// A joint at the end of this step.
   struct JointState {
     double q = 0.0;            ///< m or rad
-    double momentum = 0.0;     ///< along q, N s
     double limit_force = 0.0;  ///< of its limits, N or N m
     long detent = 0;
   };
@@ -85,6 +84,7 @@ class WorldEvents {
   struct JointMemory {
     Joint joint;
     JointState now, before;
+    double momentum = 0.0, old_momentum = 0.0;  ///< along q, N s
     Meeting limit;
     std::vector<Passed> passed;  ///< by snap
   };
@@ -105,7 +105,7 @@ class WorldEvents {
   bool meets(Meeting& meeting, bool& released) const;
   void end_pairs();
   void end_joint(JointMemory& memory);
-  void find_clicks(const JointMemory& memory, std::vector<Passed>& passed);
+  void find_clicks(JointMemory& memory);
   Open* open(EventKind kind, int object, int other, std::int64_t steps);
   void follow(Open& open) const;
   void follow_click(Open& open) const;
