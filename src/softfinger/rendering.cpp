@@ -138,9 +138,17 @@ struct Rendering::Implementation {
 
   ~Implementation() {
     try {
-      if (recording) recording->close();
+      close_recording();
     } catch (const OperationError&) {  // close_recording() tells of it
     }
+  }
+
+  void close_recording() {
+    if (!recording) return;
+    together.finish();
+    for (const EventRecord& row : together.events()) record(row);
+    const std::unique_ptr<RecordingWriter> closing = std::move(recording);
+    closing->close();
   }
 
   void describe_device() {
@@ -228,6 +236,7 @@ struct Rendering::Implementation {
 
   void record_objects() {
     for (const ObjectRecord& row : together.objects()) record(row);
+    for (const EventRecord& row : together.events()) record(row);
   }
 
   std::shared_ptr<const RunSetup> setup;  // of the one finger
@@ -354,9 +363,6 @@ std::optional<Pose> Rendering::registration() const {
   return known != nullptr ? known->X_BodyFt : std::nullopt;
 }
 
-void Rendering::close_recording() {
-  const std::unique_ptr<RecordingWriter> recording = std::move(implementation_->recording);
-  if (recording) recording->close();
-}
+void Rendering::close_recording() { implementation_->close_recording(); }
 
 }  // namespace softfinger

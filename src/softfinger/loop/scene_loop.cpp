@@ -15,6 +15,7 @@ SceneLoop::SceneLoop(std::span<const VirtualObject> objects, const Vector3& grav
   const auto moves = [](const VirtualObject& object) { return object.dynamics.has_value(); };
   if (std::ranges::none_of(objects, moves)) return;
   world_.emplace(objects, gravity, 1.0 / simulation_rate, team);
+  events_.reserve(WorldEvents::kMostOpen);
   for (std::size_t o = 0; o < objects.size(); ++o) {
     if (!moves(objects[o])) continue;
     records_.emplace_back().object = static_cast<std::int64_t>(o);
@@ -33,7 +34,15 @@ void SceneLoop::start() {
   step_ = 0;
   if (!world_) return;
   world_->reset();
+  events_.clear();
+  events_told_ = 0;
   record();
+}
+
+void SceneLoop::finish() {
+  if (!world_) return;
+  world_->finish();
+  record_events();
 }
 
 void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked) {
@@ -69,11 +78,25 @@ void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked) {
     chains_[i]->end_step(summary, solving, hash);
   }
   record();
+  record_events();
 }
 
 Pose SceneLoop::object_pose(std::size_t object) const {
   if (objects_[object].dynamics) return world_->state(object).X_WO;
   return objects_[object].motion.sample(static_cast<double>(step_) / simulation_rate_);
+}
+
+void SceneLoop::record_events() {
+  events_.clear();
+  for (const WorldEvent& event : world_->events()) {
+    events_.push_back({.step = step_,
+                       .number = events_told_++,
+                       .time = event.time,
+                       .kind = static_cast<std::int64_t>(event.kind),
+                       .object = event.object,
+                       .other = event.other,
+                       .impulse = event.impulse});
+  }
 }
 
 void SceneLoop::record() {

@@ -32,11 +32,16 @@ class SceneLoop {
   [[nodiscard]] Pose object_pose(std::size_t object) const;
   /// A row for each object that moves by forces, in their order, after the last step.
   [[nodiscard]] std::span<const ObjectRecord> objects() const { return records_; }
+  /// What the last step, or the end, tells of them.
+  [[nodiscard]] std::span<const EventRecord> events() const { return events_; }
+  /// No step follows: events() tells what is open.
+  void finish();
   /// How the step of objects ended that no finger touches.
   [[nodiscard]] const StepSummary& summary() const { return world_->summary(); }
 
  private:
   void record();
+  void record_events();
 
   std::span<const VirtualObject> objects_;
   double simulation_rate_;
@@ -48,6 +53,8 @@ class SceneLoop {
   std::vector<StepSummary> summaries_;          ///< and how they ended
   std::int64_t step_ = 0;
   std::vector<ObjectRecord> records_;
+  std::vector<EventRecord> events_;
+  std::int64_t events_told_ = 0;
 };
 
 }  // namespace softfinger

@@ -44,7 +44,8 @@ enum class CsvFile {
   kForce,
   kJoints,
   kCommand,
-  kObjects
+  kObjects,
+  kEvents
 };
 
 /// Where a field is in the exported CSV.

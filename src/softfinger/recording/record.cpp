@@ -102,4 +102,8 @@ const char* first_difference(const ObjectRecord& recorded, const ObjectRecord& r
   return first_part(kObjectFields, recorded, replayed);
 }
 
+const char* first_difference(const EventRecord& recorded, const EventRecord& replayed) {
+  return first_part(kEventFields, recorded, replayed);
+}
+
 }  // namespace softfinger

@@ -112,6 +112,20 @@ struct ObjectRecord {
   double joint = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Something that happened to an object that moves, as told in a step; what is told after the last
+/// one has its number. Compared bit by bit by a replay.
+struct EventRecord {
+  std::int64_t step = 0;
+  std::int64_t number = 0;  ///< counts on from 0
+  double time = 0.0;        ///< s, when it happened
+  std::int64_t kind = 0;    ///< its place among kEventKinds
+  std::int64_t object = 0;  ///< number in the scene
+  /// Likewise; a finger's counts on from the objects; -1: none.
+  std::int64_t other = -1;
+  double impulse = std::numeric_limits<double>::quiet_NaN();  ///< N s; NaN: none
+};
+inline constexpr std::array kEventKinds = {"impact", "release", "click", "detent", "limit"};
+
 /// Sum over everything of a tick that a replay must reproduce.
 [[nodiscard]] std::uint64_t hash_of(const TickRecord& tick);
 /// The same for a step; `state` is the hash of the finger's whole state, `tick` that of the tick
@@ -125,5 +139,7 @@ struct ObjectRecord {
 [[nodiscard]] const char* first_difference(const TickRecord& recorded, const TickRecord& replayed);
 [[nodiscard]] const char* first_difference(const ObjectRecord& recorded,
                                            const ObjectRecord& replayed);
+[[nodiscard]] const char* first_difference(const EventRecord& recorded,
+                                           const EventRecord& replayed);
 
 }  // namespace softfinger

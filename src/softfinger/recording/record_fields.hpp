@@ -199,4 +199,24 @@ struct ObjectFields {
 };
 inline constexpr ObjectFields kObjectFields;
 
+template <auto... Path>
+constexpr Field<EventRecord, Path...> event_field(const FieldUse<EventRecord>& use) {
+  return {use};
+}
+
+struct EventFields {
+  static constexpr std::tuple all{
+      event_field<&EventRecord::step>({.columns = "step", .part = RecordPart::kObject}),
+      event_field<&EventRecord::number>({.columns = "number", .part = RecordPart::kObject}),
+      event_field<&EventRecord::time>({.columns = "time_s", .part = RecordPart::kObject}),
+      event_field<&EventRecord::kind>({.columns = "kind", .part = RecordPart::kObject}),
+      event_field<&EventRecord::object>({.columns = "object", .part = RecordPart::kObject}),
+      event_field<&EventRecord::other>({.columns = "other", .part = RecordPart::kObject}),
+      event_field<&EventRecord::impulse>({.columns = "impulse_N_s",
+                                          .part = RecordPart::kObject,
+                                          .csv = {CsvFile::kEvents, "impulse_N_s"}}),
+  };
+};
+inline constexpr EventFields kEventFields;
+
 }  // namespace softfinger

@@ -63,6 +63,8 @@ struct RecordingInfo {
     std::string joint_unit;  ///< of its joint's value, for people: mm, deg; empty: it has none
   };
   std::vector<Object> objects;
+  /// Of all objects of the scene, where any moves.
+  std::vector<std::string> object_names;
   std::vector<File> files;
   std::vector<Mesh> meshes;
 };

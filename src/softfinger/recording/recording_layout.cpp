@@ -19,6 +19,7 @@ create table fingers(finger integer primary key, name text not null, model text 
   joints integer not null, device_rate_Hz real not null);
 create table moving_objects(object integer primary key, name text not null,
   joint_unit text not null);
+create table object_names(object integer primary key, name text not null);
 create table messages(number integer primary key, step integer not null, time_s real not null,
   since_start_s real not null, message text not null);
 create table states(step integer not null, finger integer not null, nodes blob not null,
@@ -89,7 +90,8 @@ std::string query(Fields fields, const std::set<std::string>& present, const cha
 std::string create_tables() {
   return kOtherTables + create<StepRecord>("steps", kStepFields, "step, finger") +
          create<TickRecord>("ticks", kTickFields, "step, finger, tick") +
-         create<ObjectRecord>("objects", kObjectFields, "step, object");
+         create<ObjectRecord>("objects", kObjectFields, "step, object") +
+         create<EventRecord>("events", kEventFields, "step, number");
 }
 
 std::string insert_into(const char* table, int columns) {
@@ -101,6 +103,7 @@ std::string insert_into(const char* table, int columns) {
 std::string insert_step() { return insert("steps", kStepFields); }
 std::string insert_tick() { return insert("ticks", kTickFields); }
 std::string insert_object() { return insert("objects", kObjectFields); }
+std::string insert_event() { return insert("events", kEventFields); }
 
 std::string step_query(const std::set<std::string>& present) {
   return query(kStepFields, present, "steps order by step, finger");
@@ -110,6 +113,9 @@ std::string tick_query(const std::set<std::string>& present) {
 }
 std::string object_query(const std::set<std::string>& present) {
   return query(kObjectFields, present, "objects order by step, object");
+}
+std::string event_query(const std::set<std::string>& present) {
+  return query(kEventFields, present, "events order by step, number");
 }
 
 }  // namespace softfinger::recording_layout

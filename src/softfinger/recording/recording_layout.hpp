@@ -39,11 +39,13 @@ inline constexpr int kObjectColumn = 1;
 [[nodiscard]] std::string insert_step();
 [[nodiscard]] std::string insert_tick();
 [[nodiscard]] std::string insert_object();
+[[nodiscard]] std::string insert_event();
 
 /// All rows of steps, of ticks, in order. `present` are the columns that the recording has: what
 /// may be lacking (FieldUse::newer) is null then.
 [[nodiscard]] std::string step_query(const std::set<std::string>& present);
 [[nodiscard]] std::string tick_query(const std::set<std::string>& present);
 [[nodiscard]] std::string object_query(const std::set<std::string>& present);
+[[nodiscard]] std::string event_query(const std::set<std::string>& present);
 
 }  // namespace softfinger::recording_layout

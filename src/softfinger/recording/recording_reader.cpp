@@ -113,6 +113,18 @@ bool read_next(SqliteStatement& rows, const RecordingInfo& info, ObjectRecord& r
   return true;
 }
 
+bool read_next(SqliteStatement& rows, const RecordingInfo& info, EventRecord& record) {
+  if (!rows.next()) return false;
+  RowReader reader{rows, 1.0};
+  for_each_field(kEventFields, [&](const auto& field) { reader.read(field.of(record)); });
+  const auto things = static_cast<std::int64_t>(info.object_names.size() + info.fingers.size());
+  const bool known = record.kind >= 0 && record.kind < std::ssize(kEventKinds) &&
+                     record.object >= 0 && record.object < things && record.other >= -1 &&
+                     record.other < things;
+  if (!known) throw SqliteFailure{true};
+  return true;
+}
+
 /// The next row of `rows`; false at the end.
 template <typename Fields, typename Record>
 bool read_next(SqliteStatement& rows, Fields fields, const RecordingInfo& info, Record& record) {
@@ -162,6 +174,8 @@ struct RecordingReader::Database {
     if (!of_objects.empty()) {
       objects.emplace(connection, recording_layout::object_query(of_objects));
     }
+    const std::set<std::string> of_events = columns_of("events");
+    if (!of_events.empty()) events.emplace(connection, recording_layout::event_query(of_events));
   }
 
   [[nodiscard]] std::set<std::string> columns_of(const char* table) {
@@ -243,13 +257,17 @@ struct RecordingReader::Database {
         info.objects.push_back({moving.integer(0), moving.text(1), moving.text(2)});
       }
     }
+    if (!columns_of("object_names").empty()) {
+      SqliteStatement named(connection, "select name from object_names order by object");
+      while (named.next()) info.object_names.push_back(named.text(0));
+    }
     SqliteStatement files(connection, "select path, content from files order by path");
     while (files.next()) info.files.push_back({files.text(0), files.text(1)});
     return info;
   }
 
   SqliteDatabase connection;
-  std::optional<SqliteStatement> steps, states, ticks, objects;
+  std::optional<SqliteStatement> steps, states, ticks, objects, events;
   bool with_state = false;
 };
 
@@ -397,6 +415,14 @@ bool RecordingReader::next(StepRecord& r) {
 bool RecordingReader::next(ObjectRecord& r) {
   try {
     return database_->objects && read_next(*database_->objects, info_, r);
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+bool RecordingReader::next(EventRecord& r) {
+  try {
+    return database_->events && read_next(*database_->events, info_, r);
   } catch (const SqliteFailure&) {
     fail();
   }

@@ -36,6 +36,8 @@ class RecordingReader {
   bool next(TickRecord& record);
   /// Next row of an object in order of (step, object); false at the end, or where none moved.
   bool next(ObjectRecord& record);
+  /// Next event in order of (step, number); false at the end, or where none moved.
+  bool next(EventRecord& record);
   /// In the order in which they were told; none in recordings from before there were any.
   [[nodiscard]] std::vector<RecordedMessage> messages();
   /// Starts all over.

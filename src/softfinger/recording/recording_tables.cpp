@@ -84,6 +84,7 @@ void for_each_field_of(CsvFile file, Visit&& visit) {
     for_each_field(kStepFields, take);
     for_each_field(kTickFields, take);
     for_each_field(kObjectFields, take);
+    for_each_field(kEventFields, take);
   }
 }
 
@@ -151,7 +152,10 @@ class Export {
     write_ticks();
     write_steps();
     write_messages();
-    if (!reader_.info().objects.empty()) write_objects();
+    if (!reader_.info().objects.empty()) {
+      write_objects();
+      write_events();
+    }
     if (reader_.info().with_state) write_states();
   }
 
@@ -330,6 +334,29 @@ class Export {
         if (field.use.csv.file == CsvFile::kObjects) write_field(*table, field, record);
       });
       table->number(record.joint / unit_scale("_" + object->joint_unit));
+      table->end_row();
+    }
+    table->close();
+  }
+
+  void write_events() {
+    reader_.rewind();
+    const RecordingInfo& info = reader_.info();
+    std::vector<std::string> names = info.object_names;
+    for (const RecordingInfo::Finger& finger : info.fingers) names.push_back(finger.name);
+    Columns columns{{.name = "time_s"},
+                    words_of("kind", {kEventKinds.begin(), kEventKinds.end()}),
+                    words_of("object", names),
+                    words_of("other", names)};
+    add(columns, columns_of(CsvFile::kEvents));
+    const auto table = store_.open("events", columns);
+    EventRecord record;
+    while (reader_.next(record)) {
+      table->number(record.time);
+      table->words(kEventKinds[static_cast<std::size_t>(record.kind)]);
+      table->words(names[static_cast<std::size_t>(record.object)]);
+      table->words(record.other < 0 ? "" : names[static_cast<std::size_t>(record.other)]);
+      table->number(record.impulse);
       table->end_row();
     }
     table->close();

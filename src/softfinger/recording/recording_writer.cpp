@@ -26,6 +26,7 @@ constexpr std::size_t kStateStepCapacity = 512;
 constexpr std::size_t kTickCapacity = 256;
 constexpr std::size_t kObjectCapacity = 1024;  // for each object
 constexpr std::size_t kObjectsARound = 1024;
+constexpr std::size_t kEventCapacity = 4096;
 constexpr std::size_t kStepsARound = 64;  // of a round
 constexpr auto kDrainInterval = std::chrono::milliseconds(5);
 
@@ -109,6 +110,7 @@ struct RecordingWriter::Database {
     insert_step.emplace(connection, recording_layout::insert_step());
     insert_tick.emplace(connection, recording_layout::insert_tick());
     insert_object.emplace(connection, recording_layout::insert_object());
+    insert_event.emplace(connection, recording_layout::insert_event());
     insert_state.emplace(connection, recording_layout::insert_into("states", 4));
     insert_message.emplace(connection, recording_layout::insert_into("messages", 5));
   }
@@ -120,6 +122,7 @@ struct RecordingWriter::Database {
     insert_step.reset();
     insert_tick.reset();
     insert_object.reset();
+    insert_event.reset();
     insert_state.reset();
     insert_message.reset();
     try {
@@ -172,6 +175,12 @@ struct RecordingWriter::Database {
       insert_moving.bind(2, object.joint_unit);
       insert_moving.run();
     }
+    SqliteStatement insert_name(connection, recording_layout::insert_into("object_names", 2));
+    for (std::size_t o = 0; o < info.object_names.size(); ++o) {
+      insert_name.bind(0, static_cast<std::int64_t>(o));
+      insert_name.bind(1, info.object_names[o]);
+      insert_name.run();
+    }
     SqliteStatement insert_finger(connection, recording_layout::insert_into("fingers", 8));
     for (std::size_t i = 0; i < info.fingers.size(); ++i) {
       const RecordingInfo::Finger& finger = info.fingers[i];
@@ -211,6 +220,7 @@ struct RecordingWriter::Database {
   void write(const TickRecord& r) { insert(*insert_tick, kTickFields, r, servo_step_of(r.finger)); }
 
   void write(const ObjectRecord& r) { insert(*insert_object, kObjectFields, r, 1.0); }
+  void write(const EventRecord& r) { insert(*insert_event, kEventFields, r, 1.0); }
 
   void write(const RecordedMessage& message) {
     insert_message->bind(0, ++messages);
@@ -240,8 +250,8 @@ struct RecordingWriter::Database {
 
   SqliteDatabase connection;
   std::vector<double> servo_steps;  ///< of the fingers
-  std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_object, insert_state,
-      insert_message;
+  std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_object, insert_event,
+      insert_state, insert_message;
   std::int64_t messages = 0;  ///< written
   bool in_transaction = true;
   bool syncs_header = true;  ///< of the log, where it begins anew
@@ -254,7 +264,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
     : file_(file),
       when_full_(when_full),
       steps_(info.with_state ? kStateStepCapacity : kStepCapacity, step_prototype),
-      objects_(std::max<std::size_t>(1, info.objects.size()) * kObjectCapacity) {
+      objects_(std::max<std::size_t>(1, info.objects.size()) * kObjectCapacity),
+      events_(info.objects.empty() ? 1 : kEventCapacity) {
   create_empty(file);
   for (std::size_t i = 0; i < info.fingers.size(); ++i) {
     ticks_.push_back(std::make_unique<RingBuffer<TickRecord>>(kTickCapacity));
@@ -296,6 +307,8 @@ void RecordingWriter::push_to(RingBuffer<Record>& ring, const Record& record) {
 void RecordingWriter::push(const StepRecord& record) { push_to(steps_, record); }
 
 void RecordingWriter::push(const ObjectRecord& record) { push_to(objects_, record); }
+
+void RecordingWriter::push(const EventRecord& record) { push_to(events_, record); }
 
 void RecordingWriter::push(const TickRecord& record) {
   push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);
@@ -343,12 +356,14 @@ bool RecordingWriter::drain() {
   write_messages();
   bool more = take(steps_, kStepsARound);
   more = take(objects_, kObjectsARound) || more;
+  more = take(events_, kEventCapacity) || more;
   for (auto& ring : ticks_) more = take(*ring, ring->capacity()) || more;
   return more;
 }
 
 bool RecordingWriter::rows_wait() {
   if (steps_.front() != nullptr || objects_.front() != nullptr) return true;
+  if (events_.front() != nullptr) return true;
   if (std::ranges::any_of(ticks_, [](auto& ring) { return ring->front() != nullptr; })) return true;
   const std::lock_guard lock(messages_mutex_);
   return !messages_.empty();

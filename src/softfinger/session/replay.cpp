@@ -56,6 +56,9 @@ class Replayer {
 
   /// Where objects are that move by the forces on them.
   [[nodiscard]] std::span<const ObjectRecord> objects() const { return scene_->objects(); }
+  /// What the last step, or the end, tells of them.
+  [[nodiscard]] std::span<const EventRecord> events() const { return scene_->events(); }
+  void finish_objects() { scene_->finish(); }
 
   /// What differs in a tick of the step just simulated; null: nothing.
   const char* tick(const TickRecord& recorded) {
@@ -170,6 +173,17 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
         fmt::format("object {}", setup->scene.objects[static_cast<std::size_t>(object)].name);
     return result;
   };
+  // The object of the first event that differs.
+  const auto other_event = [&]() -> std::optional<std::int64_t> {
+    if (info.object_names.empty()) return {};
+    for (const EventRecord& event : replayer.events()) {
+      EventRecord recorded;
+      if (!reader.next(recorded) || first_difference(recorded, event) != nullptr) {
+        return event.object;
+      }
+    }
+    return {};
+  };
   std::vector<StepRecord> rows(info.fingers.size());
   TickRecord tick;
   bool more_ticks = reader.next(tick);
@@ -197,10 +211,14 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
         return differ_in_object(step, object.object);
       }
     }
+    if (const auto other = other_event()) return differ_in_object(step, *other);
     if (progress && result.steps > 0 && step % 100 == 0) {
       progress(static_cast<double>(step) / static_cast<double>(result.steps));
     }
   }
+  if (!reader.complete()) return result;
+  replayer.finish_objects();
+  if (const auto other = other_event()) return differ_in_object(result.steps, *other);
   return result;
 }
 

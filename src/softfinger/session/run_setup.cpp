@@ -238,6 +238,7 @@ RecordingInfo recording_info(const RunSetup& setup) {
       if (joint && joint->kind == JointKind::kHinge) unit = "deg";
       info.objects.push_back({&object - setup.scene.objects.data(), object.name, unit});
     }
+    info.object_names.push_back(object.name);
     if (const auto* mesh = std::get_if<MeshShape>(&object.shape)) {
       info.meshes.push_back({absolute_path((*mesh)->source()), (*mesh)->source_hash()});
     }

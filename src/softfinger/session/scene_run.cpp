@@ -232,6 +232,8 @@ void SceneRun::simulate() {
     if (hooks_.on_step) hooks_.on_step();
     if (step == 1 && hooks_.on_loop_thread) hooks_.on_loop_thread();
   }
+  scene_->finish();
+  record_events();
   // A run that is stopped before its end, for another scene, has not finished its script.
   if (mode_ == Mode::kLive) publish_snapshot(step, total_steps_ && step >= *total_steps_);
   ended_.store(true);
@@ -246,12 +248,18 @@ void SceneRun::simulate_step(std::int64_t step) {
   }
   scene_->step(step, tracked_);
   record_objects();
+  record_events();
   for (const auto& finger : fingers_) conclude_step(*finger, step);
 }
 
 void SceneRun::record_objects() {
   if (!recording_) return;
   for (const ObjectRecord& record : scene_->objects()) recording_->push(record);
+}
+
+void SceneRun::record_events() {
+  if (!recording_) return;
+  for (const EventRecord& record : scene_->events()) recording_->push(record);
 }
 
 void SceneRun::conclude_step(RunFinger& finger, std::int64_t step) {

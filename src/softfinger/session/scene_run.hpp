@@ -95,6 +95,7 @@ class SceneRun {
   void simulate();
   void simulate_step(std::int64_t step);
   void record_objects();
+  void record_events();
   void conclude_step(RunFinger& finger, std::int64_t step);
   void tick_here(RunFinger& finger, const TickInput& input);
   void obey_signals() noexcept;
