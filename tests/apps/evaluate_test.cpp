@@ -157,8 +157,8 @@ std::string larger_wearer(const Workplace& place) {
 
 TEST(Evaluate, AWearerOfAnotherSizeFeelsOtherForces) {
   const Workplace place;
-  const Answer answer =
-      evaluated({place.path("scenes/plane.toml"), "--wearer", larger_wearer(place)});
+  const Answer answer = evaluated(
+      {place.path("scenes/plane.toml"), "--duration-s", "3.5", "--wearer", larger_wearer(place)});
   EXPECT_GT(answer.at("mean").at("normal_force_error"), 0.5);
   EXPECT_GT(answer.at("mean").at("normal_force_bias"), 0.5);
 }
@@ -186,7 +186,7 @@ TEST(Evaluate, TheMeasuresHardlyDependOnTheWearersMesh) {
   const Workplace place;
   const std::string scene = place.path("scenes/plane.toml");
   for (const char* objective : {"surface", "surface_and_force"}) {
-    const std::vector<std::string> words{scene, "--objective", objective};
+    const std::vector<std::string> words{scene, "--objective", objective, "--duration-s", "4.5"};
     const Answer same = evaluated(words);
     std::vector<std::string> with_wearer = words;
     with_wearer.insert(with_wearer.end(), {"--wearer", shipped_finger("index-medium")});

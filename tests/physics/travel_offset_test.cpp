@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kSimulationStep = 1e-3;
 constexpr int kStepsPerFrame = 33;
-constexpr int kFrames = 300;
+constexpr int kFrames = 150;  // two presses
 
 struct Wearer {
   const char* name;
