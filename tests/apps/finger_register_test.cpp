@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "../support/turn_onto.hpp"
 #include "program.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
@@ -30,9 +31,7 @@ class FingerRegister : public testing::Test {
     double time = 0.0;
     for (std::size_t k = 0; k < postures; ++k) {
       const Matrix3 rotation =
-          Eigen::Quaterniond::FromTwoVectors(up_in_finger(RegistrationProcedure::kOrder.at(k)),
-                                             Vector3::UnitZ())
-              .toRotationMatrix();
+          turn_onto(up_in_finger(RegistrationProcedure::kOrder.at(k)), Vector3::UnitZ());
       double lowest = 1.0;
       for (const int node : model->sample_nodes) {
         const Vector3& p = model->mesh.nodes[static_cast<std::size_t>(node)];

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "../support/turn_onto.hpp"
+#include "multipliers.hpp"
 #include "pad.hpp"
 #include "random_descent.hpp"
 #include "softfinger/device/kinds/platform_3rrs.hpp"
@@ -68,7 +70,7 @@ Pad press_at_random(const Pad& rest, std::mt19937& random) {
     return press_ball(rest, top - radius * normal, radius);
   }
   // The roof of a wall 4 mm wide, whose edges of 1 mm radius run across the finger somehow.
-  const Matrix3 upright = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal).matrix();
+  const Matrix3 upright = turn_onto(Vector3::UnitZ(), normal);
   const double turn = std::numbers::pi * unit(random);
   const RoundedBox wall{Vector3(2.0, 20.0, 10.0) * mm, 1.0 * mm};
   const Pose X_FO{upright * exp_rotation(turn * Vector3::UnitZ()), top - 10.0 * mm * normal};
@@ -142,9 +144,10 @@ double projected_gradient(const Device& device, const SurfaceSamples& samples,
     for (std::size_t k = 0; k < active.size(); ++k) {
       if ((set >> k & 1U) != 0) rows.row(row++) = jacobian.row(active[k]);
     }
-    const Eigen::VectorXd push = rows.transpose().colPivHouseholderQr().solve(-gradient);
-    if (push.minCoeff() < 0.0) continue;
-    least = std::min(least, (gradient + rows.transpose() * push).norm());
+    // Of rows that depend on each other some do as well as all.
+    const std::optional<Eigen::VectorXd> push = multipliers(rows, gradient);
+    if (!push || push->minCoeff() < 0.0) continue;
+    least = std::min(least, (gradient + rows.transpose() * *push).norm());
   }
   return least;
 }

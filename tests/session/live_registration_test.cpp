@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "../support/scenes_without_force_limit.hpp"
+#include "../support/turn_onto.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/tracking/stream/pose_datagram.hpp"
@@ -28,9 +29,7 @@ class HeldBody {
                                  "index.toml")) {}
 
   [[nodiscard]] Pose pose(Posture posture) const {
-    const Matrix3 rotation =
-        Eigen::Quaterniond::FromTwoVectors(up_in_finger(posture), Vector3::UnitZ())
-            .toRotationMatrix();
+    const Matrix3 rotation = turn_onto(up_in_finger(posture), Vector3::UnitZ());
     double lowest = 1.0;
     for (const int node : model_->sample_nodes) {
       lowest =

@@ -59,7 +59,8 @@ inline std::string breach(const nlohmann::json& schema, const nlohmann::json& va
   if (type != "object") return {};
   if (!value.is_object()) return at + ": type";
   for (const json& key : schema.value("required", json::array())) {
-    if (!value.contains(key)) return at + ": no " + key.get<std::string>();
+    // Of a string: to look for a value makes every file here compile comparisons of values.
+    if (!value.contains(key.get<std::string>())) return at + ": no " + key.get<std::string>();
   }
   const json by_pattern = schema.value("patternProperties", json::object());
   for (const auto& [key, inside] : value.items()) {

@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "../support/turn_onto.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/tracking/registration/registration_procedure.hpp"
@@ -60,7 +61,7 @@ Truth random_truth(std::mt19937& random) {
 Pose resting(const Truth& truth, Posture posture, double lean, std::mt19937& random) {
   std::normal_distribution<double> any;
   const Vector3 up = up_in_finger(posture);
-  Matrix3 rotation = Eigen::Quaterniond::FromTwoVectors(up, Vector3::UnitZ()).toRotationMatrix();
+  Matrix3 rotation = turn_onto(up, Vector3::UnitZ());
   const Vector3 axis = Vector3(any(random), any(random), 0.0).normalized();
   rotation = exp_rotation({0.0, 0.0, any(random)}) * exp_rotation(lean * axis) * rotation;
   const double height = kTable - truth.scale * lowest(egg(), rotation);
