@@ -1,9 +1,12 @@
-// Scenes of objects that move, without a finger: checked, run, replayed and exported.
+// Scenes of objects that move: without a finger checked, run, replayed and exported; and the
+// shipped ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -88,6 +91,63 @@ TEST_F(SceneWithoutFinger, IsToldWhatItNeeds) {
   expect_refused(run_program(run({"--duration-s", "1", "--device", "thimble-3rrs"})),
                  {"--device", "no finger"});
   expect_refused(run_program({"evaluate", scene}), {"pendulum.toml", "no finger"});
+}
+
+/// Objects of a shipped scene after `seconds` of it.
+json objects_of(const char* scene, const char* seconds) {
+  const ProgramRun done = run_program(
+      {"run", scene, "--headless", "--as-fast-as-possible", "--duration-s", seconds, "--json"});
+  EXPECT_EQ(done.status, 0) << done.errors;
+  const json answer = json::parse(done.output);
+  EXPECT_EQ(answer.at("unconverged_steps"), 0);
+  return answer.at("objects");
+}
+
+double place_mm(const json& objects, const char* name, std::size_t axis) {
+  return objects.at(name).at("position_mm")[axis].get<double>();
+}
+
+TEST(MovingScene, ButtonSnapsThroughItsDome) {
+  // Pressed by a finger that is soft itself it does not stay between top and valley.
+  EXPECT_LT(objects_of("button", "3").at("button").at("joint").get<double>(), -1.4);
+}
+
+TEST(MovingScene, KnobRestsOnADetentWhereItIsLeft) {
+  const double angle = objects_of("knob", "6.2").at("knob").at("joint").get<double>();
+  // Dry friction of 0.5 N mm holds within asin(0.5 / 4) / 24 of one of the 24.
+  EXPECT_NEAR(angle, 15.0, 0.31);
+}
+
+TEST(MovingScene, DrawerFollowsItsHandleAndStaysWhereItIsLeft) {
+  const json objects = objects_of("drawer", "3.6");
+  EXPECT_GT(objects.at("drawer").at("joint").get<double>(), 25.0);
+  EXPECT_LT(objects.at("drawer").at("joint").get<double>(), 40.0);
+  EXPECT_NEAR(place_mm(objects, "handle", 0) - place_mm(objects, "drawer", 0), 86.0, 1e-9);
+}
+
+TEST(MovingScene, UppermostBlockOfATowerStaysWhereItWasPushed) {
+  const json objects = objects_of("tower", "4");
+  EXPECT_LT(place_mm(objects, "block_5", 0), -5.0);
+  EXPECT_NEAR(place_mm(objects, "block_5", 2), 90.0, 0.02);
+  EXPECT_NEAR(place_mm(objects, "block_4", 0), 0.0, 0.02);
+  EXPECT_NEAR(place_mm(objects, "block_1", 2), 10.0, 0.005);
+}
+
+TEST(MovingScene, PendulumSwingsByItsLengthAndDamping) {
+  // Left to itself after 2 s: seven periods apart it is where it was, less what damping took.
+  const double inertia = 0.05 * (0.12 * 0.12 + 0.4 * 0.02 * 0.02);
+  const double period = 2.0 * std::numbers::pi * std::sqrt(inertia / (0.05 * 9.81 * 0.12));
+  const double later = 3.0 + 7.0 * period;
+  const auto angle = [](double time) {
+    return objects_of("pendulum", std::to_string(time).c_str()).at("bob").at("joint").get<double>();
+  };
+  const double start = angle(3.0);
+  EXPECT_GT(start, 2.0);
+  EXPECT_NEAR(angle(later), start * std::exp(-0.5 * 1e-4 / inertia * 7.0 * period), 0.35);
+}
+
+TEST(MovingScene, CupHangsBetweenTwoFingers) {
+  EXPECT_NEAR(place_mm(objects_of("cup", "3.6"), "cup", 2), 79.0, 1.0);
 }
 
 }  // namespace
