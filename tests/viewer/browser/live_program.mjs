@@ -7,6 +7,15 @@ import { chromium } from "playwright-core";
 export { startProgram } from "./running_program.mjs";
 
 const kPatience = 120_000; // ms; software rendering on a busy machine is slow
+const kPictures_Hz = 5; // drawing is nearly all that a browser without a graphics card does
+
+/** In the page: pictures at the browser's own times, but no more than `rate_Hz` of them. */
+function drawSeldom(rate_Hz) {
+  const draw = window.requestAnimationFrame.bind(window);
+  const interval = 1000 / rate_Hz;
+  window.requestAnimationFrame = (picture) => setTimeout(() => draw(picture), interval - (performance.now() % interval));
+  window.cancelAnimationFrame = clearTimeout;
+}
 
 /** Opens `url` in a fresh headless Chromium; collects what the page complains about. */
 export async function openPage(url, viewport) {
@@ -21,6 +30,7 @@ export async function openPage(url, viewport) {
     ],
   });
   context.setDefaultTimeout(kPatience);
+  await context.addInitScript(drawSeldom, kPictures_Hz);
   const page = await context.newPage();
   const complaints = [];
   const requests = [];
@@ -54,7 +64,10 @@ export async function pauseInContact(page, contacts) {
     }, contacts, { polling });
     await page.waitForFunction(() => document.body.dataset.state === "paused", null, { polling });
     if (Number(await page.evaluate(() => document.body.dataset.contacts)) >= contacts) {
-      await page.waitForTimeout(300); // until it is drawn
+      await page.evaluate(() => new Promise((drawn) => { // the pictures that have it are over
+        let left = 3;
+        requestAnimationFrame(function next() { if (--left > 0) requestAnimationFrame(next); else drawn(); });
+      }));
       return;
     }
     await page.click("#pause");
