@@ -155,6 +155,14 @@ TEST(WorldEvents, AKnobTellsItsDetentsAndAJointItsLimit) {
   EXPECT_NEAR(told.all[3].impulse, 6e-3, 1e-15);
 }
 
+TEST(WorldEvents, AJointThatRestsAtItsLimitByRoundingAloneHasNotMetIt) {
+  ToldEvents told({{.object = 2, .mass = 0.3}});
+  told.run(100, [](WorldEvents& events, int step) {
+    events.joint(0, {.limit_force = step % 30 == 0 ? 1e-12 : 0.0});
+  });
+  EXPECT_TRUE(told.all.empty());
+}
+
 TEST(WorldEvents, AFallenBallTellsItsImpact) {
   const double mass = 0.02, height = 5e-3;
   Play play({still("ground", HalfSpace{}), loose("ball", Ball{0.01}, {0, 0, 0.01 + height}, mass)});

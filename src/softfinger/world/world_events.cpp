@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace softfinger {
+namespace {
+
+/// Of a joint that rests at its limit, N or N m.
+constexpr double kLimitRounding = 1e-9;
+
+}  // namespace
 
 const char* event_name(EventKind kind) {
   constexpr std::array kNames{"impact", "release", "click", "detent", "limit"};
@@ -135,7 +141,8 @@ void WorldEvents::end_joint(JointMemory& memory) {
   if (memory.now.detent != memory.before.detent) {
     open(EventKind::kDetent, memory.joint.object, -1, 0);
   }
-  memory.limit.force = std::abs(memory.now.limit_force);
+  const double force = std::abs(memory.now.limit_force);
+  memory.limit.force = force > kLimitRounding ? force : 0.0;
   bool released = false;
   if (meets(memory.limit, released)) {
     Open* const made =
