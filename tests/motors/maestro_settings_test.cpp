@@ -91,9 +91,9 @@ TEST(MaestroSettings, ABoardThatDoesNotAnswerIsRefusedWhereSomethingIsToBeTried)
 }
 
 TEST(MaestroSettings, ATimeoutThatIsOffOrLongerIsRefused) {
-  MaestroBus bus(transport_with(false, 0.1));
   for (const double board : {0.0, 0.3}) {
     const MaestroTerminal maestro(kTwoServos, {.serial_timeout = board});
+    MaestroBus bus(transport_with(false, 0.1));
     EXPECT_THAT(bus.open(maestro.port()), HasSubstr("off, or longer than 100 ms")) << board;
     EXPECT_FALSE(bus.is_open());
   }

@@ -113,6 +113,19 @@ TEST(RigidMotion, MomentumIsKeptInACollision) {
   EXPECT_LT((about(0, 0.03) + about(1, 0.05) - angular_before).norm(), 0.5 * kStep * 0.5 * impulse);
 }
 
+TEST(RigidMotion, BlowsArePlasticFromAnyHeight) {
+  for (const double height : {2.0, 5.0, 10.0, 37.0, 120.0}) {
+    Play play({still("ground", HalfSpace{}),
+               loose("ball", Ball{5.0 * mm}, Vector3(0.0, 0.0, (5.0 + height) * mm), 3e-3)});
+    const auto landing = static_cast<int>(std::sqrt(2.0 * height * mm / kGravity) / kStep);
+    for (int k = 0; k < landing + 5; ++k) play.step();
+    for (int k = 0; k < 100; ++k) {
+      play.step();
+      EXPECT_LT(play.state(1).X_WO.translation.z(), 5.001 * mm) << height;
+    }
+  }
+}
+
 TEST(RigidMotion, APendulumKeepsSwinging) {
   // A rod that is mostly its bob: 1 Hz.
   VirtualObject bob = loose("bob", Ball{5.0 * mm}, Vector3::Zero(), 0.05);

@@ -37,7 +37,7 @@ Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Pose& X) {
 
 SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<const double> masses,
                            std::span<const std::array<int, 2>> apart, double time_step)
-    : objects_(objects), touched_(objects.size(), 0.0) {
+    : objects_(objects), near_(objects.size(), 0), touched_(objects.size(), 0.0) {
   for (std::size_t o = 0; o < objects.size(); ++o) {
     points_.push_back(surface_points(objects[o].shape));
     bounds_.push_back(bounds(objects[o].shape));
@@ -87,6 +87,7 @@ SolidContact::Memory* SolidContact::memory_of(std::size_t of, std::size_t point,
 
 void SolidContact::begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected) {
   candidate_count_ = 0;
+  std::fill(near_.begin(), near_.end(), std::uint8_t{0});
   for (const Pair& pair : pairs_) add_candidates(pair, X_WO, X_WO_expected);
 }
 
@@ -115,6 +116,7 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
     Memory* const memory = memory_of(pair.of, i, pair.on);
     if (at.distance - point.radius > reach && memory == nullptr) continue;
     if (candidate_count_ == candidates_.size()) return;
+    near_[pair.of] = near_[pair.on] = 1;
     Candidate& c = candidates_[candidate_count_++];
     c = Candidate{.of = pair.of,
                   .on = pair.on,

@@ -77,6 +77,8 @@ class SolidContact {
   /// The step has ended as last evaluated.
   void end(std::span<const Pose> X_WO);
 
+  /// Whether an object may touch another in this step.
+  [[nodiscard]] bool is_near(std::size_t object) const { return near_[object] != 0; }
   /// Whether an object touched another at the last evaluation.
   [[nodiscard]] bool touches(std::size_t object) const { return touched_[object] > 0.0; }
   /// Sum of normal forces between two objects at the last evaluation, N.
@@ -138,7 +140,8 @@ class SolidContact {
   std::vector<std::vector<std::array<Memory, kPartners>>> memories_;  ///< by object and point
   std::vector<Candidate> candidates_;
   std::size_t candidate_count_ = 0;
-  std::vector<double> touched_;  ///< by object: stiffness, N/m
+  std::vector<std::uint8_t> near_;  ///< by object
+  std::vector<double> touched_;     ///< by object: stiffness, N/m
   double force_norm_ = 0.0;
 };
 

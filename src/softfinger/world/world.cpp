@@ -112,6 +112,12 @@ struct World::Implementation {
       expected[o] = poses[o];
       if (!objects[o].dynamics) expected[o] = objects[o].motion.sample(end);
     }
+    predict(end);
+    // What may touch in this step takes blows as they are: the second order would make them ring.
+    if (roughen()) predict(end);
+  }
+
+  void predict(double end) {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       const Body& body = tree.bodies()[b];
       motions[b].begin(time_step, quiet[b] >= kSmoothAfter);
@@ -123,22 +129,38 @@ struct World::Implementation {
     contact.begin(poses, expected);
   }
 
-  [[nodiscard]] bool is_near(FingerSimulation& finger) const {
+  bool roughen() {
+    bool any = false;
+    for (std::size_t b = 0; b < quiet.size(); ++b) {
+      const std::size_t object = tree.bodies()[b].object;
+      const bool near_finger = std::ranges::any_of(
+          fingers, [&](const FingerSimulation* finger) { return is_near(*finger, object); });
+      if (quiet[b] < kSmoothAfter || !(contact.is_near(object) || near_finger)) continue;
+      quiet[b] = 0;
+      any = true;
+    }
+    if (any) spread_roughness();
+    return any;
+  }
+
+  [[nodiscard]] bool is_near(const FingerSimulation& finger) const {
+    return std::ranges::any_of(tree.bodies(),
+                               [&](const Body& body) { return is_near(finger, body.object); });
+  }
+
+  [[nodiscard]] bool is_near(const FingerSimulation& finger, std::size_t object) const {
     Eigen::AlignedBox3d box;
     for (const Vector3& p : finger.positions()) box.extend(p);
     box.min().array() -= kTakesPart;
     box.max().array() += kTakesPart;
-    return std::ranges::any_of(tree.bodies(), [&](const Body& body) {
-      const Eigen::AlignedBox3d own = bounds(objects[body.object].shape);
-      const Vector3 half = 0.5 * own.sizes();
-      if (!half.allFinite()) return true;
-      const auto covers = [&](const Pose& X_WO) {
-        const Vector3 centre = X_WO * Vector3(own.min() + half);
-        const Vector3 extent = X_WO.rotation.cwiseAbs() * half;
-        return box.intersects({centre - extent, centre + extent});
-      };
-      return covers(poses[body.object]) || covers(expected[body.object]);
-    });
+    const Eigen::AlignedBox3d own = bounds(objects[object].shape);
+    const Vector3 half = 0.5 * own.sizes();
+    const auto covers = [&](const Pose& X_WO) {
+      const Vector3 centre = X_WO * Vector3(own.min() + half);
+      const Vector3 extent = X_WO.rotation.cwiseAbs() * half;
+      return box.intersects({centre - extent, centre + extent});
+    };
+    return covers(poses[object]) || covers(expected[object]);
   }
 
   void end() {
@@ -206,6 +228,11 @@ struct World::Implementation {
     for (std::size_t b = 0; b < quiet.size(); ++b) {
       quiet[b] = touched(tree.bodies()[b].object) ? 0 : std::min(quiet[b] + 1, kSmoothAfter);
     }
+    spread_roughness();
+  }
+
+  /// To all that hang together.
+  void spread_roughness() {
     for (std::size_t b = quiet.size(); b-- > 0;) {
       const int parent = tree.bodies()[b].parent;
       if (parent < 0) continue;
