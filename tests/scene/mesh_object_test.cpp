@@ -98,6 +98,18 @@ TEST(MeshObject, RefusesWithFileLineAndKey) {
   EXPECT_THAT(error_of(folder, kCube + "unit = \"m\"\n"), HasSubstr("too large"));
 }
 
+TEST(MeshObject, MovesByForcesWithTheMassOfItsVolume) {
+  const fs::path folder = folder_with_cube();
+  const std::string moves = kCube + "unit = \"mm\"\nedge_rounding_mm = 1\nmotion = \"dynamic\"\n";
+  const Scene scene = load(folder, moves + "density_kg_per_m3 = 1000\n");
+  // A cube of 1 cm^3, as its grid has it.
+  EXPECT_NEAR(scene.objects.at(0).dynamics->mass, 1e-3, 0.03e-3);
+  EXPECT_EQ(load(folder, moves + "mass_g = 5\n").objects.at(0).dynamics->mass, 5e-3);
+  std::ofstream(folder / "cube.obj") << "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n";
+  EXPECT_THAT(error_of(folder, moves + "mass_g = 5\n"),
+              AllOf(HasSubstr("object[0].file"), HasSubstr("open")));
+}
+
 TEST(MeshObject, SpellingIsCheckedBeforeTheMeshIsLoaded) {
   const std::string error =
       error_of(folder_with_cube(),
