@@ -82,8 +82,9 @@ TEST_F(ShippedFile, ARefusalSaysWhereItLookedAndWhatIsNear) {
               AllOf(StartsWith("spere: no such file, nor a scene of that name in /"),
                     HasSubstr("/scenes, which has sphere"), Not(HasSubstr("corner"))));
   // A device's name is not a scene's.
-  EXPECT_THAT(refusal_of(Shipped::kScene, "membrane"),
-              AllOf(HasSubstr("membrane: no such file"), HasSubstr("button, corner, cup, cylinder")));
+  EXPECT_THAT(
+      refusal_of(Shipped::kScene, "membrane"),
+      AllOf(HasSubstr("membrane: no such file"), HasSubstr("button, corner, cup, cylinder")));
   EXPECT_THAT(
       refusal_of(Shipped::kDevice, "3rrs"),
       AllOf(HasSubstr("nor a device"), HasSubstr("has thimble-3rrs, thimble-3rrs-dynamixel")));

@@ -17,8 +17,8 @@ constexpr int kLengthParts = 4;
 
 /// Where the distance is almost zero, by its gradient from cells about the surface.
 std::vector<Vector3> on_surface(const Shape& shape) {
-  constexpr int kSearchCells = 48;    // along the longest side
-  constexpr double kOn = 1e-3;  // of a cell
+  constexpr int kSearchCells = 48;  // along the longest side
+  constexpr double kOn = 1e-3;      // of a cell
   const Eigen::AlignedBox3d box = bounds(shape);
   const double cell = box.sizes().maxCoeff() / kSearchCells;
   const Eigen::Array3i count = (box.sizes() / cell).array().ceil().cast<int>() + 1;
