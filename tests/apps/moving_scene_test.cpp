@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -80,6 +82,40 @@ TEST_F(SceneWithoutFinger, RunsForATimeAndReplaysToTheBit) {
   const std::string csv = place.read("csv/objects.csv");
   EXPECT_THAT(csv, HasSubstr("\n0,bob,100,0,0,1,"));
   EXPECT_THAT(csv, HasSubstr("\n0.1,ball,"));
+}
+
+TEST(MovingScene, EventsAreExported) {
+  const Workplace place;
+  place.write("scenes/drop.toml", R"([[object]]
+name = "table"
+shape = "plane"
+[[object]]
+name = "ball"
+shape = "sphere"
+radius_mm = 5
+position_mm = [0, 0, 10]
+motion = "dynamic"
+mass_g = 3
+)");
+  const std::string file = place.path("drop.sqlite");
+  ASSERT_EQ(run_program({"run", place.path("scenes/drop.toml"), "--headless",
+                         "--as-fast-as-possible", "--duration-s", "0.2", "--record", file})
+                .status,
+            0);
+  ASSERT_EQ(run_program({"export", file, "--to", place.path("csv")}).status, 0);
+  std::istringstream rows(place.read("csv/events.csv"));
+  std::string header;
+  std::string row;
+  std::getline(rows, header);
+  EXPECT_EQ(header, "time_s,kind,object,other,impulse_N_s");
+  ASSERT_TRUE(std::getline(rows, row));
+  // Free fall of 5 mm takes 31.9 ms, and ends with m sqrt(2 g h); its weight adds in 10 ms.
+  double time = 0.0;
+  double impulse = 0.0;
+  ASSERT_EQ(std::sscanf(row.c_str(), "%lf,impact,table,ball,%lf", &time, &impulse), 2) << row;
+  EXPECT_NEAR(time, 0.032, 0.0021);
+  EXPECT_NEAR(impulse, 3e-3 * (0.313 + 0.0981), 0.05e-3);
+  EXPECT_FALSE(std::getline(rows, row)) << row;
 }
 
 TEST_F(SceneWithoutFinger, IsToldWhatItNeeds) {
