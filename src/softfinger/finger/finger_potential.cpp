@@ -364,13 +364,14 @@ ObstacleCoupling FingerPotential::make_coupling() const {
 }
 
 void FingerPotential::couple(std::size_t o, HessianKind kind, ObstacleCoupling& coupling) const {
-  coupling.clear();
+  coupling.touches = false;
   const Vector3& origin = step_.obstacles[o].X_WO.translation;
   const std::size_t samples = model_.sample_nodes.size();
   ContactPotential::PairResponse pair;
   for (std::size_t i = 0; i < contact_points(); ++i) {
     if (!contact_.pair_response(i, o, kind == HessianKind::kFull, pair)) continue;
     const Vector3 r = contact_positions_[i] - origin;
+    if (!coupling.touches) coupling.clear();
     coupling.add(i, r, pair.gradient, pair.hessian, kind != HessianKind::kProjected);
     if (i < samples) {
       add_load(model_.sample_nodes[i], 1.0, coupling.by_point[i], coupling.columns);

@@ -5,7 +5,7 @@
 namespace softfinger {
 
 void ObstacleCoupling::clear() {
-  touches = false;
+  touches = true;
   by_obstacle.setZero();
   std::fill(by_point.begin(), by_point.end(), Matrix36::Zero());
   for (std::vector<double>& column : columns) std::fill(column.begin(), column.end(), 0.0);
@@ -13,7 +13,6 @@ void ObstacleCoupling::clear() {
 
 void ObstacleCoupling::add(std::size_t point, const Vector3& r, const Vector3& g, const Matrix3& K,
                            bool with_turning) {
-  touches = true;
   const Matrix3 arm = skew(r);
   Matrix36& by_pose = by_point[point];
   by_pose.leftCols<3>() = -K;

@@ -20,12 +20,13 @@ using Matrix36 = Eigen::Matrix<double, 3, 6>;
 /// O. With g = dE/dx, K = d2E/dx2 and r = x - c: E_xc = -K, E_x,theta = K [r]x - [g]x, E_cc = K,
 /// E_c,theta = -E_x,theta, E_theta,theta = [r]x^T K [r]x + (g r^T + r g^T) / 2 - (g . r) I.
 struct ObstacleCoupling {
-  bool touches = false;
+  bool touches = false;  ///< else nothing below holds
   Matrix6 by_obstacle = Matrix6::Zero();
   std::vector<Matrix36> by_point;                ///< by each contact point and the pose
   std::array<std::vector<double>, 6> columns;    ///< B, by the unknowns and each of the pose
   std::array<std::vector<double>, 6> responses;  ///< A^-1 B
 
+  /// They touch, and nothing is added up yet.
   void clear();
   /// `with_turning`: of g, which may be indefinite.
   void add(std::size_t point, const Vector3& r, const Vector3& g, const Matrix3& K,

@@ -28,6 +28,15 @@ std::vector<double> masses_of(std::span<const VirtualObject> objects) {
   return masses;
 }
 
+/// What a finger could touch, W.
+Eigen::AlignedBox3d box_around(const FingerSimulation& finger) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& p : finger.positions()) box.extend(p);
+  box.min().array() -= kTakesPart;
+  box.max().array() += kTakesPart;
+  return box;
+}
+
 /// A jointed object does not touch what it hangs on.
 std::vector<std::array<int, 2>> joined(std::span<const VirtualObject> objects) {
   std::vector<std::array<int, 2>> pairs;
@@ -131,10 +140,11 @@ struct World::Implementation {
 
   bool roughen() {
     bool any = false;
+    for (std::size_t f = 0; f < fingers.size(); ++f) boxes[f] = box_around(*fingers[f]);
     for (std::size_t b = 0; b < quiet.size(); ++b) {
       const std::size_t object = tree.bodies()[b].object;
       const bool near_finger = std::ranges::any_of(
-          fingers, [&](const FingerSimulation* finger) { return is_near(*finger, object); });
+          boxes, [&](const Eigen::AlignedBox3d& box) { return reaches(box, object); });
       if (quiet[b] < kSmoothAfter || !(contact.is_near(object) || near_finger)) continue;
       quiet[b] = 0;
       any = true;
@@ -144,15 +154,13 @@ struct World::Implementation {
   }
 
   [[nodiscard]] bool is_near(const FingerSimulation& finger) const {
+    const Eigen::AlignedBox3d box = box_around(finger);
     return std::ranges::any_of(tree.bodies(),
-                               [&](const Body& body) { return is_near(finger, body.object); });
+                               [&](const Body& body) { return reaches(box, body.object); });
   }
 
-  [[nodiscard]] bool is_near(const FingerSimulation& finger, std::size_t object) const {
-    Eigen::AlignedBox3d box;
-    for (const Vector3& p : finger.positions()) box.extend(p);
-    box.min().array() -= kTakesPart;
-    box.max().array() += kTakesPart;
+  /// Whether an object comes into the box in this step.
+  [[nodiscard]] bool reaches(const Eigen::AlignedBox3d& box, std::size_t object) const {
     const Eigen::AlignedBox3d own = bounds(objects[object].shape);
     const Vector3 half = 0.5 * own.sizes();
     const auto covers = [&](const Pose& X_WO) {
@@ -257,6 +265,7 @@ struct World::Implementation {
   std::vector<ObjectState> states;
   std::vector<int> quiet;  ///< by body: steps without contact
   std::vector<FingerSimulation*> fingers, near;
+  std::vector<Eigen::AlignedBox3d> boxes;  ///< about each finger
   std::vector<std::size_t> alone;
   double time = 0.0;
   std::optional<WorldEvents> events;
@@ -277,6 +286,7 @@ void World::add(FingerSimulation& finger) {
   if (!moves()) return;
   self.problem->reserve(finger);
   self.fingers.push_back(&finger);
+  self.boxes.emplace_back();
   self.near.reserve(self.fingers.size());
   self.alone.reserve(self.fingers.size());
 }

@@ -29,6 +29,13 @@ constexpr double kAccuracy = 1e-11;
 constexpr double kLevel = 1.0;
 /// Of a joint's limits, times the inertia of a step.
 constexpr double kLimitStiffness = 10.0;
+
+double dot(std::span<const double> a, std::span<const double> b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
 std::string too_steep(const Body& body, double times) {
   const bool curve = body.joint->curve.has_value();
   return fmt::format("its {} falls too steeply for this mass and simulation_Hz; {:.3g} g would do",
@@ -86,6 +93,7 @@ void WorldProblem::reserve(FingerSimulation& finger) {
   partner.couplings.assign(std::min(kMostTouched, tree_.bodies().size()),
                            finger.potential().make_coupling());
   partner.bodies.reserve(partner.couplings.size());
+  partner.yielding.resize(partner.couplings.size() * partner.couplings.size());
   if (!partner.couplings.empty()) {
     partner.carried.assign(partner.couplings.front().by_point.size(), Vector3::Zero());
   }
@@ -233,7 +241,6 @@ bool WorldProblem::has_factor() const {
 
 bool WorldProblem::factorise(HessianKind kind) {
   settle();
-  kind_ = kind;
   has_factor_ = false;
   for_each_finger([&](Partner& partner) {
     FingerPotential& finger = partner.finger->potential();
@@ -245,6 +252,7 @@ bool WorldProblem::factorise(HessianKind kind) {
       finger.couple(tree_.bodies()[b].object, kind, coupling);
       if (coupling.touches) partner.bodies.push_back(b);
     }
+    partner.find_yielding();
   });
   has_factor_ = true;
   has_factor_ = has_factor();
@@ -252,6 +260,20 @@ bool WorldProblem::factorise(HessianKind kind) {
   build_system();
   has_factor_ = Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(system_).info() == Eigen::Success;
   return has_factor_;
+}
+
+void WorldProblem::Partner::find_yielding() {
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    for (std::size_t l = 0; l < bodies.size(); ++l) {
+      Matrix6& block = yielding[k * couplings.size() + l];
+      for (int r = 0; r < 6; ++r) {
+        for (int c = 0; c < 6; ++c) {
+          block(r, c) = -dot(couplings[k].columns[static_cast<std::size_t>(r)],
+                             couplings[l].responses[static_cast<std::size_t>(c)]);
+        }
+      }
+    }
+  }
 }
 
 void WorldProblem::add_pair(std::size_t a, std::size_t b, const Matrix6& block) {
@@ -298,18 +320,8 @@ void WorldProblem::build_system() {
       const ObstacleCoupling& coupling = partner->couplings[k];
       add_pair(partner->bodies[k], partner->bodies[k], coupling.by_obstacle);
       for (std::size_t l = 0; l < partner->bodies.size(); ++l) {
-        Matrix6 given;
-        for (int r = 0; r < 6; ++r) {
-          for (int c = 0; c < 6; ++c) {
-            const std::vector<double>& column = coupling.columns[static_cast<std::size_t>(r)];
-            const std::vector<double>& response =
-                partner->couplings[l].responses[static_cast<std::size_t>(c)];
-            double sum = 0.0;
-            for (std::size_t i = 0; i < column.size(); ++i) sum += column[i] * response[i];
-            given(r, c) = -sum;
-          }
-        }
-        add_pair(partner->bodies[k], partner->bodies[l], given);
+        add_pair(partner->bodies[k], partner->bodies[l],
+                 partner->yielding[k * partner->couplings.size() + l]);
       }
     }
   }
@@ -332,11 +344,7 @@ double WorldProblem::solve_direction(bool refined) {
     for (std::size_t k = 0; k < partner->bodies.size(); ++k) {
       Vector6 load;
       for (int c = 0; c < 6; ++c) {
-        const std::vector<double>& column =
-            partner->couplings[k].columns[static_cast<std::size_t>(c)];
-        double sum = 0.0;
-        for (std::size_t i = 0; i < column.size(); ++i) sum += column[i] * alone[i];
-        load[c] = sum;
+        load[c] = dot(partner->couplings[k].columns[static_cast<std::size_t>(c)], alone);
       }
       for (const BodyTree::Column& column : columns_[partner->bodies[k]].all()) {
         direction_[column.coordinate] -= column.twist.dot(load);

@@ -79,8 +79,10 @@ class WorldProblem {
     FingerSimulation* finger = nullptr;
     std::vector<ObstacleCoupling> couplings;
     std::vector<std::size_t> bodies;  ///< of the couplings in use
+    std::vector<Matrix6> yielding;    ///< -B^T A^-1 B of each pair of couplings, as factored
     std::vector<Vector3> carried;     ///< by contact point, N
     bool taking_part = false;
+    void find_yielding();
   };
   /// What acts on the coordinate of a slider or hinge.
   struct JointForces {
@@ -120,7 +122,6 @@ class WorldProblem {
   std::vector<BodyPlace> expected_;
   Eigen::MatrixXd system_;
   Eigen::VectorXd direction_;
-  HessianKind kind_ = HessianKind::kFull;
   bool cache_is_current_ = false;
   bool has_factor_ = false;
 };
