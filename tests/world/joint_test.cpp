@@ -130,5 +130,44 @@ TEST(Slider, IsStoppedByItsLimits) {
   EXPECT_EQ(play.unconverged(), 0);
 }
 
+/// A bob that hangs 100 mm below what holds it.
+VirtualObject bob(JointKind kind) {
+  VirtualObject object = loose("bob", Ball{5.0 * mm}, Vector3::Zero(), 20e-3);
+  object.dynamics->joint =
+      Joint{.kind = kind, .axis_O = Vector3::UnitY(), .point_O = Vector3(0.0, 0.0, 100.0 * mm)};
+  return object;
+}
+
+TEST(StartVelocity, IsWhatTheJointAllows) {
+  // The same swing, said by its turn and by the way of its centre.
+  for (const JointKind kind : {JointKind::kHinge, JointKind::kBall}) {
+    VirtualObject turned = bob(kind);
+    turned.dynamics->angular_velocity_W = Vector3(0.0, 2.0, 0.0);
+    Play play({turned});
+    play.step();
+    EXPECT_NEAR(play.state(0).velocity.x(), -2.0 * 100.0 * mm, 1e-3);
+  }
+  VirtualObject pushed = bob(JointKind::kHinge);
+  pushed.dynamics->velocity_W = Vector3(-0.2, 0.7, 0.3);
+  Play play({pushed});
+  play.step();
+  EXPECT_NEAR(play.state(0).velocity.x(), -0.2, 1e-3);
+  EXPECT_NEAR(play.state(0).velocity.y(), 0.0, 1e-9);
+}
+
+TEST(StartVelocity, OfWhatHangsOnAMovingBodyIsItsBodys) {
+  VirtualObject drawer =
+      loose("drawer", RoundedBox{Vector3(30, 20, 10) * mm, 1.0 * mm}, Vector3::Zero(), 0.2);
+  drawer.dynamics->joint = slider(-1.0, 1.0);
+  drawer.dynamics->joint->axis_O = Vector3::UnitX();
+  drawer.dynamics->velocity_W = Vector3(0.5, 0.0, 0.0);
+  VirtualObject handle = loose("handle", Ball{5.0 * mm}, Vector3(40.0 * mm, 0.0, 0.0), 0.2);
+  handle.dynamics->joint = Joint{.kind = JointKind::kFixed, .parent = 0};
+  Play play({drawer, handle}, Vector3::Zero());
+  play.run(0.1);
+  EXPECT_NEAR(play.state(0).velocity.x(), 0.5, 1e-9);
+  EXPECT_NEAR(play.state(1).X_WO.translation.x(), 40.0 * mm + 0.05, 1e-9);
+}
+
 }  // namespace
 }  // namespace softfinger

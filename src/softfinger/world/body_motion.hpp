@@ -52,6 +52,7 @@ class BodyMotion {
   void add_to(Hash& hash) const {
     hash.add(now_.X_WO.rotation).add(now_.X_WO.translation).add(now_.q).add(now_.turn);
     hash.add(velocity_).add(old_velocity_).add(centre_).add(old_centre_);
+    hash.add(old_rotation_).add(old_rotation_rate_).add(old_q_);
     hash.add(momentum_).add(rotation_rate_).add(rate_).add(old_rate_).add(steps_);
   }
 

@@ -48,15 +48,22 @@ std::vector<std::array<int, 2>> joined(std::span<const VirtualObject> objects) {
   return pairs;
 }
 
-/// What the joint allows of a velocity at the start: m/s along a slider, rad/s about a hinge.
-double joint_rate(const Body& body, const BodyTree::Columns& columns, const ObjectDynamics& starts,
-                  const Vector3& from_centre) {
-  if (!body.joint || body.freedoms != 1) return 0.0;
-  const Vector6& twist = columns.columns[columns.count - 1].twist;
-  const Vector3 turn = twist.tail<3>();
-  if (body.joint->kind == JointKind::kHinge) return turn.dot(starts.angular_velocity_W);
-  const Vector3 along = twist.head<3>();
-  return along.dot(starts.velocity_W + starts.angular_velocity_W.cross(from_centre));
+/// Of the velocity that the scene gives a body at the start, what its joint allows: a rate by each
+/// of its own coordinates. A hinge takes the turn about its axis, or where that is none, the way of
+/// the centre of mass; a ball the turn.
+Vector3 start_rates(std::span<const BodyTree::Column> own, const ObjectDynamics& starts,
+                    const Vector3& centre_from_origin) {
+  Vector3 rates = Vector3::Zero();
+  if (own.size() > 1) return starts.angular_velocity_W;
+  for (const BodyTree::Column& column : own) {
+    const Vector3 turn = column.twist.tail<3>();
+    const Vector3 way = column.twist.head<3>() + turn.cross(centre_from_origin);
+    rates[0] = turn.dot(starts.angular_velocity_W);
+    if (rates[0] == 0.0 && way.squaredNorm() > 0.0) {
+      rates[0] = way.dot(starts.velocity_W) / way.squaredNorm();
+    }
+  }
+  return rates;
 }
 
 }  // namespace
@@ -85,17 +92,28 @@ struct World::Implementation {
     for (std::size_t b = 0; b < places.size(); ++b) {
       const Body& body = tree.bodies()[b];
       const ObjectDynamics& starts = *objects[body.object].dynamics;
+      const Vector3 centre = tree.centre(b, places[b].X_WO) - places[b].X_WO.translation;
       Vector3 velocity = starts.velocity_W;
       Vector3 spin = starts.angular_velocity_W;
       double rate = 0.0;
       if (body.joint) {
-        const Vector3 way = tree.centre(b, places[b].X_WO) - places[b].X_WO.translation;
-        rate = joint_rate(body, columns[b], starts, -way);
-        const Vector6 own = body.freedoms == 1
-                                ? Vector6(rate * columns[b].columns[columns[b].count - 1].twist)
-                                : Vector6(Vector6::Zero());
-        spin = own.tail<3>();
-        velocity = own.head<3>() + spin.cross(way);
+        const std::span<const BodyTree::Column> all = columns[b].all();
+        const auto own = all.last(static_cast<std::size_t>(body.freedoms));
+        const Vector3 rates = start_rates(own, starts, centre);
+        if (body.freedoms == 1) rate = rates[0];
+        Vector6 twist = Vector6::Zero();  // of O's origin
+        for (std::size_t c = 0; c < own.size(); ++c) {
+          twist += rates[static_cast<int>(c)] * own[c].twist;
+        }
+        if (body.parent >= 0) {
+          const auto p = static_cast<std::size_t>(body.parent);
+          const Vector3 turn = motions[p].angular_velocity();
+          const Vector3 way = places[b].X_WO.translation - tree.centre(p, places[p].X_WO);
+          twist.head<3>() += motions[p].velocity() + turn.cross(way);
+          twist.tail<3>() += turn;
+        }
+        spin = twist.tail<3>();
+        velocity = twist.head<3>() + spin.cross(centre);
       }
       motions.emplace_back(body, places[b], velocity, spin, rate);
     }
