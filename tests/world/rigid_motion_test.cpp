@@ -7,6 +7,7 @@
 #include "play.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/geometry/mass_properties.hpp"
+#include "softfinger/world/solid_contact.hpp"
 
 namespace softfinger {
 namespace {
@@ -124,6 +125,25 @@ TEST(RigidMotion, BlowsArePlasticFromAnyHeight) {
       EXPECT_LT(play.state(1).X_WO.translation.z(), 5.001 * mm) << height;
     }
   }
+}
+
+TEST(RigidMotion, WhatStartsInsideAnotherPartsSlowlyAndIsNamed) {
+  Play play({still("ground", HalfSpace{}),
+             loose("low", cube(30.0 * mm), Vector3(0.0, 0.0, 12.0 * mm), 0.05),
+             loose("high", cube(30.0 * mm), Vector3(1.0 * mm, 2.0 * mm, 38.0 * mm), 0.05)});
+  ASSERT_EQ(play.world().overlaps().size(), 2U);
+  EXPECT_EQ(play.world().overlaps()[0].second, 1U);
+  EXPECT_NEAR(play.world().overlaps()[0].depth, 3.0 * mm, 1e-9);
+  EXPECT_EQ(play.world().overlaps()[1].first, 1U);
+  EXPECT_NEAR(play.world().overlaps()[1].depth, 4.0 * mm, 0.1 * mm);
+  for (int k = 0; k < 400; ++k) {
+    play.step();
+    // The upper one rides on the lower.
+    EXPECT_LT(play.state(1).velocity.norm(), 1.25 * SolidContact::kParting) << k;
+    EXPECT_LT(play.state(2).velocity.norm(), 2.5 * SolidContact::kParting) << k;
+  }
+  EXPECT_NEAR(play.state(1).X_WO.translation.z(), 15.0 * mm, 1e-6);
+  EXPECT_NEAR(play.state(2).X_WO.translation.z(), 45.0 * mm, 1e-6);
 }
 
 TEST(RigidMotion, APendulumKeepsSwinging) {

@@ -28,6 +28,10 @@ class SceneLoop {
 
   /// Whether any object moves by forces.
   [[nodiscard]] bool moves_objects() const { return world_.has_value(); }
+  /// Objects that start inside each other, once started.
+  [[nodiscard]] std::span<const Overlap> overlaps() const {
+    return world_ ? world_->overlaps() : std::span<const Overlap>();
+  }
   /// Where an object is after the last step.
   [[nodiscard]] Pose object_pose(std::size_t object) const;
   /// A row for each object that moves by forces, in their order, after the last step.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/loop/step_pacer.hpp"
 #include "softfinger/threads/awake_processors.hpp"
 #include "softfinger/threads/thread_priority.hpp"
@@ -369,6 +370,12 @@ RunSummary SceneRun::finish() {
                                : std::isnan(last.joint) ? ""
                                                         : "deg",
                                last});
+  }
+  for (const Overlap& overlap : scene_->overlaps()) {
+    const auto& objects = setup_->scene.objects;
+    summary.remarks.push_back(
+        fmt::format("objects {} and {} start {:.2g} mm inside each other and part slowly",
+                    objects[overlap.first].name, objects[overlap.second].name, overlap.depth / mm));
   }
   if (recording_) {
     summary.recording = recording_->file();

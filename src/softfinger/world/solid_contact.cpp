@@ -37,7 +37,10 @@ Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Pose& X) {
 
 SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<const double> masses,
                            std::span<const std::array<int, 2>> apart, double time_step)
-    : objects_(objects), near_(objects.size(), 0), touched_(objects.size(), 0.0) {
+    : objects_(objects),
+      parting_(kParting * time_step),
+      near_(objects.size(), 0),
+      touched_(objects.size(), 0.0) {
   for (std::size_t o = 0; o < objects.size(); ++o) {
     points_.push_back(surface_points(objects[o].shape));
     bounds_.push_back(bounds(objects[o].shape));
@@ -122,7 +125,8 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
                   .on = pair.on,
                   .point = i,
                   .stiffness = pair.stiffness,
-                  .friction_coefficient = pair.friction_coefficient};
+                  .friction_coefficient = pair.friction_coefficient,
+                  .allowed = std::min(0.0, at.distance - point.radius + parting_)};
     const Vector3 surface_on = centre_on - point.radius * at.gradient;
     c.material_of = X_on_of.inverse() * surface_on;
     c.free_on = surface_on;
@@ -148,7 +152,7 @@ double SolidContact::evaluate(Candidate& c, std::span<const Pose> X_WO) const {
   c.centre_W = X_of * point.centre_O;
   const SignedDistance at =
       distance_and_gradient(objects_[c.on].shape, X_on.inverse() * c.centre_W);
-  c.gap = at.distance - point.radius;
+  c.gap = at.distance - point.radius - c.allowed;
   c.normal = X_on.rotation * at.gradient;
   c.pressing = 0.0;
   c.friction_force.setZero();

@@ -20,11 +20,15 @@ namespace softfinger {
 /// Friction is a Huber potential of the slip since contact began, carried along from step to step,
 /// so that what is held stays; its limit is that of the normal force at the end of the last step,
 /// see update_limits().
+///
+/// What is deeper inside another at the start of a step than it could part in it at kParting is let
+/// be there so far: objects that start inside each other part at that speed.
 class SolidContact {
  public:
   static constexpr double kStiffness = 10.0;
   static constexpr double kLeastForce = 1.0;  ///< N
   static constexpr double kDepth = 5e-6;      ///< m
+  static constexpr double kParting = 50e-3;   ///< m/s
   static constexpr double kFriction = 0.5;    ///< where no object has a coefficient
 
   /// Who touches whom. masses: kg, by object; 0: it does not move by forces. `apart`: pairs that do
@@ -36,6 +40,16 @@ class SolidContact {
   void begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected);
   /// Nothing has touched.
   void reset();
+
+  /// Calls visit(of, on, depth in m) for each point that is further inside at the start of the step
+  /// than the step can part.
+  template <typename Visitor>
+  void for_each_sunk(const Visitor& visit) const {
+    for (std::size_t k = 0; k < candidate_count_; ++k) {
+      const Candidate& c = candidates_[k];
+      if (c.allowed < 0.0) visit(c.of, c.on, parting_ - c.allowed);
+    }
+  }
 
   /// Energy with the objects there, J. wrenches: derivative by the translation of each object's
   /// origin and its rotation, W; added to.
@@ -110,6 +124,7 @@ class SolidContact {
     std::size_t of = 0, on = 0, point = 0;
     double stiffness = 0.0;  ///< N/m
     double friction_coefficient = 0.0;
+    double allowed = 0.0;  ///< gap that is let be, at most 0, m
     // Of friction: the point of the surface of `of` that touched, and where it was without slip.
     double limit = 0.0;
     Vector3 material_of = Vector3::Zero();  ///< in the frame of `of`
@@ -140,6 +155,7 @@ class SolidContact {
   std::vector<std::vector<std::array<Memory, kPartners>>> memories_;  ///< by object and point
   std::vector<Candidate> candidates_;
   std::size_t candidate_count_ = 0;
+  double parting_;                  ///< in a step, m
   std::vector<std::uint8_t> near_;  ///< by object
   std::vector<double> touched_;     ///< by object: stiffness, N/m
   double force_norm_ = 0.0;

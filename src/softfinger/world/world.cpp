@@ -204,6 +204,21 @@ struct World::Implementation {
     tell();
   }
 
+  void find_overlaps() {
+    overlaps.clear();
+    contact.begin(poses, poses);
+    contact.for_each_sunk([&](std::size_t of, std::size_t on, double depth) {
+      const auto known = std::ranges::find_if(overlaps, [&](const Overlap& overlap) {
+        return overlap.first == std::min(of, on) && overlap.second == std::max(of, on);
+      });
+      if (known == overlaps.end()) {
+        overlaps.push_back({std::min(of, on), std::max(of, on), depth});
+      } else {
+        known->depth = std::max(known->depth, depth);
+      }
+    });
+  }
+
   void prepare_events() {
     std::vector<int> moving;
     std::vector<WorldEvents::Joint> joints;
@@ -287,6 +302,7 @@ struct World::Implementation {
   std::vector<std::size_t> alone;
   double time = 0.0;
   std::optional<WorldEvents> events;
+  std::vector<Overlap> overlaps;  ///< at the start
   StepSummary last;
 };
 
@@ -313,6 +329,7 @@ void World::reset() {
   Implementation& self = *implementation_;
   self.start();
   self.problem->reset();
+  self.find_overlaps();
   self.prepare_events();
   self.time = 0.0;
   self.last = {};
@@ -373,6 +390,7 @@ void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSumm
   }
 }
 
+std::span<const Overlap> World::overlaps() const { return implementation_->overlaps; }
 std::span<const WorldEvent> World::events() const { return implementation_->events->told(); }
 void World::finish() { implementation_->events->finish(); }
 

@@ -21,6 +21,12 @@ struct ObjectState {
   bool has_joint = false;                      ///< a slider or hinge
 };
 
+/// Two objects that start inside each other.
+struct Overlap {
+  std::size_t first = 0, second = 0;  ///< numbers in the scene
+  double depth = 0.0;                 ///< m
+};
+
 /// The objects of a scene that move by the forces on them, and the steps in which they and the
 /// fingers that touch them move together. After the first steps nothing allocates, and nothing
 /// throws.
@@ -47,6 +53,9 @@ class World {
   void add(FingerSimulation& finger);
   /// Objects as the scene has them at the start.
   void reset();
+
+  /// Which of them, at least one of two moving, start inside each other; they part slowly.
+  [[nodiscard]] std::span<const Overlap> overlaps() const;
 
   void begin_step(double time);
   /// Ends the step of objects together with that of the fingers, which have begun theirs. One
