@@ -32,6 +32,7 @@ void SceneLoop::add(FingerChain& chain) {
 
 void SceneLoop::start() {
   step_ = 0;
+  unconverged_steps_ = 0;
   if (!world_) return;
   world_->reset();
   events_.clear();
@@ -71,6 +72,9 @@ void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked) {
   const FingerLoop::SolvingTime solving{
       thread_cpu_time() - cpu_began,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()};
+  const auto converged = [](const StepSummary& summary) { return summary.converged; };
+  const std::span<const StepSummary> ended(summaries_.data(), simulations_.size());
+  if (!world_->summary().converged && std::ranges::all_of(ended, converged)) ++unconverged_steps_;
   const std::uint64_t hash = world_->state_hash();
   std::size_t next = 0;
   for (std::size_t i = 0; i < chains_.size(); ++i) {

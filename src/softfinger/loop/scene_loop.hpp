@@ -40,8 +40,8 @@ class SceneLoop {
   [[nodiscard]] std::span<const EventRecord> events() const { return events_; }
   /// No step follows: events() tells what is open.
   void finish();
-  /// How the step of objects ended that no finger touches.
-  [[nodiscard]] const StepSummary& summary() const { return world_->summary(); }
+  /// Steps of objects that did not converge, beyond those that fingers tell of.
+  [[nodiscard]] std::uint64_t unconverged_steps() const { return unconverged_steps_; }
 
  private:
   void record();
@@ -56,6 +56,7 @@ class SceneLoop {
   std::vector<FingerSimulation*> simulations_;  ///< of those
   std::vector<StepSummary> summaries_;          ///< and how they ended
   std::int64_t step_ = 0;
+  std::uint64_t unconverged_steps_ = 0;
   std::vector<ObjectRecord> records_;
   std::vector<EventRecord> events_;
   std::int64_t events_told_ = 0;

@@ -371,6 +371,7 @@ RunSummary SceneRun::finish() {
                                                         : "deg",
                                last});
   }
+  summary.all.unconverged_steps += scene_->unconverged_steps();
   for (const Overlap& overlap : scene_->overlaps()) {
     const auto& objects = setup_->scene.objects;
     summary.remarks.push_back(
