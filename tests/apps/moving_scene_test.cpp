@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 #include "program.hpp"
@@ -82,6 +86,25 @@ TEST_F(SceneWithoutFinger, RunsForATimeAndReplaysToTheBit) {
   const std::string csv = place.read("csv/objects.csv");
   EXPECT_THAT(csv, HasSubstr("\n0,bob,100,0,0,1,"));
   EXPECT_THAT(csv, HasSubstr("\n0.1,ball,"));
+}
+
+TEST(MovingScene, KilledRecordingReplaysAsFarAsItGoes) {
+  const Workplace place;
+  const std::string file = place.path("run.sqlite");
+  RunningProgram program({"run", "tower", "--headless", "--as-fast-as-possible", "--duration-s",
+                          "600", "--record", file});
+  const auto size = [&] {
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(file + "-wal", error);
+    return error ? 0 : bytes;
+  };
+  for (int i = 0; i < 1000 && size() < 400000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(program.stop(SIGKILL).status, 128 + SIGKILL);
+  const json replay = json::parse(run_program({"replay", file, "--json"}).output);
+  EXPECT_TRUE(replay.at("agree"));
+  EXPECT_GT(replay.at("steps"), 100);
 }
 
 TEST(MovingScene, EventsAreExported) {

@@ -178,9 +178,9 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
     if (info.object_names.empty()) return {};
     for (const EventRecord& event : replayer.events()) {
       EventRecord recorded;
-      if (!reader.next(recorded) || first_difference(recorded, event) != nullptr) {
-        return event.object;
-      }
+      const bool there = reader.next(recorded);
+      if (!there && !reader.complete()) return {};
+      if (!there || first_difference(recorded, event) != nullptr) return event.object;
     }
     return {};
   };
@@ -207,7 +207,10 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
     }
     for (const ObjectRecord& object : replayer.objects()) {
       ObjectRecord recorded;
-      if (!reader.next(recorded) || first_difference(recorded, object) != nullptr) {
+      const bool there = reader.next(recorded);
+      // Or between the rows of fingers and those of objects.
+      if (!there && !reader.complete()) return result;
+      if (!there || first_difference(recorded, object) != nullptr) {
         return differ_in_object(step, object.object);
       }
     }
