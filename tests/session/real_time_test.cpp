@@ -64,6 +64,24 @@ TEST_P(RealTimePath, HeadlessNeitherAllocatesNorLocks) {
   EXPECT_EQ(guard_counts().locks, 0u);
 }
 
+class RealTimePathOfMovingObjects : public RealTimePath {};
+
+TEST_P(RealTimePathOfMovingObjects, NeitherAllocatesNorLocks) {
+  options_.as_fast_as_possible = true;
+  const RunSummary summary = run_headless(options_, stop_, {}, hooks_);
+  EXPECT_GT(summary.all.max_contact_area, 0.0) << "something is touched";
+  ASSERT_FALSE(summary.objects.empty());
+  EXPECT_EQ(guard_counts().allocations, 0u);
+  EXPECT_EQ(guard_counts().locks, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RealTimePathOfMovingObjects,
+                         testing::Values("cup.toml", "tower.toml", "button.toml"),
+                         [](const auto& scene) {
+                           const std::string name = scene.param;
+                           return name.substr(0, name.find('.'));
+                         });
+
 TEST_P(RealTimePath, ForceAwareMatchingNeitherAllocatesNorLocks) {
   for (const std::string objective : {"surface_and_force", "stress"}) {
     reset_guard();
