@@ -20,8 +20,6 @@ Matrix3 half_squared_angle_hessian(const Vector3& phi, bool projected) {
   return h;
 }
 
-Vector3 vee(const Matrix3& m) { return {m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1)}; }
-
 }  // namespace
 
 BoneEllipsoid bone_ellipsoid(const FingerModel& model) {

@@ -15,6 +15,8 @@ Matrix3 skew(const Vector3& a) {
   return m;
 }
 
+Vector3 vee(const Matrix3& m) { return {m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1)}; }
+
 Matrix3 exp_rotation(const Vector3& rotation_vector) {
   const double angle2 = rotation_vector.squaredNorm();
   const double angle = std::sqrt(angle2);

@@ -29,6 +29,8 @@ void transform(const Pose& X_AB, std::span<const Vector3> points_B, std::span<Ve
 
 /// Cross-product matrix: skew(a) * b = a x b.
 [[nodiscard]] Matrix3 skew(const Vector3& a);
+/// Twice the vector of a matrix's antisymmetric part: vee(skew(a)) = 2 a.
+[[nodiscard]] Vector3 vee(const Matrix3& m);
 /// Rotation matrix of a rotation vector (axis times angle in radians).
 [[nodiscard]] Matrix3 exp_rotation(const Vector3& rotation_vector);
 /// Rotation vector of a rotation matrix, angle in [0, pi].

@@ -14,8 +14,6 @@ Value second_order_rate(const Value& next, const Value& now, const Value& old, d
   return (3.0 * next - 4.0 * now + old) / (2.0 * h);
 }
 
-Vector3 vee(const Matrix3& m) { return {m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1)}; }
-
 }  // namespace
 
 BodyMotion::BodyMotion(const Body& body, const BodyPlace& start, const Vector3& velocity_W,
