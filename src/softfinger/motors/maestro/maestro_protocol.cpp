@@ -62,7 +62,7 @@ int MaestroDecoder::data_length() const {
     case MaestroCommand::kGetPosition:
       return 1;
     case MaestroCommand::kSetMultipleTargets:
-      return received_ == 0 ? 2 : 2 + 2 * data_[0];
+      return 2 + 2 * data_[0];  // some, before their number has come
     case MaestroCommand::kGetMovingState:
     case MaestroCommand::kGetErrors:
     case MaestroCommand::kGoHome:
