@@ -129,6 +129,30 @@ TEST_P(StoppedLine, IsNotReleasedWhileTheLoopSaysNothing) {
   EXPECT_EQ(looks_, 2);
 }
 
+// After two ticks without a command, long before the loop counts as stalled.
+TEST_P(StoppedLine, IsReleasedByALoopThatIsHardlyLateAndNotByOneThatHasMissedTwoTicks) {
+  for (const double ticks : {1.2, 1.4, 2.2, 2.9}) {
+    SimulatedLine line(device_);
+    Board board = board_at(*device_, device_->home());
+    line.plug_in(board);
+    double last = 0.0;
+    line.wanted = [&](double time) -> std::optional<Configuration> {
+      if (time > 5.0) return std::nullopt;
+      last = time;
+      return pressing_;
+    };
+    line.at(2.0, [&] { line.stop(); });
+    line.at(5.0 + 1e-3 * line.period(), [&] {
+      line.at(last + ticks * line.period(),
+              [&] { line.ask_release(line.channel().stop.newest()); });
+    });
+    line.run(6.0 + 5.0 * line.period());
+    EXPECT_EQ(line.channel().stop.is_stopped(), ticks > 2.0) << ticks;
+    EXPECT_EQ(line.channel().stop.refusal(),
+              ticks > 2.0 ? ReleaseRefusal::kNoCommands : ReleaseRefusal::kNone);
+  }
+}
+
 TEST_P(StoppedLine, APortThatIsGoneIsNotReleasedAndComesBackStopped) {
   StopLatch::Number number = 0;
   Board back = board_at(*device_, pressing_);

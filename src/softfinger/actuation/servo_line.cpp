@@ -306,7 +306,7 @@ bool ServoLine::stop_is_news() const {
 void ServoLine::answer_release(TimePoint now) {
   if (!channel_.stop.release_is_asked()) return;
   ReleaseRefusal reason = ReleaseRefusal::kNone;
-  if (stalled_ || now - last_fresh_ >= 2 * period_) {
+  if (now - last_fresh_ >= 2 * period_) {
     reason = ReleaseRefusal::kNoCommands;
   } else if (unheard_ > most_unheard_ || faults_.any() != 0 || channel_.astray != 0 || complains_) {
     reason = ReleaseRefusal::kServoFault;
