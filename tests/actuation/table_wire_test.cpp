@@ -12,6 +12,7 @@
 #include "softfinger/motors/feetech/feetech_protocol.hpp"
 #include "softfinger/motors/servo_bus.hpp"
 #include "softfinger/motors/servo_table/frame_reader.hpp"
+#include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
 namespace softfinger {
 namespace {
@@ -167,6 +168,40 @@ TEST_P(TableWatchdog, IsOnFromTheFirstGoalToTheEnd) {
   ASSERT_EQ(told, (std::vector<std::uint32_t>{GetParam().watchdog, 0}));
   EXPECT_EQ(times.front(), first_goal);
   EXPECT_GT(times.back(), 8.0);
+}
+
+class SearchedTable : public TableWire {
+ protected:
+  SearchedTable() : TableWire("dynamixel", 60.0) {}
+};
+
+// Those that are lost may have ears; and from the next goal on it watches again.
+TEST_F(SearchedTable, WatchesWhileItIsLedAndNotWhileALostServoIsLookedFor) {
+  constexpr double kSearch = 5.0;
+  line_.at(2.0, [this] { dynamic_cast<ServoTableEmulator&>(*board_.bus).cut_off(1); });
+  line_.at(kSearch, [this] { line_.ask_release(line_.channel().stop.newest()); });
+  line_.run(8.0);
+  const ControlTable& table = protocol_->table();
+  std::vector<std::uint32_t> told;
+  std::vector<double> times;
+  double next_goal = -1.0;
+  for (const WireFrame& one : said(ServoInstruction::kSyncWrite)) {
+    const std::uint32_t address = number(one.frame, 0);
+    const bool found = !times.empty() && times.back() >= kSearch;
+    if (address == table.goal.address && found && next_goal < 0.0) next_goal = one.time;
+    if (address != table.watchdog.address) continue;
+    told.push_back(register_value(one.frame.used().last(1)));
+    times.push_back(one.time);
+  }
+  ASSERT_EQ(told, (std::vector<std::uint32_t>{50, 0, 50, 0}));
+  const auto pings = said(ServoInstruction::kPing);
+  const auto search =
+      std::ranges::find_if(pings, [](const WireFrame& one) { return one.time >= kSearch; });
+  ASSERT_NE(search, pings.end());
+  EXPECT_GE(times[1], kSearch);
+  EXPECT_LE(times[1], search->time);
+  EXPECT_GT(times[2], pings.back().time);
+  EXPECT_EQ(times[2], next_goal);
 }
 
 class TablePings : public TableWire, public testing::WithParamInterface<const char*> {
