@@ -102,10 +102,15 @@ TEST(MotionGuardEdges, ReachesTheEdgeOfTheWorkspaceOnTheWayFromHome) {
     EXPECT_TRUE(guard.arrived());
     EXPECT_NEAR(guard.joints().minCoeff(), -20.0 * deg, 0.1 * deg);
   }
-  MotionGuard guard = guard_of(device);
-  for (int k = 0; k < 60; ++k) guard.step(edge_pose(80, 0, 0), kEdgeTick);
-  EXPECT_TRUE(guard.arrived());
-  EXPECT_NEAR(guard.configuration()[0], 30.0 * deg, 0.2 * deg);
+  for (const Eigen::Index axis : {0, 1}) {
+    for (const double far : {80.0 * deg, 1e9}) {
+      MotionGuard guard = guard_of(device);
+      const Configuration goal = far * Configuration::Unit(3, axis);
+      for (int k = 0; k < 60; ++k) guard.step(goal, kEdgeTick);
+      EXPECT_TRUE(guard.arrived());
+      EXPECT_NEAR(guard.configuration()[axis], 30.0 * deg, 0.2 * deg) << axis << ' ' << far;
+    }
+  }
 }
 
 TEST(MotionGuardEdges, TakesAPoseExactlyOnALimit) {
