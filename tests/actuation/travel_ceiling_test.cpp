@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "../support/lever_platform.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 
@@ -115,6 +119,37 @@ TEST(TravelCeiling, BeginsWhereTheLinkageCloses) {
     EXPECT_NEAR(ceiling.travel(q), q[axis] + gap + 0.5 * mm, 1e-6) << x;
   }
   EXPECT_GT(open, 0) << "none of these places is out of reach from afar";
+}
+
+/// A plane that a crank leads to the finger, by so many metres a radian.
+class CrankedPlane : public PointwiseSurface<CrankedPlane> {
+ public:
+  static constexpr double kArm = 20.0 * mm;
+  LevelPlane::Placed placed(const Kinematics&, const Configuration& q) const {
+    return {kArm * q[2]};
+  }
+  void solid_pieces(const Kinematics&, const Configuration&, std::span<SolidPiece>) const override {
+  }
+};
+
+// Depths are lengths, whatever leads the surface.
+TEST(TravelCeiling, HoldsACrankAtItsDepth) {
+  DeviceSettings settings = lever_settings({});
+  settings.axes[2] = ConfigurationAxis::angle("crank_deg", CrankedPlane::kArm);
+  settings.retracted[2] = -10.0 * deg;
+  auto kinematics = std::make_unique<const LeverPlatform>(settings, false);
+  const auto device = std::make_shared<const Device>(std::move(settings), std::move(kinematics),
+                                                     std::make_unique<const CrankedPlane>());
+  const TravelCeiling ceiling(device, std::vector{Vector3(0.0, 0.0, 2.0 * mm)}, {}, {0.5 * mm});
+  for (const double height : {0.0, 1.0 * mm, 2.5 * mm, 4.0 * mm}) {
+    Configuration q(3);
+    q << 0.0, 0.0, height / CrankedPlane::kArm;
+    EXPECT_NEAR(ceiling.depth(q), height - 2.0 * mm, 2e-7);
+    EXPECT_NEAR(ceiling.travel(q) * CrankedPlane::kArm, 2.5 * mm, 2e-7);
+    EXPECT_NEAR(ceiling.excess(q), height - 2.5 * mm, 2e-7);
+    ceiling.lower(q);
+    EXPECT_NEAR(q[2] * CrankedPlane::kArm, std::min(height, 2.5 * mm), 4e-7);
+  }
 }
 
 TEST_F(ThimbleCeiling, LowersAlongTravelWhatIsAboveOnly) {
