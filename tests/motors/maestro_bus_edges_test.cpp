@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <array>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -182,6 +184,33 @@ TEST(MaestroBusEdges, SendsLimitsWhenItOpensAndAgainWherePulsesHadStopped) {
   terminal.say(answer_of({6000, 6000, 6000, 0, 0}));
   EXPECT_FALSE(takes(bus, positions));
   EXPECT_EQ(sent(16), 16U) << "and no more for pulses that have not come back";
+}
+
+/// Time that passes where somebody waits for it.
+struct SleptClock final : LineClock {
+  std::function<void()> sleeping;
+  TimePoint time{};
+
+  [[nodiscard]] TimePoint now() noexcept override { return time; }
+  void sleep_until(TimePoint due) noexcept override {
+    time = due;
+    if (sleeping) sleeping();
+  }
+  bool wait(std::span<pollfd> /*events*/, TimePoint due) noexcept override {
+    time = due;
+    return false;
+  }
+};
+
+// Without its limits a servo would go as fast as it can.
+TEST(MaestroBusEdges, APortThatVanishesBeforeTheLimitsAreSentIsNotOpen) {
+  auto terminal = std::make_unique<BareTerminal>();
+  SleptClock clock;
+  MaestroBus bus(maestro_with({servo_on(3, 1e-9)}), clock);
+  bus.lead_those_left();
+  clock.sleeping = [&] { terminal.reset(); };  // while it waits for its first answer
+  EXPECT_THAT(bus.open(terminal->port()), testing::HasSubstr("limits the servos' speed"));
+  EXPECT_FALSE(bus.is_open());
 }
 
 // Bits of the error register: those of the line, and those of a script on the board.
