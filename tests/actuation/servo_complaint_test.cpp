@@ -84,6 +84,22 @@ TEST_P(ServoComplains, TheDeviceRetractsAndStaysSoUntilItIsWellAndSomebodyReleas
   EXPECT_EQ(looks_, 4);
 }
 
+TEST(ServoThatComplains, IsAnyOfThem) {
+  const auto device = lever_platform({.rate = 60.0, .kind = "dynamixel"});
+  for (std::size_t servo = 0; servo < 3; ++servo) {
+    SimulatedLine line(device);
+    Board board = board_at(*device, device->home());
+    line.plug_in(board);
+    line.wanted = [&](double) { return device->home(); };
+    line.at(2.0, [&] { dynamic_cast<ServoTableEmulator&>(*board.bus).complain(servo, 1U << 5); });
+    line.run(3.0);
+    EXPECT_TRUE(line.channel().stop.is_stopped()) << servo;
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(line.channel().complaints[i].load(), i == servo ? kOverload : 0) << servo << i;
+    }
+  }
+}
+
 TEST(ServoThatIsNotAsked, MayBeAsHotAsItLikes) {
   LeverShape shape{.rate = 60.0, .kind = "dynamixel"};
   shape.max_temperature = 0;

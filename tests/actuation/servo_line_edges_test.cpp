@@ -162,6 +162,28 @@ TEST_F(ServoLineEdges, APortThatGoesAwayBeforeAnythingWasSentIsNotWaitedForAtThe
   EXPECT_LT(line.time(), 2.0);
 }
 
+// As while tracking is lost for a moment, which the loop alone knows.
+TEST_F(ServoLineEdges, WhileItFollowsItsStateIsTheLoops) {
+  for (const DeviceState state : {DeviceState::kReady, DeviceState::kRendering,
+                                  DeviceState::kHolding, DeviceState::kHoming}) {
+    SimulatedLine line(device_);
+    Board board = board_at(*device_, device_->home());
+    line.plug_in(board);
+    line.wanted = [](double) { return advanced(5.0 * mm); };
+    line.spoil = [state](LineChannel::Wanted& wanted) {
+      wanted.state = state;
+      wanted.seal = wanted.seal_of_this();
+    };
+    bool looked = false;
+    line.at(2.0, [&] {
+      looked = true;
+      EXPECT_EQ(line.channel().state.load(), state);
+    });
+    line.run(2.5);
+    EXPECT_TRUE(looked);
+  }
+}
+
 TEST_F(ServoLineEdges, WhatIsNoPoseIsNotTakenOver) {
   for (const Configuration& no_pose : {Configuration(Configuration::Zero(2)),
                                        advanced(std::numeric_limits<double>::quiet_NaN())}) {
