@@ -11,6 +11,7 @@
 #include "softfinger/motors/dynamixel/dynamixel_protocol.hpp"
 #include "softfinger/motors/feetech/feetech_protocol.hpp"
 #include "softfinger/motors/servo_bus.hpp"
+#include "softfinger/motors/servo_map.hpp"
 #include "softfinger/motors/servo_table/frame_reader.hpp"
 #include "softfinger/motors/servo_table/servo_table_emulator.hpp"
 
@@ -107,6 +108,29 @@ TEST_P(TableQuestions, BeginAnewWithThePort) {
     EXPECT_EQ(number(one.frame, 0), expected.address) << question;
   }
   EXPECT_GT(question, 60);
+}
+
+// So that no servo jumps to what it was told in another life.
+TEST_P(TableQuestions, EachServoIsToldToStayWhereItIsBeforeItGetsTorque) {
+  line_.run(0.5);
+  const ControlTable& table = protocol_->table();
+  const auto& servos = device_->settings().transport->servos;
+  std::map<int, std::uint32_t> goals;
+  int torques = 0;
+  for (const WireFrame& one : said(ServoInstruction::kWrite)) {
+    const std::uint32_t address = number(one.frame, 0);
+    const std::uint32_t value =
+        register_value(one.frame.used().subspan(static_cast<std::size_t>(table.address_bytes)));
+    if (address == table.goal.address) goals[one.frame.id] = value;
+    if (address != table.torque.address || value == 0) continue;
+    const auto servo = std::ranges::find(servos, int{one.frame.id}, &ServoSettings::channel);
+    ASSERT_NE(servo, servos.end());
+    const auto joint = joints_at(device_->home())[servo - servos.begin()];
+    ASSERT_TRUE(goals.contains(one.frame.id));
+    EXPECT_NEAR(protocol_->to_position(goals[one.frame.id]), ServoMap(*servo).setpoint(joint), 1.0);
+    ++torques;
+  }
+  EXPECT_EQ(torques, 3);
 }
 
 // One goal a tick to all of them, which is what the line says it sent.
