@@ -141,6 +141,15 @@ TEST(MotionGuardEdges, GoesStraightWhereItCan) {
   EXPECT_EQ(guard.configuration(), to);
 }
 
+// What is slow to start is not blocked.
+TEST(MotionGuardEdges, GoesAsFarAsTheWayIsOpenHoweverLittleItMayAccelerate) {
+  const auto device = lever_platform({.wedge = true, .acceleration = 0.1 * kEdgeRate});
+  MotionGuard guard(device, {});
+  guard.reset(edge_pose(0, 25, 0));
+  guard.step(edge_pose(20, -21, 0), kEdgeTick);
+  EXPECT_GT(guard.configuration()[0], 0.0) << "home has no pitch";
+}
+
 // On a detour it has not arrived, at home neither.
 TEST(MotionGuardEdges, OnADetourItHasNotArrived) {
   const auto device = lever_platform({.wedge = true});
