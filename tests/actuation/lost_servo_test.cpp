@@ -94,6 +94,8 @@ TEST_P(LostServo, ItGoesOnOnlyWhenTheServoIsBackAndSomebodyReleases) {
   for (const double time : {9.0, 13.0}) {
     line_.at(time, [this] { line_.ask_release(line_.channel().stop.newest()); });
   }
+  line_.at(12.9,
+           [this] { EXPECT_EQ(line_.channel().stop.refusal(), ReleaseRefusal::kRetracting); });
   line_.at(17.0, [this] {
     ++looks_;
     EXPECT_FALSE(line_.channel().stop.is_stopped());
@@ -150,6 +152,7 @@ TEST_P(LostServo, AReleaseThatFindsNobodyIsRefused) {
     ++looks_;
     EXPECT_TRUE(line_.channel().stop.is_stopped());
     EXPECT_EQ(line_.channel().stop.refusals(), 1U);
+    EXPECT_EQ(line_.channel().stop.refusal(), ReleaseRefusal::kServoFault);
     line_.from_board = nullptr;
   });
   line_.run(14.0);

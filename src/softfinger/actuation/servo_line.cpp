@@ -164,7 +164,7 @@ void ServoLine::note_complaints() {
 bool ServoLine::look_for_lost_servos() {
   bus_->close();
   const bool open = this->open().empty();
-  if (!open || faults_.any() != 0) channel_.stop.answer_release(ReleaseRefusal::kServoFault);
+  if (!open) channel_.stop.answer_release(ReleaseRefusal::kServoFault);
   return open;
 }
 
