@@ -148,6 +148,20 @@ TEST_F(ServoFrames, MayStillComeWhereTheyHaveBegun) {
   }
 }
 
+TEST_F(ServoFrames, AreNoneAtOnceWhereTheChecksumIsWrong) {
+  const DynamixelProtocol dynamixel;
+  const FeetechProtocol feetech;
+  for (const ServoProtocol* protocol : {static_cast<const ServoProtocol*>(&dynamixel),
+                                        static_cast<const ServoProtocol*>(&feetech)}) {
+    std::array<std::uint8_t, ServoProtocol::kMostBytes> bytes;
+    const std::size_t size = protocol->encode(ping_request(7), bytes);
+    const auto frame = std::span(bytes).first(size);
+    ASSERT_EQ(protocol->frame_length(frame), static_cast<int>(size));
+    frame.back() ^= 0x10;
+    EXPECT_EQ(protocol->frame_length(frame), -1);
+  }
+}
+
 // Or a frame behind noise would have to wait for as long as the noise says.
 TEST_F(ServoFrames, AreGivenUpAtTheFirstByteThatTells) {
   const DynamixelProtocol dynamixel;
