@@ -110,6 +110,21 @@ TEST_P(StoppedLine, ReleasesOnlyRetractedAndOnlyTheStopThatIsNamed) {
   EXPECT_EQ(looks_, 2);
 }
 
+// That it was retracted once is no reason.
+TEST_P(StoppedLine, IsNotReleasedWhereItWasRetractedBeforeAndPressesAgain) {
+  line_.at(2.0, [&] { line_.stop(); });
+  line_.at(6.0, [&] { line_.ask_release(line_.channel().stop.newest()); });
+  expect_pressing_at(10.0);
+  line_.at(10.0, [&] { line_.stop(); });
+  line_.at(10.0 + 0.4 * line_.period(), [&] { line_.ask_release(line_.channel().stop.newest()); });
+  line_.at(12.0, [&] {
+    EXPECT_TRUE(line_.channel().stop.is_stopped());
+    EXPECT_EQ(line_.channel().stop.refusal(), ReleaseRefusal::kRetracting);
+  });
+  line_.run(12.5);
+  EXPECT_EQ(looks_, 1);
+}
+
 TEST_P(StoppedLine, IsNotReleasedWhileTheLoopSaysNothing) {
   line_.wanted = [this](double time) {
     return time < 3.0 || time > 8.0 ? std::optional(pressing_) : std::nullopt;
