@@ -218,6 +218,30 @@ TEST_P(StandsElsewhere, IsLedFromThereAtTheRateLimit) {
   EXPECT_EQ(looks_, 2);
 }
 
+// Servos that come back stand where they stand, however far those before them had been led.
+TEST_P(StandsElsewhere, OthersThatComeBackAreLedFromWhereTheyAre) {
+  Board board = board_at(*device_, device_->home());
+  Board back = board_at(*device_, pressing_);
+  const JointLimits& limits = device_->joint_limits();
+  dynamic_cast<ServoTableEmulator&>(*board.bus)
+      .turn(1,
+            ServoMap(device_->settings().transport->servos[1]).setpoint(limits.max[1] - 1.0 * deg));
+  line_.plug_in(board);
+  line_.at(0.1, [&] {
+    ++looks_;
+    EXPECT_GT(away(1, device_->home()), 30.0 * deg) << "it is under way";
+    line_.unplug();
+    line_.plug_in(back);
+  });
+  line_.run(2.0);
+  const auto first =
+      std::ranges::find_if(line_.sent(), [](const auto& one) { return one.time > 0.11; });
+  ASSERT_NE(first, line_.sent().end());
+  EXPECT_LE((first->joints - joints_at(pressing_)).cwiseAbs().maxCoeff(),
+            limits.max_rate * 2.0 * line_.period());
+  EXPECT_EQ(looks_, 1);
+}
+
 // Beyond what the joints may do, above or below.
 TEST_P(StandsElsewhere, AlsoFromBeyondALimit) {
   const auto& servos = device_->settings().transport->servos;

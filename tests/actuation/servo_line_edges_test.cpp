@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "simulated_line.hpp"
 #include "softfinger/actuation/servo_line.hpp"
 #include "softfinger/motors/servo_bus.hpp"
+#include "softfinger/threads/thread_clock.hpp"
 
 namespace softfinger {
 namespace {
@@ -72,12 +74,16 @@ TEST_F(ServoLineEdges, ServosOfUnknownPositionGetTimeToComeToTheFirstPose) {
 TEST_F(ServoLineEdges, APortIsLookedForEvery300Milliseconds) {
   line_.wanted = [](double) { return advanced(5.0 * mm); };
   line_.at(1.0, [this] { line_.plug_in(board_); });  // it was absent at the start
-  line_.at(2.0, [this] { line_.unplug(); });
-  line_.at(2.05, [this] { line_.plug_in(board_); });
+  line_.at(2.0, [this] {
+    line_.unplug();
+    line_.plug_in(board_);
+  });
   line_.run(4.0);
   ASSERT_FALSE(line_.sent().empty());
-  EXPECT_GE(line_.sent().front().time, 1.0);
+  EXPECT_GE(line_.sent().front().time, 1.15) << "it was looked for at 0.9 s";
   EXPECT_LE(line_.sent().front().time, 1.4);
+  EXPECT_EQ(line_.channel().times_connected.load(), 2U);
+  EXPECT_EQ(line_.channel().times_lost.load(), 1U);
   double longest = 0.0;
   for (std::size_t i = 1; i < line_.sent().size(); ++i) {
     longest = std::max(longest, line_.sent()[i].time - line_.sent()[i - 1].time);
@@ -94,6 +100,27 @@ TEST_F(ServoLineEdges, ALineThatTakesOverGoesOnFromWhatWasSentBefore) {
   EXPECT_GT(first_from(device_->home()), tick_travel());
   EXPECT_LT((line_.sent().back().joints - joints_of(device_->retracted())).cwiseAbs().maxCoeff(),
             0.1 * deg);
+}
+
+TEST_F(ServoLineEdges, ALineThatTakesOverWaitsForAPortThatMayBeBackInAMoment) {
+  line_.was_sent_before(advanced(12.0 * mm));
+  line_.run(0.5);
+  EXPECT_NEAR(line_.time(), 3.0, 2.0 * line_.period());
+}
+
+TEST_F(ServoLineEdges, WhatServosSayAsTheyAreFoundIsToldBeforeTheyAreLed) {
+  Board standing = board_at(*device_, device_->home());
+  line_.plug_in(standing);
+  bool looked = false;
+  line_.at(0.5, [&] {
+    looked = true;
+    const auto joints = line_.reported();
+    ASSERT_TRUE(joints);
+    EXPECT_LE((*joints - joints_of(device_->home())).cwiseAbs().maxCoeff(), 0.1 * deg);
+  });
+  line_.run(1.0);
+  EXPECT_TRUE(looked);
+  EXPECT_TRUE(line_.sent().empty());
 }
 
 TEST_F(ServoLineEdges, TheFirstLineStartsAtHome) {
@@ -135,7 +162,7 @@ TEST_F(ServoLineEdges, ABoardThatWasSilentAndComesBackWithoutPulsesIsLed) {
   SimulatedLine line(device_);
   Board board = board_at(*device_, device_->home());
   line.plug_in(board);
-  line.wanted = [](double) { return advanced(12.0 * mm); };
+  line.wanted = [](double time) { return advanced(time < 4.0 ? 12.0 * mm : 5.0 * mm); };
   line.at(2.0, [&] { line.from_board = [](SimulatedLine::Bytes& bytes) { bytes.clear(); }; });
   line.at(2.5, [&] {
     line.unplug();
@@ -146,7 +173,7 @@ TEST_F(ServoLineEdges, ABoardThatWasSilentAndComesBackWithoutPulsesIsLed) {
   bool looked = false;
   line.at(6.0, [&] {
     looked = true;
-    EXPECT_LE((line.standing() - joints_of(advanced(12.0 * mm))).cwiseAbs().maxCoeff(), 0.3 * deg);
+    EXPECT_LE((line.standing() - joints_of(advanced(5.0 * mm))).cwiseAbs().maxCoeff(), 0.3 * deg);
   });
   line.run(6.5);
   EXPECT_TRUE(looked);
@@ -184,6 +211,52 @@ TEST_F(ServoLineEdges, WhileItFollowsItsStateIsTheLoops) {
   }
 }
 
+TEST_F(ServoLineEdges, LeavesWhatItSentToTheLineThatTakesItsPlace) {
+  line_.plug_in(board_);
+  line_.wanted = [](double) { return advanced(5.0 * mm); };
+  bool looked = false;
+  line_.at(2.0, [&] {
+    looked = true;
+    const LineChannel::Sent sent = line_.said_to_be_sent();
+    EXPECT_TRUE(sent.is_whole());
+    ASSERT_EQ(sent.q.size(), 3);
+    EXPECT_NEAR(sent.q[2], 5.0 * mm, 1e-9);
+  });
+  line_.run(2.5);
+  EXPECT_TRUE(looked);
+}
+
+TEST_F(ServoLineEdges, TellsHowFarServosThatAnswerAreBehind) {
+  Board standing = board_at(*device_, device_->home());
+  line_.plug_in(standing);
+  line_.wanted = [](double time) { return advanced(5.0 * mm * std::sin(6.0 * time)); };
+  int told = 0;
+  for (int k = 0; k < 100; ++k) {
+    line_.at(1.0 + 0.01 * k, [&] {
+      const auto delivery = line_.delivered();
+      if (delivery && std::isfinite(delivery->servo)) ++told;
+    });
+  }
+  line_.run(2.5);
+  EXPECT_GT(told, 20);
+}
+
+// By the clock that loop and line share.
+TEST_F(ServoLineEdges, TellsHowOldACommandWasWhenItWasSent) {
+  constexpr double kAge = 100.0;  // s, more than any test takes
+  line_.plug_in(board_);
+  line_.wanted = [](double) { return advanced(5.0 * mm); };
+  line_.spoil = [](LineChannel::Wanted& wanted) {
+    wanted.formed = monotonic_time() - kAge;
+    wanted.seal = wanted.seal_of_this();
+  };
+  line_.run(2.0);
+  const auto delivery = line_.delivered();
+  ASSERT_TRUE(delivery);
+  EXPECT_GE(delivery->send, kAge);
+  EXPECT_LE(delivery->send, 2.0 * kAge);
+}
+
 TEST_F(ServoLineEdges, WhatIsNoPoseIsNotTakenOver) {
   for (const Configuration& no_pose : {Configuration(Configuration::Zero(2)),
                                        advanced(std::numeric_limits<double>::quiet_NaN())}) {
@@ -215,6 +288,8 @@ TEST(ServoLineEdgesOfPorts, ALineThatHasServedHasLetGoOfItsPort) {
   channel.ending = true;
   // A thread of its own, since it takes the priority of those that serve ports.
   std::thread([&line] { line.serve(); }).join();
+  EXPECT_FALSE(channel.connected.load());
+  EXPECT_EQ(channel.state.load(), DeviceState::kStopped);
   EXPECT_EQ(make_servo_bus(transport)->open(terminal.port()), "");
   ::close(wake);
 }

@@ -151,6 +151,16 @@ std::optional<JointAngles> SimulatedLine::reported() {
   return channel_.report.latest().joints;
 }
 
+LineChannel::Sent SimulatedLine::said_to_be_sent() {
+  channel_.sent.refresh();
+  return channel_.sent.latest();
+}
+
+std::optional<CommandDelivery> SimulatedLine::delivered() {
+  if (!channel_.delivery.refresh()) return std::nullopt;
+  return channel_.delivery.latest();
+}
+
 void SimulatedLine::sleep_until(TimePoint due) noexcept {
   while (now_ < due) advance(due);
 }

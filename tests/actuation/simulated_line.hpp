@@ -75,6 +75,10 @@ class SimulatedLine final : public LineClock {
   void ask_release(StopLatch::Number number);
   /// What the servos reported last, where they did.
   [[nodiscard]] std::optional<JointAngles> reported();
+  /// What the line says it sent last, for whoever takes its place.
+  [[nodiscard]] LineChannel::Sent said_to_be_sent();
+  /// How long the last command took that was told of, where one was.
+  [[nodiscard]] std::optional<CommandDelivery> delivered();
   [[nodiscard]] double period() const;  ///< of device ticks, s
 
   [[nodiscard]] TimePoint now() noexcept override { return now_; }

@@ -213,7 +213,6 @@ void ServoLine::try_to_connect(TimePoint now) {
 
 void ServoLine::serve() {
   start_ = clock_.now();
-  last_sent_ = start_ - period_;
   lost_ = start_;  // a line before this one may have had the port
   follow();
   if (device_->settings().transport->limp_at_end && channel_.commands_sent != 0) let_go();
