@@ -91,6 +91,23 @@ TEST(TravelCeiling, HoldsAThinPlateThatWouldGoThroughTheSkin) {
   }
 }
 
+// The only axis, which is the first.
+TEST(TravelCeiling, HoldsADiskOfASingleDrive) {
+  const auto device = device_of("disk-linear");
+  const Configuration home = device->home();
+  ASSERT_EQ(device->approach_axis(), 0);
+  const TravelCeiling ceiling(device, point_below(*device), {}, {0.5 * mm});
+  for (const double above : {0.0, 2.0, 4.0}) {
+    Configuration q = home;
+    q[0] += above * mm;
+    EXPECT_NEAR(ceiling.depth(q), (above - 2.0) * mm, 1e-6) << above;
+    EXPECT_NEAR(ceiling.travel(q), home[0] + 2.5 * mm, 1e-6) << above;
+    EXPECT_NEAR(ceiling.excess(q), (above - 2.5) * mm, 1e-6) << above;
+    ceiling.lower(q, 0.1 * mm);
+    EXPECT_NEAR(q[0], home[0] + std::min(above, 2.4) * mm, 1e-6) << above;
+  }
+}
+
 // Where a linkage does not close it says nothing of where the device is.
 TEST(TravelCeiling, BeginsWhereTheLinkageCloses) {
   const auto device = device_of("five-bar");
