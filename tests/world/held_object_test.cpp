@@ -13,13 +13,6 @@
 namespace softfinger {
 namespace {
 
-constexpr double kPad = 7.2e-3;  // m, of the pad from F, along -z
-
-double smooth(double time, double from, double to) {
-  const double s = std::clamp((time - from) / (to - from), 0.0, 1.0);
-  return s * s * (3.0 - 2.0 * s);
-}
-
 TEST(PressedObject, ThatRestsFeelsLikeOneThatCannotMove) {
   const RoundedBox box{Vector3(20, 20, 10) * mm, 1.0 * mm};
   const auto press = [](double time) {

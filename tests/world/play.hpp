@@ -17,6 +17,13 @@ namespace softfinger {
 inline constexpr double kStep = 1e-3;
 inline constexpr double kGravity = 9.81;
 inline const Vector3 kDown(0.0, 0.0, -kGravity);
+inline constexpr double kPad = 7.2e-3;  // m, of the shipped finger's pad from F, along -z
+
+/// 0 until `from`, 1 after `to`, still at both.
+inline double smooth(double time, double from, double to) {
+  const double s = std::clamp((time - from) / (to - from), 0.0, 1.0);
+  return s * s * (3.0 - 2.0 * s);
+}
 
 inline VirtualObject still(const char* name, Shape shape, const Vector3& at = Vector3::Zero(),
                            double friction = 0.5) {

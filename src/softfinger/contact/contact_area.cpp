@@ -108,8 +108,9 @@ class SkinTriangle {
       const bool again = (k > 0 && o == corners_[0]->object) || (k > 1 && o == corners_[1]->object);
       if (o < 0 || again) continue;
       const auto obstacle = static_cast<std::size_t>(o);
-      const Vector3 position_O = contact_.potential.obstacle_view(obstacle) * position_W;
       const auto sample = static_cast<std::size_t>(samples_[static_cast<std::size_t>(nearest)]);
+      if (!contact_.potential.may_meet(sample, obstacle)) continue;
+      const Vector3 position_O = contact_.potential.obstacle_view(sample, obstacle) * position_W;
       least = std::min(least, contact_.potential.look(sample, obstacle, position_O).distance);
     }
     return least;

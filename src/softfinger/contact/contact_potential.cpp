@@ -84,7 +84,9 @@ void ContactPotential::begin(std::span<const Obstacle> obstacles,
     X_OW_old_[o] = X_OW_[o];
     boxes_O_[o] = bounds_by_distance(*obstacles[o].shape);
     boxes_W_[o] = box_around(boxes_O_[o], obstacles[o].X_WO);
-    if (obstacles[o].X_WO_old) {
+    // Nothing is near a soft obstacle but by its patches.
+    if (obstacles[o].is_soft) boxes_W_[o].setEmpty();
+    if (obstacles[o].X_WO_old && !obstacles[o].is_soft) {
       X_OW_old_[o] = obstacles[o].X_WO_old->inverse();
       boxes_W_[o].extend(box_around(boxes_O_[o], *obstacles[o].X_WO_old));
     }
@@ -95,6 +97,7 @@ void ContactPotential::begin(std::span<const Obstacle> obstacles,
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
       const std::size_t k = i * obstacle_count_ + o;
       held_[k] = anchors[k].limit > 0.0 || anchors[k].side.known ? 1 : 0;
+      if (obstacles[o].is_soft) held_[k] = i < samples_ && may_meet(i, o) ? 1 : 0;
       tied = tied || held_[k] != 0;
     }
     tied_[i] = tied ? 1 : 0;
@@ -158,12 +161,11 @@ SignedDistance ContactPotential::look(std::size_t i, std::size_t o,
   return is_behind(shape, side, position_O, at) ? distance_to_side(side, position_O) : at;
 }
 
-double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
-                                  const FrictionAnchor& anchor, const Vector3& position,
-                                  Pair& pair) const {
+double ContactPotential::friction(std::size_t i, const Pose& X_WO, const FrictionAnchor& anchor,
+                                  const Vector3& position, Pair& pair) const {
   const double stiffness = tangential_stiffness(i);
-  const Vector3 normal = obstacle.X_WO.rotation * anchor.normal_O;
-  const Vector3 from_anchor = position - obstacle.X_WO * anchor.anchor_O;
+  const Vector3 normal = X_WO.rotation * anchor.normal_O;
+  const Vector3 from_anchor = position - X_WO * anchor.anchor_O;
   const Vector3 u = from_anchor - normal * normal.dot(from_anchor);
   pair.friction_normal = normal;
   pair.slip = u.norm();
@@ -180,6 +182,14 @@ double ContactPotential::friction(std::size_t i, const Obstacle& obstacle,
 bool ContactPotential::meet(std::size_t i, std::size_t o, const Vector3& position,
                             Pair& pair) const {
   const Obstacle& obstacle = obstacles_[o];
+  if (obstacle.is_soft) {
+    const SurfacePatch& patch = obstacle.patches[i];
+    pair.position_O = patch.X_PW * position;
+    pair.gap = pair.position_O.z();
+    pair.gradient = patch.X_WP.rotation.col(2);
+    pair.curvature.setZero();
+    return true;
+  }
   pair.position_O = X_OW_[o] * position;
   if (i >= samples_) {
     const ContactPlane& plane = planes_[i - samples_];
@@ -206,7 +216,6 @@ bool ContactPotential::meet(std::size_t i, std::size_t o, const Vector3& positio
 
 double ContactPotential::evaluate(std::size_t i, std::size_t o, const Vector3& position,
                                   Pair& pair) const {
-  const Obstacle& obstacle = obstacles_[o];
   pair.looked_back = false;
   pair.behind = false;
   pair.far = !meet(i, o, position, pair);
@@ -219,7 +228,7 @@ double ContactPotential::evaluate(std::size_t i, std::size_t o, const Vector3& p
   }
   const FrictionAnchor& anchor = anchors_[i * obstacle_count_ + o];
   pair.friction_limit = anchor.limit;
-  if (anchor.limit > 0.0) energy += friction(i, obstacle, anchor, position, pair);
+  if (anchor.limit > 0.0) energy += friction(i, obstacle_pose(i, o), anchor, position, pair);
   return energy;
 }
 
@@ -244,7 +253,7 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
       Pair& pair = pairs_[i * obstacle_count_ + o];
       energy += evaluate(i, o, positions[i], pair);
       const std::size_t k = i * obstacle_count_ + o;
-      if (!pair.far) sightings_[k] = {pair.position_O, pair.gap};
+      if (!pair.far && !obstacles_[o].is_soft) sightings_[k] = {pair.position_O, pair.gap};
       if (pair.looked_back) {
         entered_[k] = pair.entered;
         looked_back_[k] = 1;
@@ -252,9 +261,11 @@ double ContactPotential::energy_gradient(std::span<const Vector3> positions,
       const Vector3 force = pair.pressing * pair.gradient + pair.friction_force;
       gradient[i] -= force;
       force_squared += force.squaredNorm();
+      if (pair.pressing > 0.0) {
+        wrenches_[o].normal_force += pair.pressing * pair.gradient.norm();
+      }
       if (!obstacles_[o].moves) continue;
       wrenches_[o].by_translation += force;
-      wrenches_[o].normal_force += pair.pressing * pair.gradient.norm();
       wrenches_[o].by_rotation += (positions[i] - obstacles_[o].X_WO.translation).cross(force);
     }
   }
@@ -290,7 +301,7 @@ bool ContactPotential::hessian(std::size_t i, bool with_curvature, Matrix3& bloc
   if (is_near_[i] == 0) return false;
   bool any = false;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
-    if (near_[i * obstacle_count_ + o] == 0) continue;
+    if (near_[i * obstacle_count_ + o] == 0 || obstacles_[o].is_soft) continue;
     any = add_hessian(i, o, pairs_[i * obstacle_count_ + o], with_curvature, block) || any;
   }
   return any;
@@ -301,12 +312,33 @@ ContactPotential::Response ContactPotential::respond(std::size_t i, const Vector
   if (!may_act(i, position)) return response;
   Pair pair;
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
-    if (!may_act(i, o, position)) continue;
+    if (obstacles_[o].is_soft || !may_act(i, o, position)) continue;
     evaluate(i, o, position, pair);
     response.gradient -= pair.pressing * pair.gradient + pair.friction_force;
     add_hessian(i, o, pair, true, response.hessian);
   }
   return response;
+}
+
+ContactPotential::Response ContactPotential::respond_to_patch(std::size_t i, std::size_t o,
+                                                              const Vector3& position) const {
+  Response response;
+  Pair pair;
+  evaluate(i, o, position, pair);
+  response.gradient = -(pair.pressing * pair.gradient + pair.friction_force);
+  add_hessian(i, o, pair, true, response.hessian);
+  return response;
+}
+
+double ContactPotential::patch_gap(std::size_t i, std::size_t o) const {
+  if (!may_meet(i, o) || is_near_[i] == 0) return std::numeric_limits<double>::infinity();
+  return pairs_[i * obstacle_count_ + o].gap;
+}
+
+Vector3 ContactPotential::patch_force(std::size_t i, std::size_t o) const {
+  if (!may_meet(i, o) || is_near_[i] == 0) return Vector3::Zero();
+  const Pair& pair = pairs_[i * obstacle_count_ + o];
+  return pair.pressing * pair.gradient + pair.friction_force;
 }
 
 Matrix3 ContactPotential::following(std::size_t i, std::size_t o, const Pair& pair,
@@ -320,7 +352,8 @@ Matrix3 ContactPotential::following(std::size_t i, std::size_t o, const Pair& pa
   if (!with_curvature) return gradient_by_position;
   // The plane that u lies in, u = a - n n.a with a the way from the anchor.
   const Vector3& n = pair.friction_normal;
-  const Vector3 a = positions_[i] - obstacles_[o].X_WO * anchors_[i * obstacle_count_ + o].anchor_O;
+  const Vector3 a =
+      positions_[i] - obstacle_pose(i, o) * anchors_[i * obstacle_count_ + o].anchor_O;
   const Matrix3 u_by_normal = -n.dot(a) * Matrix3::Identity() - n * a.transpose();
   const Matrix3 u_by_position = u_by_normal * pair.curvature;
   if (!pair.slides) return gradient_by_position + tangential_stiffness(i) * u_by_position;
@@ -353,6 +386,7 @@ double ContactPotential::gap(std::size_t i) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t o = 0; o < obstacle_count_; ++o) {
     const std::size_t k = i * obstacle_count_ + o;
+    if (obstacles_[o].is_soft) continue;
     if (near_[k] != 0) {
       least = std::min(least, pairs_[k].gap);
     } else if (i < samples_) {
@@ -387,18 +421,19 @@ double ContactPotential::update_anchors(std::span<const Vector3> positions,
       const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       change = std::max(change, std::abs(limit - anchor.limit));
       if (limit > 0.0) {
+        const Pose& X_WO = obstacle_pose(i, o);
         const Vector3 normal = unit(pair.gradient);
         // What is left of the displacement after sliding; none where contact is new.
         Vector3 u = Vector3::Zero();
         if (anchor.limit > 0.0) {
-          u = positions[i] - obstacle.X_WO * anchor.anchor_O;
+          u = positions[i] - X_WO * anchor.anchor_O;
           u -= normal * normal.dot(u);
           const double longest = std::min(limit, anchor.limit) / tangential_stiffness(i);
           const double length = u.norm();
           if (length > longest) u *= longest / length;
         }
-        anchor.anchor_O = obstacle.X_WO.inverse() * Vector3(positions[i] - u);
-        anchor.normal_O = obstacle.X_WO.rotation.transpose() * normal;
+        anchor.anchor_O = X_WO.inverse() * Vector3(positions[i] - u);
+        anchor.normal_O = X_WO.rotation.transpose() * normal;
       }
       anchor.limit = limit;
       anchor.side = i < samples_ ? side_after(i, o, pair) : ContactSide{};
@@ -435,7 +470,7 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool o
       change = std::max(change, std::abs(limit - anchor.limit));
       anchor.limit = std::max(limit, kLeastLimit);
       if (limit <= 0.0) continue;
-      anchor.normal_O = obstacle.X_WO.rotation.transpose() * unit(pair.gradient);
+      anchor.normal_O = obstacle_pose(i, o).rotation.transpose() * unit(pair.gradient);
     }
   }
   return change;
@@ -480,7 +515,7 @@ ContactPotential::Nearest ContactPotential::nearest(std::size_t i) const {
     if (near_[k] != 0 && !(pairs_[k].far && i < samples_)) {
       d.distance = pairs_[k].gap;
       d.gradient = pairs_[k].gradient;
-    } else if (i < samples_) {
+    } else if (i < samples_ && !obstacles_[o].is_soft) {
       // Passed over, or known as a bound only.
       const double bound =
           near_[k] != 0 ? pairs_[k].gap : boxes_W_[o].exteriorDistance(positions_[i]);

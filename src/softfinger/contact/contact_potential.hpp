@@ -12,13 +12,28 @@
 
 namespace softfinger {
 
+/// Where a sample may meet a surface that deforms: there it counts as flat, and it moves with the
+/// surface. Its frame P has its origin on the surface and z out of it.
+struct SurfacePatch {
+  bool near = false;  ///< else the sample cannot meet it, and nothing else holds
+  Pose X_WP, X_PW;
+  void put(const Pose& pose) {
+    X_WP = pose;
+    X_PW = pose.inverse();
+  }
+};
+
 /// A solid the skin may touch, where it is at the end of the step.
 struct Obstacle {
-  const Shape* shape = nullptr;
+  const Shape* shape = nullptr;  ///< a half-space where it has patches
   Pose X_WO;
   double friction_coefficient = 0.0;
   std::optional<Pose> X_WO_old;  ///< where it was at the start of the step; absent: where it is
   bool moves = false;            ///< X_WO is an unknown of the step, see ContactPotential::follow()
+  /// A soft obstacle has no frame O: each sample meets it as a patch of its own, and in that
+  /// frame. Feature points do not meet it. One a sample; a rigid obstacle has none.
+  std::span<const SurfacePatch> patches;
+  bool is_soft = false;
 };
 
 /// An obstacle as one point of the skin meets it: gap = normal . p + offset, in W, m.
@@ -78,14 +93,23 @@ class ContactPotential {
   /// Energy with the points at these positions (W, m), J; no more are considered than are given.
   /// Adds the gradient by each to `gradient`, N.
   double energy_gradient(std::span<const Vector3> positions, std::span<Vector3> gradient);
-  /// Second derivative by sample i at the positions last evaluated, N/m. Returns false if zero.
+  /// Second derivative by sample i at the positions last evaluated, N/m, without that of soft
+  /// obstacles. Returns false if zero.
   bool hessian(std::size_t i, bool with_curvature, Matrix3& block) const;
-  /// Gradient (N) and second derivative (N/m) of the energy of sample i alone at `position` (W, m).
+  /// Gradient (N) and second derivative (N/m) of the energy of sample i alone at `position` (W, m),
+  /// without those of soft obstacles.
   struct Response {
     Vector3 gradient = Vector3::Zero();
     Matrix3 hessian = Matrix3::Zero();
   };
   [[nodiscard]] Response respond(std::size_t i, const Vector3& position) const;
+  /// Of sample i and the soft obstacle o alone, its patch where it is.
+  [[nodiscard]] Response respond_to_patch(std::size_t i, std::size_t o,
+                                          const Vector3& position) const;
+  /// Gap of sample i to the soft obstacle o as last evaluated, m; infinite without a patch.
+  [[nodiscard]] double patch_gap(std::size_t i, std::size_t o) const;
+  /// Force of the soft obstacle o on sample i as last evaluated, friction included, N.
+  [[nodiscard]] Vector3 patch_force(std::size_t i, std::size_t o) const;
   /// What point i and obstacle o alone do to each other at the positions last evaluated: the force
   /// of normal contact on the skin (N), minus its derivative by the point, and gradient and second
   /// derivative of the pair's energy, friction included.
@@ -104,7 +128,8 @@ class ContactPotential {
   bool pair_response(std::size_t i, std::size_t o, bool with_curvature,
                      PairResponse& response) const;
   /// What all points last evaluated do to obstacle o, one that moves: derivative of the energy by
-  /// its translation (N) and by its rotation about O's origin (N m), W.
+  /// its translation (N) and by its rotation about O's origin (N m), W. Of one that does not move
+  /// nothing but the normal force.
   struct Wrench {
     Vector3 by_translation = Vector3::Zero();
     Vector3 by_rotation = Vector3::Zero();
@@ -122,7 +147,16 @@ class ContactPotential {
   [[nodiscard]] const ContactSide& side(std::size_t i, std::size_t o) const {
     return anchors_[i * obstacle_count_ + o].side;
   }
-  /// Where W is seen from obstacle o, at the end of the step and at its start.
+  /// Whether sample i may meet obstacle o at all: not a soft one without a patch.
+  [[nodiscard]] bool may_meet(std::size_t i, std::size_t o) const {
+    return !obstacles_[o].is_soft ||
+           (!obstacles_[o].patches.empty() && obstacles_[o].patches[i].near);
+  }
+  /// Where W is seen from obstacle o as sample i meets it: at the end of the step.
+  [[nodiscard]] const Pose& obstacle_view(std::size_t i, std::size_t o) const {
+    return obstacles_[o].is_soft ? obstacles_[o].patches[i].X_PW : X_OW_[o];
+  }
+  /// The same of a rigid one, at the end of the step and at its start.
   [[nodiscard]] const Pose& obstacle_view(std::size_t o) const { return X_OW_[o]; }
   [[nodiscard]] const Pose& old_obstacle_view(std::size_t o) const { return X_OW_old_[o]; }
   [[nodiscard]] double friction_coefficient(std::size_t o) const {
@@ -193,6 +227,10 @@ class ContactPotential {
   [[nodiscard]] double tangential_stiffness(std::size_t i) const {
     return options_.tangential_ratio * normal_stiffness(i);
   }
+  /// X_WO as point i meets obstacle o.
+  [[nodiscard]] const Pose& obstacle_pose(std::size_t i, std::size_t o) const {
+    return obstacles_[o].is_soft ? obstacles_[o].patches[i].X_WP : obstacles_[o].X_WO;
+  }
   [[nodiscard]] double bound_by_sighting(std::size_t i, std::size_t o,
                                          const Vector3& position_O) const;
   /// Whether point i at `position` and any obstacle can do anything to each other.
@@ -211,7 +249,7 @@ class ContactPotential {
   bool meet(std::size_t i, std::size_t o, const Vector3& position, Pair& pair) const;
   /// What the pair, as last evaluated, remembers of its side.
   [[nodiscard]] ContactSide side_after(std::size_t i, std::size_t o, const Pair& pair) const;
-  double friction(std::size_t i, const Obstacle& obstacle, const FrictionAnchor& anchor,
+  double friction(std::size_t i, const Pose& X_WO, const FrictionAnchor& anchor,
                   const Vector3& position, Pair& pair) const;
   /// PairResponse::following.
   [[nodiscard]] Matrix3 following(std::size_t i, std::size_t o, const Pair& pair,
@@ -229,7 +267,7 @@ class ContactPotential {
   std::span<const FrictionAnchor> anchors_;
   std::span<const Vector3> starts_;
   std::vector<Pose> X_OW_, X_OW_old_;
-  std::vector<Wrench> wrenches_;              ///< of obstacles that move
+  std::vector<Wrench> wrenches_;
   std::vector<ContactSide> entered_;          ///< per pair: where it went in during this step
   std::vector<std::uint8_t> looked_back_;     ///< per pair: that is known
   std::vector<Eigen::AlignedBox3d> boxes_O_;  ///< that hold each obstacle

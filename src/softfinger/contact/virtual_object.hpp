@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -9,14 +11,29 @@
 
 namespace softfinger {
 
-/// A rigid thing that can be touched. Its frame is O; the motion gives X_WO over time, or where it
-/// has dynamics, at the start.
+class SoftSolid;
+
+/// A thing that can be touched. Its frame is O; the motion gives X_WO over time, or where it moves
+/// by forces, at the start.
 struct VirtualObject {
   std::string name;
   Shape shape;
   Trajectory motion;
   std::optional<double> friction_coefficient;   ///< the finger's where empty
   std::optional<ObjectDynamics> dynamics = {};  ///< absent: it follows its motion
+  /// What it is of where it deforms, at rest in O; its shape is then without meaning. Nodes that
+  /// are held follow the motion. Null: it is rigid.
+  std::shared_ptr<const SoftSolid> soft = {};
+
+  /// Whether it moves by the forces on it, as a whole or in part.
+  [[nodiscard]] bool answers() const { return dynamics.has_value() || soft != nullptr; }
 };
+
+/// Coefficient of friction between two objects: the larger of those given.
+[[nodiscard]] inline double friction_between(const VirtualObject& a, const VirtualObject& b) {
+  constexpr double kUsual = 0.5;
+  if (!a.friction_coefficient && !b.friction_coefficient) return kUsual;
+  return std::max(a.friction_coefficient.value_or(0.0), b.friction_coefficient.value_or(0.0));
+}
 
 }  // namespace softfinger

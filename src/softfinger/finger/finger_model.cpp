@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
@@ -31,52 +29,7 @@ void load_mesh(const ConfigTable& table, FingerModel& model) {
   }
 }
 
-std::vector<double> sample_areas(const FingerModel& model) {
-  std::vector<double> areas(model.sample_nodes.size(), 0.0);
-  for (const auto& triangle : model.skin_triangles) {
-    std::array<Vector3, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int node = model.sample_nodes[static_cast<std::size_t>(triangle[k])];
-      corners[k] = model.mesh.nodes[static_cast<std::size_t>(node)];
-    }
-    const double area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm();
-    for (const int sample : triangle) areas[static_cast<std::size_t>(sample)] += area / 3.0;
-  }
-  return areas;
-}
-
-/// Tetrahedra that move with the bone as a whole are none of the tissue.
-void find_shares(FingerModel& model) {
-  double all = 0.0;
-  for (std::size_t t = 0; t < model.mesh.tetrahedra.size(); ++t) {
-    const int material = model.tetrahedron_material[t];
-    if (material < 0) continue;
-    std::array<Vector3, 4> corners;
-    bool soft = false;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto node = static_cast<std::size_t>(model.mesh.tetrahedra[t][k]);
-      corners[k] = model.mesh.nodes[node];
-      soft = soft || !model.node_is_rigid[node];
-    }
-    if (!soft) continue;
-    const double volume =
-        (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]) / 6.0;
-    model.materials[static_cast<std::size_t>(material)].share += volume;
-    all += volume;
-  }
-  for (FingerModel::Material& material : model.materials) material.share /= all;
-}
-
 }  // namespace
-
-double FingerModel::plane_modulus() const {
-  double modulus = 0.0;
-  for (const Material& material : materials) {
-    const double nu = material.poissons_ratio;
-    modulus += material.share * material.youngs_modulus / (1.0 - nu * nu);
-  }
-  return modulus;
-}
 
 std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file,
                                                      const FingerSize& person) {
@@ -96,8 +49,7 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
   resize(*model, {.length = person.length ? person.length : own.length,
                   .breadth = person.breadth ? person.breadth : own.breadth,
                   .depth = person.depth ? person.depth : own.depth});
-  model->sample_rest_areas = sample_areas(*model);
-  find_shares(*model);
+  model->measure();
   root.finish();
   model->as_read = config.as_read();
   return model;

@@ -62,6 +62,7 @@ ContactPotential::Options contact_options(const FingerModel& model) {
 FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_t obstacle_count,
                                  const Options& options)
     : model_(model),
+      gravity_(options.gravity),
       bone_mode_(bone),
       map_(make_unknown_map(model.node_is_rigid, bone == Bone::kCoupled)),
       elastic_(model.mesh, elastic_materials(model), model.tetrahedron_material,
@@ -69,7 +70,8 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
                model.dilatation, model.relaxation, options.instruction_set),
       team_(elastic_.is_worth_sharing() ? options.team : nullptr),
       assembly_(elastic_, map_, options.instruction_set, team_ == nullptr ? 1 : team_->threads()),
-      bone_(bone_inertia(model, elastic_.masses()), model.coupling),
+      bone_(bone == Bone::kCoupled ? bone_inertia(model, elastic_.masses()) : BoneInertia{},
+            model.coupling),
       contact_(contact_areas(model), model.sample_nodes.size(), obstacle_count,
                contact_options(model)),
       correction_(carriers(model, map_), static_cast<std::size_t>(3 * map_.blocks()), team_),
@@ -85,6 +87,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
   direction_.assign(unknowns, 0.0);
   predicted_.assign(nodes, Vector3::Zero());
   node_gradient_.assign(nodes, Vector3::Zero());
+  loads_ = node_gradient_;
   lever_arms_.assign(nodes, Vector3::Zero());
   const std::size_t contact_points = model.sample_nodes.size() + FeaturePoints::kMost;
   contact_positions_.assign(contact_points, Vector3::Zero());
@@ -111,8 +114,10 @@ void FingerPotential::begin(const Step& step) {
     elastic_.begin_step(*step.history, step.time_step > 0.0 ? step.time_step : step.elapsed, work_);
   }
   if (step.time_step > 0.0) {
+    // Weight is where motion without other forces leads, so that it needs no energy of its own.
+    const Vector3 fall = step.time_step * step.time_step * gravity_;
     for (std::size_t n = 0; n < predicted_.size(); ++n) {
-      predicted_[n] = step.old_positions[n] + step.time_step * step.velocities[n];
+      predicted_[n] = step.old_positions[n] + step.time_step * step.velocities[n] + fall;
     }
   }
   if (bone_mode_ == Bone::kCoupled) {
@@ -166,8 +171,7 @@ void FingerPotential::start_from(std::span<const Vector3> positions, const Pose&
   std::copy(positions.begin(), positions.end(), current_.positions.begin());
   current_.X_WF = bone_mode_ == Bone::kPrescribed ? step_.X_WFt : X_WF;
   put_tied_nodes(current_);
-  evaluate(current_);
-  cache_is_current_ = true;
+  evaluate_current();
 }
 
 void FingerPotential::start_from_prediction() {
@@ -181,31 +185,31 @@ void FingerPotential::start_from_prediction() {
 void FingerPotential::limit_strain(bool limited) {
   work_.limited = limited;
   has_factor_ = false;
-  evaluate(current_);
-  cache_is_current_ = true;
+  evaluate_current();
 }
 
-void FingerPotential::renew() {
-  evaluate(current_);
-  cache_is_current_ = true;
-}
+void FingerPotential::renew() { evaluate_current(); }
 
 bool FingerPotential::is_tangled() const { return elastic_.stretches(work_).min < 0.0; }
 
 void FingerPotential::settle() {
   if (cache_is_current_) return;
-  evaluate(current_);
-  cache_is_current_ = true;
+  evaluate_current();
 }
 
-void FingerPotential::evaluate(Point& point) {
-  std::fill(node_gradient_.begin(), node_gradient_.end(), Vector3::Zero());
-  point.elastic_energy = elastic_.energy_gradient(point.positions, work_, node_gradient_, team_);
-  point.energy = point.elastic_energy;
-
+void FingerPotential::meet(At at) {
+  Point& point = this->point(at);
   put_contact_points(point.positions);
   std::fill_n(contact_gradient_.begin(), contact_points(), Vector3::Zero());
-  point.energy += contact_.energy_gradient(contact_positions(), contact_gradient_);
+  point.contact_energy = contact_.energy_gradient(contact_positions(), contact_gradient_);
+}
+
+void FingerPotential::complete(At at) {
+  Point& point = this->point(at);
+  cache_is_current_ = at == At::kCurrent;
+  std::fill(node_gradient_.begin(), node_gradient_.end(), Vector3::Zero());
+  point.elastic_energy = elastic_.energy_gradient(point.positions, work_, node_gradient_, team_);
+  point.energy = point.elastic_energy + point.contact_energy;
   const std::size_t samples = model_.sample_nodes.size();
   for (std::size_t i = 0; i < samples; ++i) {
     node_gradient_[static_cast<std::size_t>(model_.sample_nodes[i])] += contact_gradient_[i];
@@ -219,6 +223,11 @@ void FingerPotential::evaluate(Point& point) {
   }
 
   double inertia_squared = 0.0;
+  double load_squared = 0.0;
+  for (std::size_t n = 0; n < loads_.size(); ++n) {
+    node_gradient_[n] -= loads_[n];
+    load_squared += loads_[n].squaredNorm();
+  }
   if (step_.time_step > 0.0) {
     const double w = 1.0 / (step_.time_step * step_.time_step);
     for (std::size_t n = 0; n < predicted_.size(); ++n) {
@@ -248,8 +257,8 @@ void FingerPotential::evaluate(Point& point) {
     squared_norm +=
         by_translation.squaredNorm() + by_rotation.squaredNorm() / (kLeverArm * kLeverArm);
   }
-  const double scale =
-      std::max({std::sqrt(inertia_squared), contact_.force_norm(), coupling_norm, kForceFloor});
+  const double scale = std::max({std::sqrt(inertia_squared), contact_.force_norm(),
+                                 std::sqrt(load_squared), coupling_norm, kForceFloor});
   point.residual = std::sqrt(squared_norm) / scale;
 }
 
@@ -374,12 +383,12 @@ void FingerPotential::couple(std::size_t o, HessianKind kind, ObstacleCoupling& 
     if (!coupling.touches) coupling.clear();
     coupling.add(i, r, pair.gradient, pair.hessian, kind != HessianKind::kProjected);
     if (i < samples) {
-      add_load(model_.sample_nodes[i], 1.0, coupling.by_point[i], coupling.columns);
+      add_loads(model_.sample_nodes[i], 1.0, coupling.by_point[i], coupling.columns);
       continue;
     }
     const FeaturePoints::Point& point = features_.points()[i - samples];
     for (std::size_t k = 0; k < 3; ++k) {
-      add_load(point.nodes[k], point.weights[k], coupling.by_point[i], coupling.columns);
+      add_loads(point.nodes[k], point.weights[k], coupling.by_point[i], coupling.columns);
     }
   }
   if (!coupling.touches) return;
@@ -391,22 +400,37 @@ void FingerPotential::couple(std::size_t o, HessianKind kind, ObstacleCoupling& 
   assembly_.solve_together(responses, team_);
 }
 
-void FingerPotential::add_load(int node, double weight, const Matrix36& by_point,
-                               std::array<std::vector<double>, 6>& columns) const {
-  const int block = map_.block_of_node[static_cast<std::size_t>(node)];
-  if (block < 0 && !map_.body_moves) return;
+void FingerPotential::add_loads(int node, double weight, const Matrix36& by_point,
+                                std::array<std::vector<double>, 6>& columns) const {
   for (int c = 0; c < 6; ++c) {
-    const Vector3 load = weight * by_point.col(c);
-    double* const column = columns[static_cast<std::size_t>(c)].data();
-    const int at = block >= 0 ? block : map_.translation_block();
-    Eigen::Map<Vector3>{column + 3 * at} += load;
-    if (block >= 0) continue;
-    Eigen::Map<Vector3>{column + 3 * map_.rotation_block()} +=
-        lever_arms_[static_cast<std::size_t>(node)].cross(load);
+    add_load(node, weight * by_point.col(c), columns[static_cast<std::size_t>(c)]);
   }
 }
 
-void FingerPotential::evaluate_trial(double t) {
+void FingerPotential::add_load(int node, const Vector3& load, std::span<double> unknowns) const {
+  const int block = map_.block_of_node[static_cast<std::size_t>(node)];
+  if (block < 0 && !map_.body_moves) return;
+  const int at = block >= 0 ? block : map_.translation_block();
+  Eigen::Map<Vector3>{unknowns.data() + 3 * at} += load;
+  if (block >= 0) return;
+  Eigen::Map<Vector3>{unknowns.data() + 3 * map_.rotation_block()} +=
+      lever_arms_[static_cast<std::size_t>(node)].cross(load);
+}
+
+Vector3 FingerPotential::motion(int node, std::span<const double> unknowns) const {
+  const int block = map_.block_of_node[static_cast<std::size_t>(node)];
+  const auto at = [&](int b) { return Eigen::Map<const Vector3>(unknowns.data() + 3 * b); };
+  if (block >= 0) return at(block);
+  if (!map_.body_moves) return Vector3::Zero();
+  return at(map_.translation_block()) +
+         at(map_.rotation_block()).cross(lever_arms_[static_cast<std::size_t>(node)]);
+}
+
+void FingerPotential::step_back(std::span<const double> x) {
+  for (std::size_t i = 0; i < direction_.size(); ++i) direction_[i] -= x[i];
+}
+
+void FingerPotential::put_trial(double t) {
   trial_.X_WF = current_.X_WF;
   if (bone_mode_ == Bone::kCoupled) {
     const double* d = direction_.data() + 3 * map_.translation_block();
@@ -421,8 +445,6 @@ void FingerPotential::evaluate_trial(double t) {
                              t * Eigen::Map<const Vector3>(direction_.data() + 3 * block))
                    : trial_.X_WF * model_.mesh.nodes[n];
   }
-  evaluate(trial_);
-  cache_is_current_ = false;
 }
 
 double FingerPotential::largest_free_force() const {

@@ -33,6 +33,7 @@ class FingerPotential {
     bool strain_limits = true;
     InstructionSet instruction_set = active_instruction_set();
     ThreadTeam* team = nullptr;  ///< shares the work of large meshes; must outlive the potential
+    Vector3 gravity = Vector3::Zero();  ///< on free nodes, W, m/s^2
   };
   /// One step to minimise. Spans must outlive it.
   struct Step {
@@ -88,10 +89,33 @@ class FingerPotential {
   [[nodiscard]] bool factorise(HessianKind kind);
   /// `refined`: with contact as it will be at the end of the direction.
   double solve_direction(bool refined);
-  void evaluate_trial(double t);
+  void evaluate_trial(double t) {
+    put_trial(t);
+    meet(At::kTrial);
+    complete(At::kTrial);
+  }
   /// x = A^-1 x with the factor at hand, by unknowns as gradient(); exact right after factorise().
   void solve(std::span<double> x) const { assembly_.solve(x, team_); }
-  // What the step of a world asks for besides, where poses of obstacles are unknowns as well.
+  void solve_together(std::span<const std::span<double>> xs) const {
+    assembly_.solve_together(xs, team_);
+  }
+  // What the step of a world asks for besides, where poses of obstacles are unknowns as well, or
+  // their nodes: an evaluation in parts, between which others' nodes are put and forces on patches
+  // handed over.
+  enum class At { kCurrent, kTrial };
+  void put_trial(double t);
+  [[nodiscard]] std::span<const Vector3> positions(At at) const { return point(at).positions; }
+  /// First contact, then, with loads(), the rest.
+  void meet(At at);
+  void complete(At at);
+  /// What others press on nodes, N: added to the forces of complete(), from then on.
+  [[nodiscard]] std::span<Vector3> loads() { return loads_; }
+  /// B += weight * load, by the unknowns of a node; lever arms are those of the factor.
+  void add_load(int node, const Vector3& load, std::span<double> unknowns) const;
+  /// How a node moves in the direction `unknowns`.
+  [[nodiscard]] Vector3 motion(int node, std::span<const double> unknowns) const;
+  /// d -= x
+  void step_back(std::span<const double> x);
   /// The obstacle's pose has been changed in place; what was evaluated is out of date.
   void follow_obstacle(std::size_t o) { contact_.follow(o); }
   [[nodiscard]] ObstacleCoupling make_coupling() const;
@@ -139,11 +163,16 @@ class FingerPotential {
   struct Point {
     std::vector<Vector3> positions;
     Pose X_WF;
-    double energy = 0.0, elastic_energy = 0.0, residual = 0.0;
+    double energy = 0.0, elastic_energy = 0.0, contact_energy = 0.0, residual = 0.0;
     std::vector<double> gradient;
     Matrix3 moments = Matrix3::Zero();  ///< sum over tied nodes of gradient times r^T
   };
-  void evaluate(Point& point);
+  [[nodiscard]] Point& point(At at) { return at == At::kTrial ? trial_ : current_; }
+  [[nodiscard]] const Point& point(At at) const { return at == At::kTrial ? trial_ : current_; }
+  void evaluate_current() {
+    meet(At::kCurrent);
+    complete(At::kCurrent);
+  }
   void choose_features();
   [[nodiscard]] std::size_t contact_points() const {
     return model_.sample_nodes.size() + features_.points().size();
@@ -154,10 +183,11 @@ class FingerPotential {
   void apply_correction();
   /// Adds a load at a contact point, by each of six columns, where the node carries this part of
   /// it.
-  void add_load(int node, double weight, const Matrix36& by_point,
-                std::array<std::vector<double>, 6>& columns) const;
+  void add_loads(int node, double weight, const Matrix36& by_point,
+                 std::array<std::vector<double>, 6>& columns) const;
 
   const FingerModel& model_;
+  Vector3 gravity_;
   Bone bone_mode_;
   UnknownMap map_;
   ElasticModel elastic_;
@@ -177,6 +207,7 @@ class FingerPotential {
   std::vector<double> direction_;
   std::vector<Vector3> predicted_;
   std::vector<Vector3> node_gradient_;
+  std::vector<Vector3> loads_;
   std::vector<Vector3> contact_positions_, contact_gradient_;
   std::vector<Matrix3> contact_blocks_;
   std::vector<Vector3> lever_arms_;

@@ -1,6 +1,9 @@
 #include "softfinger/finger/finger_simulation.hpp"
 
+#include <algorithm>
+
 #include "softfinger/base/hash.hpp"
+#include "softfinger/contact/surface_patches.hpp"
 #include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 #include "softfinger/finger/minimise_in_cone.hpp"
@@ -14,6 +17,10 @@ constexpr double kGoodPrediction = 2.0;
 /// often, so that rounding does not pile up.
 constexpr std::uint64_t kRenewalSteps = 10000;
 
+/// Stands in for that of a soft obstacle, whose patches count.
+const Shape kNoShape = HalfSpace{};
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
 void add(Hash& hash, const ElementStress& stress) {
   for (const auto& part : stress.part) hash.add(std::span<const double>(part));
 }
@@ -22,11 +29,14 @@ void add(Hash& hash, const ElementStress& stress) {
 
 struct FingerSimulation::Implementation {
   Implementation(std::shared_ptr<const FingerModel> m, std::span<const VirtualObject> things,
-                 double dt, ThreadTeam* team)
+                 std::size_t self, double dt, const FingerPotential::Options& options)
       : model(std::move(m)),
         objects(things),
         time_step(dt),
-        potential(*model, FingerPotential::Bone::kCoupled, things.size(), {.team = team}),
+        potential(
+            *model,
+            self == kNone ? FingerPotential::Bone::kCoupled : FingerPotential::Bone::kPrescribed,
+            things.size(), options),
         obstacles(things.size()),
         anchors(potential.contact().no_anchors()),
         positions(model->mesh.nodes),
@@ -34,14 +44,20 @@ struct FingerSimulation::Implementation {
         history(potential.elastic().make_history()),
         old_velocities(velocities),
         extrapolated(velocities),
+        samples(model->sample_nodes.size()),
         contact(make_contact_set(*model)) {
     for (std::size_t o = 0; o < things.size(); ++o) {
-      obstacles[o].shape = &things[o].shape;
+      obstacles[o].is_soft = things[o].soft != nullptr;
+      obstacles[o].shape = obstacles[o].is_soft ? &kNoShape : &things[o].shape;
       obstacles[o].friction_coefficient =
-          things[o].friction_coefficient.value_or(model->friction_coefficient);
+          self == kNone ? things[o].friction_coefficient.value_or(model->friction_coefficient)
+                        : friction_between(things[self], things[o]);
+      // A soft object does not meet itself.
+      patches.emplace_back(obstacles[o].is_soft && o != self ? samples.size() : 0);
       obstacles[o].moves = things[o].dynamics.has_value();
       obstacles[o].X_WO = things[o].motion.sample(0.0);
     }
+    for (std::size_t o = 0; o < things.size(); ++o) obstacles[o].patches = patches[o].patches();
   }
 
   void place_obstacles(double time) {
@@ -111,13 +127,15 @@ struct FingerSimulation::Implementation {
   FingerPotential potential;
   std::vector<Obstacle> obstacles;
   std::vector<FrictionAnchor> anchors;
+  std::vector<SurfacePatches> patches;  ///< by object; of none that is rigid
   std::vector<Vector3> positions, velocities;
   StressHistory history;
   BoneState bone;
   // Only for the start of the next step.
   std::vector<Vector3> old_velocities, extrapolated;
   BoneState old_bone;
-  Pose tracked, next_tracked;  ///< at the start and the end of the step
+  Pose tracked, next_tracked;    ///< at the start and the end of the step
+  std::vector<Vector3> samples;  ///< where they are at the start of a step, W, m
   ContactSet contact;
   std::uint64_t steps = 0;
 };
@@ -125,9 +143,16 @@ struct FingerSimulation::Implementation {
 FingerSimulation::FingerSimulation(std::shared_ptr<const FingerModel> model,
                                    std::span<const VirtualObject> objects, double time_step,
                                    ThreadTeam* team)
-    : implementation_(
-          std::make_unique<Implementation>(std::move(model), objects, time_step, team)) {
+    : implementation_(std::make_unique<Implementation>(std::move(model), objects, kNone, time_step,
+                                                       FingerPotential::Options{.team = team})) {
   reset(Pose{});
+}
+FingerSimulation::FingerSimulation(std::span<const VirtualObject> objects, std::size_t self,
+                                   const Vector3& gravity, double time_step, ThreadTeam* team)
+    : implementation_(std::make_unique<Implementation>(
+          std::make_shared<const FingerModel>(*objects[self].soft), objects, self, time_step,
+          FingerPotential::Options{.team = team, .gravity = gravity})) {
+  reset(objects[self].motion.sample(0.0));
 }
 FingerSimulation::~FingerSimulation() = default;
 FingerSimulation::FingerSimulation(FingerSimulation&&) noexcept = default;
@@ -146,6 +171,8 @@ void FingerSimulation::reset(const Pose& X_WFt, double time) {
     self.old_velocities[n].setZero();
   }
   for (FrictionAnchor& anchor : self.anchors) anchor = FrictionAnchor{};
+  for (SurfacePatches& patches : self.patches) patches.clear();
+  std::ranges::fill(self.potential.loads(), Vector3::Zero());
   forget(self.history);
   self.place_obstacles(time);
   for (Obstacle& obstacle : self.obstacles) obstacle.X_WO_old.reset();
@@ -201,7 +228,25 @@ void FingerSimulation::move_object(std::size_t o, const Pose& X_WO) {
   implementation_->potential.follow_obstacle(o);
 }
 
+void FingerSimulation::find_patches(std::size_t o, const DeformingSurface& surface) {
+  Implementation& self = *implementation_;
+  for (std::size_t i = 0; i < self.samples.size(); ++i) {
+    self.samples[i] = self.positions[static_cast<std::size_t>(self.model->sample_nodes[i])];
+  }
+  self.patches[o].find(surface, self.samples, o, self.objects.size(), self.anchors);
+}
+
+void FingerSimulation::follow_surface(std::size_t o, std::span<const Vector3> nodes) {
+  implementation_->patches[o].follow(nodes);
+}
+
+const SurfacePatches& FingerSimulation::patches(std::size_t o) const {
+  return implementation_->patches[o];
+}
+
 FingerPotential& FingerSimulation::potential() { return implementation_->potential; }
+
+const FingerPotential& FingerSimulation::potential() const { return implementation_->potential; }
 
 const FingerModel& FingerSimulation::model() const { return *implementation_->model; }
 const Pose& FingerSimulation::bone_pose() const { return implementation_->bone.X_WF; }

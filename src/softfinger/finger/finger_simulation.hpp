@@ -12,8 +12,10 @@
 
 namespace softfinger {
 
+class DeformingSurface;
 class FingerModel;
 class FingerPotential;
+class SurfacePatches;
 class ThreadTeam;
 
 /// How one step ended.
@@ -30,6 +32,10 @@ class FingerSimulation {
   /// `objects` must outlive the simulation, as must the `team` that shares the steps of large
   /// meshes; the bits are the same with and without. time_step in s.
   FingerSimulation(std::shared_ptr<const FingerModel> model, std::span<const VirtualObject> objects,
+                   double time_step, ThreadTeam* team = nullptr);
+  /// Object `self` of them, a soft one: a finger whose bone, the nodes that are held, is where it
+  /// is put. gravity in W, m/s^2.
+  FingerSimulation(std::span<const VirtualObject> objects, std::size_t self, const Vector3& gravity,
                    double time_step, ThreadTeam* team = nullptr);
   ~FingerSimulation();
   FingerSimulation(FingerSimulation&&) noexcept;
@@ -56,7 +62,13 @@ class FingerSimulation {
   void expect_object(std::size_t o, const Pose& X_WO);
   /// Object o stands there within a step, as far as evaluations go.
   void move_object(std::size_t o, const Pose& X_WO);
+  /// Where soft object o may be touched in the next step; its surface stands as it does now.
+  void find_patches(std::size_t o, const DeformingSurface& surface);
+  /// The nodes of soft object o stand there within a step, W, m.
+  void follow_surface(std::size_t o, std::span<const Vector3> nodes);
+  [[nodiscard]] const SurfacePatches& patches(std::size_t o) const;
   [[nodiscard]] FingerPotential& potential();
+  [[nodiscard]] const FingerPotential& potential() const;
 
   [[nodiscard]] const FingerModel& model() const;
   [[nodiscard]] const Pose& bone_pose() const;                ///< X_WF

@@ -42,6 +42,17 @@ Vector3 TriangleTree::pseudo_normal(const Candidate& candidate) const {
   return face_normals_[t];
 }
 
+Vector3 TriangleTree::normal_at(int triangle, const std::array<double, 3>& weights) const {
+  const auto t = static_cast<std::size_t>(triangle);
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto vertex = static_cast<std::size_t>(surface_->mesh.triangles[t][k]);
+    sum += weights[k] * vertex_normals_[vertex].normalized();
+  }
+  const double length = sum.norm();
+  return length > 0.0 ? Vector3(sum / length) : face_normals_[t];
+}
+
 TriangleTree::Closest TriangleTree::closest(const Vector3& p, int near, double within) const {
   Candidate best{.point = p,
                  .squared_distance = within * within,

@@ -18,6 +18,13 @@ class TriangleTree {
   /// Throws InputError when `stop` asks for an end.
   explicit TriangleTree(const ClosedSurface& surface, const std::stop_token& stop = {});
 
+  /// The surface's vertices have moved: what is known of them follows, the hierarchy stays.
+  /// Allocates nothing.
+  void refit();
+  /// Unit normal at a point of a triangle by its corners' weights, turning evenly between the
+  /// normals at the corners, which are weighted by angle.
+  [[nodiscard]] Vector3 normal_at(int triangle, const std::array<double, 3>& weights) const;
+
   struct Closest {
     Vector3 point = Vector3::Zero();  ///< of the surface, m
     double distance = 0.0;            ///< m, positive outside, negative inside
@@ -83,6 +90,8 @@ class TriangleTree {
   static Candidate closest_on(const Leaf& leaf, const Vector3& p);
   [[nodiscard]] Vector3 pseudo_normal(const Candidate& candidate) const;
   void compute_normals(StopCheck& check);
+  /// False where it is too flat to have one.
+  bool add_normal(int triangle);
   void measure_bounds(Node& node) const;
   void split(std::size_t node, int depth, StopCheck& check);
   [[nodiscard]] std::int32_t partition(const Node& node, StopCheck& check);

@@ -55,6 +55,25 @@ TriangleTree::TriangleTree(const ClosedSurface& surface, const std::stop_token& 
   split(0, 0, check);
 }
 
+bool TriangleTree::add_normal(int triangle) {
+  const auto t = static_cast<std::size_t>(triangle);
+  const Vector3 corner[3] = {surface_->corner(triangle, 0), surface_->corner(triangle, 1),
+                             surface_->corner(triangle, 2)};
+  const Vector3 sides[3] = {corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]};
+  const Vector3 normal = sides[0].cross(-sides[2]);
+  const double longest =
+      std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()});
+  if (!(normal.norm() > kFlat * longest)) return false;
+  const Vector3 unit = normal.normalized();
+  face_normals_[t] = unit;
+  for (int k = 0; k < 3; ++k) {
+    const auto vertex =
+        static_cast<std::size_t>(surface_->mesh.triangles[t][static_cast<std::size_t>(k)]);
+    vertex_normals_[vertex] += angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * unit;
+  }
+  return true;
+}
+
 void TriangleTree::compute_normals(StopCheck& check) {
   const TriangleMesh& mesh = surface_->mesh;
   face_normals_.assign(mesh.triangles.size(), Vector3::Zero());
@@ -62,24 +81,7 @@ void TriangleTree::compute_normals(StopCheck& check) {
   std::vector<int> flat;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
     check();
-    const Vector3 corner[3] = {surface_->corner(t, 0), surface_->corner(t, 1),
-                               surface_->corner(t, 2)};
-    const Vector3 sides[3] = {corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]};
-    const Vector3 normal = sides[0].cross(-sides[2]);
-    const double longest =
-        std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()});
-    if (!(normal.norm() > kFlat * longest)) {
-      flat.push_back(t);
-      continue;
-    }
-    const Vector3 unit = normal.normalized();
-    face_normals_[static_cast<std::size_t>(t)] = unit;
-    for (int k = 0; k < 3; ++k) {
-      const auto vertex = static_cast<std::size_t>(
-          mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
-      vertex_normals_[vertex] +=
-          angle_at(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]) * unit;
-    }
+    if (!add_normal(t)) flat.push_back(t);
   }
   // A flat triangle only stands between its neighbours.
   for (const int t : flat) {
@@ -88,6 +90,31 @@ void TriangleTree::compute_normals(StopCheck& check) {
       sum += face_normals_[static_cast<std::size_t>(n)];
     }
     if (sum.norm() > 0.0) face_normals_[static_cast<std::size_t>(t)] = sum.normalized();
+  }
+}
+
+void TriangleTree::refit() {
+  for (Leaf& leaf : leaves_) {
+    leaf.a = surface_->corner(leaf.triangle, 0);
+    leaf.b = surface_->corner(leaf.triangle, 1);
+    leaf.c = surface_->corner(leaf.triangle, 2);
+  }
+  std::fill(vertex_normals_.begin(), vertex_normals_.end(), Vector3::Zero());
+  // Where a triangle is flat now, its last normal stays.
+  for (const Leaf& leaf : leaves_) static_cast<void>(add_normal(leaf.triangle));
+  // Children stand behind their parents.
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    if (node.count > 0) {
+      measure_bounds(node);
+      continue;
+    }
+    const Node& a = nodes_[static_cast<std::size_t>(node.first)];
+    const Node& b = nodes_[static_cast<std::size_t>(node.first) + 1];
+    for (int k = 0; k < 3; ++k) {
+      node.low[k] = std::min(a.low[k], b.low[k]);
+      node.high[k] = std::max(a.high[k], b.high[k]);
+    }
   }
 }
 

@@ -19,11 +19,6 @@ constexpr double kLeastLimit = 1e-12;
 /// More are never in reach of each other at once; the nearest of later ones are left out.
 constexpr std::size_t kMostCandidates = 4096;
 
-double friction_between(const VirtualObject& a, const VirtualObject& b) {
-  if (!a.friction_coefficient && !b.friction_coefficient) return SolidContact::kFriction;
-  return std::max(a.friction_coefficient.value_or(0.0), b.friction_coefficient.value_or(0.0));
-}
-
 /// Corners of a box at a pose.
 Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Pose& X) {
   const Vector3 half = 0.5 * box.sizes();
@@ -56,6 +51,7 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
   for (std::size_t a = 0; a < objects.size(); ++a) {
     for (std::size_t b = a + 1; b < objects.size(); ++b) {
       if (!(masses[a] > 0.0 || masses[b] > 0.0) || are_apart(a, b)) continue;
+      if (objects[a].soft || objects[b].soft) continue;  // they meet as skin meets objects
       // The lighter one moves.
       double mass = std::max(masses[a], masses[b]);
       if (masses[a] > 0.0 && masses[b] > 0.0) mass = std::min(masses[a], masses[b]);

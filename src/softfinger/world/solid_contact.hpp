@@ -29,7 +29,6 @@ class SolidContact {
   static constexpr double kLeastForce = 1.0;  ///< N
   static constexpr double kDepth = 5e-6;      ///< m
   static constexpr double kParting = 50e-3;   ///< m/s
-  static constexpr double kFriction = 0.5;    ///< where no object has a coefficient
 
   /// Who touches whom. masses: kg, by object; 0: it does not move by forces. `apart`: pairs that do
   /// not touch, such as a jointed object and its parent.

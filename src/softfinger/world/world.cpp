@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "softfinger/base/hash.hpp"
+#include "softfinger/contact/surface_patches.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 #include "softfinger/finger/minimise_in_cone.hpp"
 #include "softfinger/threads/thread_team.hpp"
+#include "softfinger/world/soft_body.hpp"
 #include "softfinger/world/world_problem.hpp"
 
 namespace softfinger {
@@ -80,8 +82,16 @@ struct World::Implementation {
         expected(things.size()),
         states(things.size()),
         quiet(tree.bodies().size(), 0) {
+    for (std::size_t o = 0; o < things.size(); ++o) {
+      if (things[o].soft) softs.push_back(std::make_unique<SoftBody>(things, o, g, dt, helpers));
+    }
     start();
     problem = std::make_unique<WorldProblem>(tree, motions, contact, g, dt, helpers);
+    for (const auto& soft : softs) {
+      problem->reserve(soft->simulation(), static_cast<int>(soft->object()));
+    }
+    near.reserve(softs.size());
+    boxes.resize(softs.size());
   }
 
   void start() {
@@ -120,6 +130,7 @@ struct World::Implementation {
     std::fill(quiet.begin(), quiet.end(), kSmoothAfter);
     contact.reset();
     for (std::size_t o = 0; o < objects.size(); ++o) poses[o] = objects[o].motion.sample(0.0);
+    for (const auto& soft : softs) soft->reset();
     tell();
   }
 
@@ -131,6 +142,29 @@ struct World::Implementation {
                              .angular_velocity = motions[b].angular_velocity(),
                              .joint = motions[b].place().q,
                              .has_joint = body.joint && body.freedoms == 1};
+    }
+    for (const auto& soft : softs) states[soft->object()] = soft->state();
+  }
+
+  /// Soft objects begin, and all that may touch their surfaces knows where.
+  void begin_softs(double end) {
+    for (const auto& soft : softs) soft->renew_surface();
+    for (const auto& soft : softs) {
+      const std::size_t o = soft->object();
+      for (FingerSimulation* finger : fingers) finger->find_patches(o, soft->surface());
+      for (const auto& other : softs) {
+        if (other != soft) other->simulation().find_patches(o, soft->surface());
+      }
+    }
+    for (const auto& soft : softs) {
+      for (const Body& body : tree.bodies()) {
+        soft->simulation().expect_object(body.object, expected[body.object]);
+      }
+      soft->begin_step(end);
+    }
+    for (const auto& soft : softs) {
+      const auto nodes = soft->simulation().potential().positions();
+      for (FingerSimulation* finger : fingers) finger->follow_surface(soft->object(), nodes);
     }
   }
 
@@ -159,6 +193,9 @@ struct World::Implementation {
   bool roughen() {
     bool any = false;
     for (std::size_t f = 0; f < fingers.size(); ++f) boxes[f] = box_around(*fingers[f]);
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      boxes[fingers.size() + s] = box_around(softs[s]->simulation());
+    }
     for (std::size_t b = 0; b < quiet.size(); ++b) {
       const std::size_t object = tree.bodies()[b].object;
       const bool near_finger = std::ranges::any_of(
@@ -172,6 +209,8 @@ struct World::Implementation {
   }
 
   [[nodiscard]] bool is_near(const FingerSimulation& finger) const {
+    const auto meets = [&](const auto& soft) { return finger.patches(soft->object()).any(); };
+    if (std::ranges::any_of(softs, meets)) return true;
     const Eigen::AlignedBox3d box = box_around(finger);
     return std::ranges::any_of(tree.bodies(),
                                [&](const Body& body) { return reaches(box, body.object); });
@@ -201,6 +240,12 @@ struct World::Implementation {
     }
     tell_events();
     contact.end(poses);
+    for (const Body& body : tree.bodies()) {
+      const Pose& X_WO = poses[body.object];
+      for (FingerSimulation* finger : fingers) finger->move_object(body.object, X_WO);
+      for (const auto& soft : softs) soft->simulation().move_object(body.object, X_WO);
+    }
+    for (const auto& soft : softs) soft->simulation().end_step();
     tell();
   }
 
@@ -222,6 +267,7 @@ struct World::Implementation {
   void prepare_events() {
     std::vector<int> moving;
     std::vector<WorldEvents::Joint> joints;
+    for (const auto& soft : softs) moving.push_back(static_cast<int>(soft->object()));
     for (std::size_t b = 0; b < motions.size(); ++b) {
       const Body& body = tree.bodies()[b];
       moving.push_back(static_cast<int>(body.object));
@@ -245,6 +291,17 @@ struct World::Implementation {
         const ContactPotential& skin = fingers[f]->potential().contact();
         events->touch(static_cast<int>(body.object), static_cast<int>(objects.size() + f),
                       skin.wrench(body.object).normal_force);
+      }
+      for (const auto& soft : softs) {
+        const ContactPotential& skin = fingers[f]->potential().contact();
+        events->touch(static_cast<int>(soft->object()), static_cast<int>(objects.size() + f),
+                      skin.wrench(soft->object()).normal_force);
+      }
+    }
+    for (const auto& soft : softs) {
+      for (std::size_t o = 0; o < objects.size(); ++o) {
+        events->touch(static_cast<int>(soft->object()), static_cast<int>(o),
+                      soft->simulation().potential().contact().wrench(o).normal_force);
       }
     }
     std::size_t joint = 0;
@@ -297,8 +354,9 @@ struct World::Implementation {
   std::vector<Pose> poses, expected;  ///< of objects, at the start of the step and at its end
   std::vector<ObjectState> states;
   std::vector<int> quiet;  ///< by body: steps without contact
+  std::vector<std::unique_ptr<SoftBody>> softs;
   std::vector<FingerSimulation*> fingers, near;
-  std::vector<Eigen::AlignedBox3d> boxes;  ///< about each finger
+  std::vector<Eigen::AlignedBox3d> boxes;  ///< about each finger, and each soft object
   std::vector<std::size_t> alone;
   double time = 0.0;
   std::optional<WorldEvents> events;
@@ -313,15 +371,17 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-bool World::moves() const { return !implementation_->motions.empty(); }
+bool World::moves() const {
+  return !implementation_->motions.empty() || !implementation_->softs.empty();
+}
 
 void World::add(FingerSimulation& finger) {
   Implementation& self = *implementation_;
   if (!moves()) return;
   self.problem->reserve(finger);
   self.fingers.push_back(&finger);
-  self.boxes.emplace_back();
-  self.near.reserve(self.fingers.size());
+  self.boxes.resize(self.fingers.size() + self.softs.size());
+  self.near.reserve(self.fingers.size() + self.softs.size());
   self.alone.reserve(self.fingers.size());
 }
 
@@ -338,6 +398,11 @@ void World::reset() {
       finger->put_object(body.object, self.poses[body.object]);
     }
   }
+  for (const auto& soft : self.softs) {
+    for (const Body& body : self.tree.bodies()) {
+      soft->simulation().put_object(body.object, self.poses[body.object]);
+    }
+  }
 }
 
 void World::begin_step(double time) {
@@ -349,6 +414,7 @@ void World::begin_step(double time) {
       finger->expect_object(body.object, self.expected[body.object]);
     }
   }
+  self.begin_softs(time);
 }
 
 void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSummary> summaries) {
@@ -371,6 +437,7 @@ void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSumm
   } else {
     for (std::size_t k = 0; k < self.alone.size(); ++k) solve_alone(k, 0);
   }
+  for (const auto& soft : self.softs) self.near.push_back(&soft->simulation());
   std::vector<Pose>& at_end = self.expected;
   self.problem->begin(self.time, at_end, self.places, self.near);
   NewtonOptions options;
@@ -383,11 +450,6 @@ void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSumm
   }
   self.count_quiet();
   self.end();
-  for (FingerSimulation* finger : self.fingers) {
-    for (const Body& body : self.tree.bodies()) {
-      finger->move_object(body.object, self.poses[body.object]);
-    }
-  }
 }
 
 std::span<const Overlap> World::overlaps() const { return implementation_->overlaps; }
@@ -398,6 +460,12 @@ std::size_t World::size() const { return implementation_->objects.size(); }
 const ObjectState& World::state(std::size_t object) const {
   return implementation_->states[object];
 }
+std::span<const Vector3> World::nodes(std::size_t object) const {
+  for (const auto& soft : implementation_->softs) {
+    if (soft->object() == object) return soft->simulation().positions();
+  }
+  return {};
+}
 const StepSummary& World::summary() const { return implementation_->last; }
 
 std::uint64_t World::state_hash() const {
@@ -407,6 +475,7 @@ std::uint64_t World::state_hash() const {
   for (std::size_t b = 0; b < self.motions.size(); ++b) hash.add(self.problem->anchor(b));
   self.contact.add_to(hash);
   for (const int steps : self.quiet) hash.add(steps);
+  for (const auto& soft : self.softs) hash.add(soft->simulation().state_hash());
   return hash.value();
 }
 

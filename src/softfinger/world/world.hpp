@@ -6,20 +6,12 @@
 
 #include "softfinger/contact/virtual_object.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
+#include "softfinger/world/object_state.hpp"
 #include "softfinger/world/world_events.hpp"
 
 namespace softfinger {
 
 class ThreadTeam;
-
-/// An object as it is and moves at the end of a step, W.
-struct ObjectState {
-  Pose X_WO;
-  Vector3 velocity = Vector3::Zero();          ///< of the centre of mass, m/s
-  Vector3 angular_velocity = Vector3::Zero();  ///< rad/s
-  double joint = 0.0;                          ///< q of slider (m) or hinge (rad)
-  bool has_joint = false;                      ///< a slider or hinge
-};
 
 /// Two objects that start inside each other.
 struct Overlap {
@@ -70,6 +62,8 @@ class World {
 
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] const ObjectState& state(std::size_t object) const;
+  /// Nodes of a soft object, W, m; of a rigid one none.
+  [[nodiscard]] std::span<const Vector3> nodes(std::size_t object) const;
   /// How the objects' step ended.
   [[nodiscard]] const StepSummary& summary() const;
   /// 64-bit hash of all that the next step depends on.

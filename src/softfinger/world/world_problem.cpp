@@ -85,24 +85,31 @@ WorldProblem::WorldProblem(const BodyTree& tree, std::span<BodyMotion> motions,
   expected_ = current_.places;
   system_.setZero(freedoms, freedoms);
   direction_.setZero(freedoms);
+  recoil_ = direction_;
 }
 
-void WorldProblem::reserve(FingerSimulation& finger) {
+void WorldProblem::reserve(FingerSimulation& finger, int object) {
   Partner& partner = partners_.emplace_back();
   partner.finger = &finger;
-  partner.couplings.assign(std::min(kMostTouched, tree_.bodies().size()),
-                           finger.potential().make_coupling());
+  partner.number = partners_.size() - 1;
+  soft_.add(finger, object);
+  taking_part_.push_back(0);
+  if (object >= 0 && pulled_.size() == 0) {
+    pulled_.setZero(static_cast<Eigen::Index>(3 * SoftContact::kMostPairs), direction_.size());
+    yielding_.setZero(direction_.size(), static_cast<Eigen::Index>(3 * SoftContact::kMostPairs));
+  }
+  const ObstacleCoupling none = finger.potential().make_coupling();
+  partner.couplings.assign(std::min(kMostTouched, tree_.bodies().size()), none);
   partner.bodies.reserve(partner.couplings.size());
   partner.yielding.resize(partner.couplings.size() * partner.couplings.size());
-  if (!partner.couplings.empty()) {
-    partner.carried.assign(partner.couplings.front().by_point.size(), Vector3::Zero());
-  }
+  partner.carried.assign(none.by_point.size(), Vector3::Zero());
   fingers_.reserve(partners_.size());
 }
 
 void WorldProblem::forget() {
   has_factor_ = false;
   for (Partner& partner : partners_) partner.bodies.clear();
+  soft_.forget();
 }
 
 template <typename Work>
@@ -127,15 +134,26 @@ void WorldProblem::begin(double time, std::span<Pose> X_WO, std::span<const Body
       has_factor_ = false;
     }
     partner.taking_part = takes_part;
+    taking_part_[partner.number] = takes_part ? 1 : 0;
     if (takes_part) fingers_.push_back(&partner);
   }
+  soft_.begin(taking_part_);
   for (std::size_t b = 0; b < joints_.size(); ++b) {
     if (joints_[b]) joints_[b]->old_q = motions_[b].place().q;
   }
   std::copy(places.begin(), places.end(), current_.places.begin());
   show(current_.places);
+  // They have begun without knowing of each other.
+  if (soft_.any()) evaluate_fingers(At::kCurrent);
   evaluate(current_);
   cache_is_current_ = true;
+}
+
+void WorldProblem::evaluate_fingers(At at) {
+  soft_.follow(at);
+  for_each_finger([&](Partner& partner) { partner.finger->potential().meet(at); });
+  soft_.hand_over();
+  for_each_finger([&](Partner& partner) { partner.finger->potential().complete(at); });
 }
 
 void WorldProblem::end() {
@@ -245,6 +263,7 @@ bool WorldProblem::factorise(HessianKind kind) {
   for_each_finger([&](Partner& partner) {
     FingerPotential& finger = partner.finger->potential();
     partner.bodies.clear();
+    soft_.forget_factor(partner.number);
     if (!finger.factorise(kind)) return;
     for (std::size_t b = 0; b < motions_.size(); ++b) {
       if (partner.bodies.size() == partner.couplings.size()) break;
@@ -258,6 +277,7 @@ bool WorldProblem::factorise(HessianKind kind) {
   has_factor_ = has_factor();
   if (!has_factor_) return false;
   build_system();
+  if (system_.size() == 0) return true;  // soft objects alone
   has_factor_ = Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(system_).info() == Eigen::Success;
   return has_factor_;
 }
@@ -361,10 +381,57 @@ double WorldProblem::solve_direction(bool refined) {
       partner.finger->potential().yield_to(partner.couplings[k], twist_of(partner.bodies[k]));
     }
   });
+  if (soft_.any()) bend_to_soft_contact(factor);
   if (refined) correct_directions();
   double slope = direction_.dot(current_.gradient);
   for (const Partner* partner : fingers_) slope += partner->finger->potential().slope();
   return slope;
+}
+
+void WorldProblem::bend_to_soft_contact(const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& factor) {
+  if (!soft_.find_pairs(team_)) return;
+  const auto rows = static_cast<Eigen::Index>(3 * soft_.size());
+  const Eigen::Index freedoms = direction_.size();
+  const bool touches = std::ranges::any_of(
+      fingers_, [](const Partner* partner) { return !partner->bodies.empty(); });
+  auto pulled = pulled_.topLeftCorner(rows, freedoms);
+  auto yielding = yielding_.topLeftCorner(freedoms, rows);
+  if (touches) {
+    pulled.setZero();
+    for (const Partner* partner : fingers_) {
+      for (std::size_t k = 0; k < partner->bodies.size(); ++k) {
+        for (std::size_t p = 0; p < soft_.size(); ++p) {
+          Matrix36 by_pose;
+          for (std::size_t c = 0; c < 6; ++c) {
+            by_pose.col(static_cast<Eigen::Index>(c)) =
+                soft_.way(p, partner->number, partner->couplings[k].responses[c]);
+          }
+          for (const BodyTree::Column& column : columns_[partner->bodies[k]].all()) {
+            pulled.block<3, 1>(static_cast<Eigen::Index>(3 * p), column.coordinate) +=
+                by_pose * column.twist;
+          }
+        }
+      }
+    }
+    yielding = pulled.transpose();
+    for (Eigen::Index c = 0; c < rows; ++c) {
+      Eigen::Ref<Eigen::VectorXd> column = yielding.col(c);
+      factor.solveInPlace(column);
+    }
+    soft_.compliance() += pulled.lazyProduct(yielding);
+  }
+  const std::span<const double> forces = soft_.balance();
+  for_each_finger([&](Partner& partner) { soft_.apply(partner.number); });
+  if (!touches) return;
+  recoil_.noalias() = yielding * Eigen::Map<const Eigen::VectorXd>(forces.data(), rows);
+  direction_ += recoil_;
+  recoil_.swap(direction_);  // for twist_of()
+  for_each_finger([&](Partner& partner) {
+    for (std::size_t k = 0; k < partner.bodies.size(); ++k) {
+      partner.finger->potential().yield_to(partner.couplings[k], twist_of(partner.bodies[k]));
+    }
+  });
+  recoil_.swap(direction_);
 }
 
 void WorldProblem::correct_directions() {
@@ -397,7 +464,12 @@ void WorldProblem::evaluate_trial(double t) {
   tree_.advance(current_.places, {direction_.data(), static_cast<std::size_t>(direction_.size())},
                 t, time_, trial_.places);
   show(trial_.places);
-  for_each_finger([&](Partner& partner) { partner.finger->potential().evaluate_trial(t); });
+  if (soft_.any()) {
+    for_each_finger([&](Partner& partner) { partner.finger->potential().put_trial(t); });
+    evaluate_fingers(At::kTrial);
+  } else {
+    for_each_finger([&](Partner& partner) { partner.finger->potential().evaluate_trial(t); });
+  }
   evaluate(trial_);
   cache_is_current_ = false;
 }
@@ -411,14 +483,22 @@ void WorldProblem::accept_trial() {
 void WorldProblem::settle() {
   if (cache_is_current_) return;
   show(current_.places);
-  for_each_finger([](Partner& partner) { partner.finger->potential().settle(); });
+  if (soft_.any()) {
+    evaluate_fingers(At::kCurrent);
+  } else {
+    for_each_finger([](Partner& partner) { partner.finger->potential().settle(); });
+  }
   evaluate(current_);
   cache_is_current_ = true;
 }
 
 void WorldProblem::renew() {
   show(current_.places);
-  for_each_finger([](Partner& partner) { partner.finger->potential().renew(); });
+  if (soft_.any()) {
+    evaluate_fingers(At::kCurrent);
+  } else {
+    for_each_finger([](Partner& partner) { partner.finger->potential().renew(); });
+  }
   evaluate(current_);
   cache_is_current_ = true;
 }
@@ -431,6 +511,7 @@ bool WorldProblem::is_tangled() const {
 void WorldProblem::limit_strain(bool limited) {
   show(current_.places);
   for_each_finger([&](Partner& p) { p.finger->potential().limit_strain(limited); });
+  if (soft_.any()) evaluate_fingers(At::kCurrent);
   evaluate(current_);
   cache_is_current_ = true;
 }

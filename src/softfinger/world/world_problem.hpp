@@ -10,6 +10,7 @@
 #include "softfinger/world/body_motion.hpp"
 #include "softfinger/world/body_tree.hpp"
 #include "softfinger/world/joint_law.hpp"
+#include "softfinger/world/soft_contact.hpp"
 #include "softfinger/world/solid_contact.hpp"
 
 namespace softfinger {
@@ -18,18 +19,20 @@ class ThreadTeam;
 
 /// One step of objects that move and of the fingers that may touch them, as one potential: that of
 /// each finger, inertia, weight and joints of each body, and contact between objects. It is a
-/// problem for minimise_in_cone().
+/// problem for minimise_in_cone(). Soft objects are fingers without a hand here.
 ///
 /// The matrix is an arrowhead: each finger's factor A_f with its contact blocks held, columns B_f
 /// by the coordinates of the bodies it touches, and the bodies' own D. With Z_f = A_f^-1 B_f the
 /// bodies move by S xi = -g + sum B_f^T A_f^-1 g_f, S = D - sum B_f^T Z_f, and each finger by d_f =
-/// -A_f^-1 g_f - Z_f xi.
+/// -A_f^-1 g_f - Z_f xi. Contact with soft objects is in none of these, see SoftContact: with H for
+/// the whole of the arrowhead, it takes W = G H^-1 G^T.
 class WorldProblem {
  public:
   WorldProblem(const BodyTree& tree, std::span<BodyMotion> motions, SolidContact& contact,
                const Vector3& gravity, double time_step, ThreadTeam* team);
-  /// Reserves memory for one more finger; to be called for each that begin() may name.
-  void reserve(FingerSimulation& finger);
+  /// Reserves memory for one more finger, or the scene's soft object of this number; to be called
+  /// for each that begin() may name.
+  void reserve(FingerSimulation& finger, int object = -1);
 
   /// Objects stand at X_WO, bodies among them at `places`, from where minimisation starts at the
   /// end of the step, `time` (s). Fingers have begun theirs; spans must outlive the step.
@@ -77,6 +80,7 @@ class WorldProblem {
   /// How a finger and the bodies that it touches depend on each other.
   struct Partner {
     FingerSimulation* finger = nullptr;
+    std::size_t number = 0;  ///< as reserved
     std::vector<ObstacleCoupling> couplings;
     std::vector<std::size_t> bodies;  ///< of the couplings in use
     std::vector<Matrix6> yielding;    ///< -B^T A^-1 B of each pair of couplings, as factored
@@ -94,6 +98,8 @@ class WorldProblem {
   [[nodiscard]] LawValue joint_value(const JointForces& joint, double q) const;
   template <typename Work>
   void for_each_finger(const Work& work);
+  using At = FingerPotential::At;
+  void evaluate_fingers(At at);
   void show(std::span<const BodyPlace> places);
   /// Of what the fingers have evaluated, and the rest at point.places.
   void evaluate(Point& point);
@@ -101,17 +107,21 @@ class WorldProblem {
   void build_system();
   void add_pair(std::size_t a, std::size_t b, const Matrix6& block);
   void correct_directions();
+  /// The directions with contact of soft surfaces; `factor` is that of the bodies' system.
+  void bend_to_soft_contact(const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& factor);
   [[nodiscard]] Vector6 twist_of(std::size_t body) const;
 
   const BodyTree& tree_;
   std::span<BodyMotion> motions_;
   SolidContact& contact_;
+  SoftContact soft_;
   Vector3 gravity_;
   double time_step_;
   ThreadTeam* team_;
   std::vector<std::optional<JointForces>> joints_;  ///< by body
   std::vector<Partner> partners_;
-  std::vector<Partner*> fingers_;  ///< that take part
+  std::vector<std::uint8_t> taking_part_;  ///< by partner
+  std::vector<Partner*> fingers_;          ///< that take part
   double time_ = 0.0;
   std::span<Pose> X_WO_;
   std::vector<Vector6> wrenches_;           ///< by object
@@ -121,7 +131,8 @@ class WorldProblem {
   Point current_, trial_;
   std::vector<BodyPlace> expected_;
   Eigen::MatrixXd system_;
-  Eigen::VectorXd direction_;
+  Eigen::MatrixXd pulled_, yielding_;  ///< pairs of soft contact by coordinates, and their motion
+  Eigen::VectorXd direction_, recoil_;
   bool cache_is_current_ = false;
   bool has_factor_ = false;
 };
