@@ -57,6 +57,18 @@ Json sizes_of(const MeshShape& mesh) {
           {"grid_memory_MB", mesh->memory() >> 20}};
 }
 
+Json sizes_of(const SoftSolid& solid) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& node : solid.mesh.nodes) box.extend(node);
+  const Vector3 size = box.sizes();
+  return {{"file", solid.file.lexically_normal().string()},
+          {"tetrahedra", solid.mesh.tetrahedra.size()},
+          {"samples", solid.sample_nodes.size()},
+          {"size_mm", {in_mm(size.x()), in_mm(size.y()), in_mm(size.z())}}};
+}
+
+double in_g(double mass) { return std::round(mass / unit_scale("mass_g") * 1e9) / 1e9; }
+
 Json describe(const Joint& joint, const Scene& scene) {
   Json json{{"kind", row_of(kJointKinds, joint.kind).name}, {"parent", nullptr}};
   if (joint.parent >= 0)
@@ -65,13 +77,19 @@ Json describe(const Joint& joint, const Scene& scene) {
 }
 
 Json describe(const VirtualObject& object, const Scene& scene) {
-  Json json{{"name", object.name}, {"shape", name_of(object.shape)}};
-  json.update(std::visit([](const auto& shape) { return sizes_of(shape); }, object.shape));
+  Json json{{"name", object.name}, {"shape", object.soft ? "soft" : name_of(object.shape)}};
+  json.update(object.soft
+                  ? sizes_of(*object.soft)
+                  : std::visit([](const auto& shape) { return sizes_of(shape); }, object.shape));
   json["friction_coefficient"] = nullptr;
   if (object.friction_coefficient) json["friction_coefficient"] = *object.friction_coefficient;
-  json["moves"] = object.motion.moves() || object.dynamics;
+  json["moves"] = object.motion.moves() || object.answers();
+  if (object.soft) {
+    json["mass_g"] = in_g(object.soft->mass());
+    json["joint"] = nullptr;
+  }
   if (!object.dynamics) return json;
-  json["mass_g"] = std::round(object.dynamics->mass / unit_scale("mass_g") * 1e9) / 1e9;
+  json["mass_g"] = in_g(object.dynamics->mass);
   json["joint"] = nullptr;
   if (object.dynamics->joint) json["joint"] = describe(*object.dynamics->joint, scene);
   return json;
@@ -125,7 +143,13 @@ Json check(const std::string& file) {
 
 std::string sizes(const Json& object) {
   const auto number = [&](const char* key) { return object.at(key).get<double>(); };
-  switch (row_named(kShapes, object.at("shape").get<std::string>())->value) {
+  const NameRow<ShapeKind>* const row = row_named(kShapes, object.at("shape").get<std::string>());
+  if (row == nullptr) {  // soft
+    return fmt::format(" {}, {} tetrahedra, {:.4g} mm", object.at("file").get<std::string>(),
+                       object.at("tetrahedra").get<std::uint64_t>(),
+                       fmt::join(object.at("size_mm").get<std::vector<double>>(), " x "));
+  }
+  switch (row->value) {
     case ShapeKind::kPlane:
       break;
     case ShapeKind::kSphere:

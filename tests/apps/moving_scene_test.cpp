@@ -209,5 +209,12 @@ TEST(MovingScene, CupHangsBetweenTwoFingers) {
   EXPECT_NEAR(place_mm(objects_of("cup", "3.6"), "cup", 2), 79.0, 1.0);
 }
 
+TEST(MovingScene, SpongeIsLiftedAndSetDown) {
+  EXPECT_NEAR(place_mm(objects_of("sponge", "2.3"), "sponge", 2), 40.0, 1.5);
+  const json set_down = objects_of("sponge", "6");
+  EXPECT_NEAR(place_mm(set_down, "sponge", 2), 10.0, 0.05);
+  EXPECT_TRUE(set_down.at("sponge").at("joint").is_null());
+}
+
 }  // namespace
 }  // namespace softfinger

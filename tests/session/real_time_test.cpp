@@ -76,7 +76,7 @@ TEST_P(RealTimePathOfMovingObjects, NeitherAllocatesNorLocks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RealTimePathOfMovingObjects,
-                         testing::Values("cup.toml", "tower.toml", "button.toml"),
+                         testing::Values("cup.toml", "tower.toml", "button.toml", "sponge.toml"),
                          [](const auto& scene) {
                            const std::string name = scene.param;
                            return name.substr(0, name.find('.'));

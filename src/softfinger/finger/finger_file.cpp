@@ -22,7 +22,7 @@ std::ptrdiff_t soft_volume_count(const TetrahedralMesh& mesh) {
 /// and Poisson's ratio of one among several volumes.
 struct CommonMaterial {
   std::optional<double> youngs_modulus, poissons_ratio;
-  double density = FingerModel::Material{}.density;
+  double density = SoftSolid::Material{}.density;
 };
 
 /// Of strain limits whose table names none, Pa.
@@ -36,7 +36,7 @@ CommonMaterial read_common_material(const ConfigTable& table, bool is_of_several
     common.youngs_modulus = table.optional_number("youngs_modulus_kPa", Range::positive());
     common.poissons_ratio = table.optional_number("poissons_ratio", kBelowHalf);
   } else {
-    const FingerModel::Material usual;
+    const SoftSolid::Material usual;
     common.youngs_modulus =
         table.number("youngs_modulus_kPa", Range::positive(), usual.youngs_modulus);
     common.poissons_ratio = table.number("poissons_ratio", kBelowHalf, usual.poissons_ratio);
@@ -46,8 +46,8 @@ CommonMaterial read_common_material(const ConfigTable& table, bool is_of_several
 }
 
 /// Constants of one volume: its own table `material.volume`, else those of [material].
-FingerModel::Material read_material(const ConfigTable& table, const std::string& volume,
-                                    const CommonMaterial& common) {
+SoftSolid::Material read_material(const ConfigTable& table, const std::string& volume,
+                                  const CommonMaterial& common) {
   const auto own = volume.empty() ? std::nullopt : table.optional_table(volume);
   if (!volume.empty()) table.any_name(volume);
   if (!own) {
@@ -90,7 +90,36 @@ Relaxation read_relaxation(const ConfigTable& material) {
   return relaxation;
 }
 
-void read_materials(const ConfigTable& table, FingerModel& model) {
+void read_coupling(const ConfigTable& table, Coupling& coupling) {
+  coupling.translation_stiffness =
+      table.number("translation_N_per_mm", Range::positive(), coupling.translation_stiffness);
+  coupling.translation_damping =
+      table.number("translation_N_s_per_mm", Range::at_least(0.0), coupling.translation_damping);
+  coupling.rotation_stiffness =
+      table.number("rotation_N_mm_per_rad", Range::positive(), coupling.rotation_stiffness);
+  coupling.rotation_damping =
+      table.number("rotation_N_mm_s_per_rad", Range::at_least(0.0), coupling.rotation_damping);
+}
+
+/// A table for each of two volumes: their keys, all of which [material] may have instead.
+constexpr const char* kExample = R"toml(
+[mesh]
+file = "index.msh"
+[material]
+youngs_modulus_kPa = 45.0
+poissons_ratio = 0.4
+[material.epidermis]
+[material.dermis]
+[[material.relaxation]]
+time_ms = 100.0
+fraction = 0.5
+[strain_limits]
+[size]
+)toml";
+
+}  // namespace
+
+void read_materials(const ConfigTable& table, SoftSolid& model) {
   const TetrahedralMesh& mesh = model.mesh;
   const CommonMaterial common = read_common_material(table, soft_volume_count(mesh) > 1);
   const std::vector<std::string> own_keys{"youngs_modulus_kPa", "poissons_ratio",
@@ -138,35 +167,6 @@ void read_strain_limits(const ConfigTable& table, StrainLimit& limits) {
                            widest, limits.width));
   }
 }
-
-void read_coupling(const ConfigTable& table, Coupling& coupling) {
-  coupling.translation_stiffness =
-      table.number("translation_N_per_mm", Range::positive(), coupling.translation_stiffness);
-  coupling.translation_damping =
-      table.number("translation_N_s_per_mm", Range::at_least(0.0), coupling.translation_damping);
-  coupling.rotation_stiffness =
-      table.number("rotation_N_mm_per_rad", Range::positive(), coupling.rotation_stiffness);
-  coupling.rotation_damping =
-      table.number("rotation_N_mm_s_per_rad", Range::at_least(0.0), coupling.rotation_damping);
-}
-
-/// A table for each of two volumes: their keys, all of which [material] may have instead.
-constexpr const char* kExample = R"toml(
-[mesh]
-file = "index.msh"
-[material]
-youngs_modulus_kPa = 45.0
-poissons_ratio = 0.4
-[material.epidermis]
-[material.dermis]
-[[material.relaxation]]
-time_ms = 100.0
-fraction = 0.5
-[strain_limits]
-[size]
-)toml";
-
-}  // namespace
 
 MeshKeys read_mesh_keys(const ConfigTable& table) {
   MeshKeys keys;

@@ -17,6 +17,10 @@ struct MeshKeys {
 };
 [[nodiscard]] MeshKeys read_mesh_keys(const ConfigTable& table);
 
+/// `[material]` and `[strain_limits]`, for the volumes of the solid's mesh.
+void read_materials(const ConfigTable& table, SoftSolid& solid);
+void read_strain_limits(const ConfigTable& table, StrainLimit& limits);
+
 /// All other tables, for the volumes of the model's mesh. Returns `[size]`.
 [[nodiscard]] FingerSize read_constants(const ConfigTable& root, FingerModel& model);
 

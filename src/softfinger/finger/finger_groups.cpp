@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "softfinger/geometry/tetrahedron_faces.hpp"
 
@@ -38,45 +39,12 @@ class NodeSets {
 
 /// Marks the nodes of triangles and tetrahedra that belong to groups of this name.
 void mark_group(const TetrahedralMesh& mesh, std::string_view name, std::vector<bool>& marks) {
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (mesh.surface_names[static_cast<std::size_t>(mesh.triangle_surface[i])] != name) continue;
-    for (const int node : mesh.triangles[i]) marks[static_cast<std::size_t>(node)] = true;
-  }
+  mark_surface(mesh, name, marks);
   if (name != kBoneGroup) return;
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
     if (mesh.volume_names[static_cast<std::size_t>(mesh.tetrahedron_volume[i])] != name) continue;
     for (const int node : mesh.tetrahedra[i]) marks[static_cast<std::size_t>(node)] = true;
   }
-}
-
-std::string find_skin(const TetrahedralMesh& mesh, FingerGroups& groups) {
-  const std::vector<TetrahedronFace> faces = faces_of(mesh.tetrahedra);
-  std::set<Triangle> seen;
-  std::vector<Triangle> skin;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (mesh.surface_names[static_cast<std::size_t>(mesh.triangle_surface[i])] != kSkinGroup) {
-      continue;
-    }
-    if (!seen.insert(sorted(mesh.triangles[i])).second) continue;
-    if (find_face(faces, mesh.triangles[i]).size() != 1) {
-      return "the mesh has triangles of group 'skin' inside; skin is a part of the boundary";
-    }
-    skin.push_back(mesh.triangles[i]);
-  }
-  std::vector<int> sample_of_node(mesh.nodes.size(), -1);
-  for (const Triangle& triangle : skin) {
-    for (const int node : triangle) sample_of_node[static_cast<std::size_t>(node)] = 0;
-  }
-  for (std::size_t node = 0; node < sample_of_node.size(); ++node) {
-    if (sample_of_node[node] < 0) continue;
-    sample_of_node[node] = static_cast<int>(groups.sample_nodes.size());
-    groups.sample_nodes.push_back(static_cast<int>(node));
-  }
-  for (Triangle triangle : skin) {
-    for (int& node : triangle) node = sample_of_node[static_cast<std::size_t>(node)];
-    groups.skin_triangles.push_back(triangle);
-  }
-  return {};
 }
 
 std::string find_loose_tissue(const TetrahedralMesh& mesh) {
@@ -109,11 +77,64 @@ std::string find_loose_tissue(const TetrahedralMesh& mesh) {
 
 }  // namespace
 
+void mark_surface(const TetrahedralMesh& mesh, std::string_view group, std::vector<bool>& marks) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (mesh.surface_names[static_cast<std::size_t>(mesh.triangle_surface[i])] != group) continue;
+    for (const int node : mesh.triangles[i]) marks[static_cast<std::size_t>(node)] = true;
+  }
+}
+
+bool is_one_piece(const TetrahedralMesh& mesh) {
+  NodeSets sets(mesh.nodes.size());
+  for (const auto& tetrahedron : mesh.tetrahedra) {
+    for (const int node : tetrahedron) sets.join(node, tetrahedron[0]);
+  }
+  const int root = sets.root(mesh.tetrahedra.front()[0]);
+  return std::ranges::all_of(
+      mesh.tetrahedra, [&](const auto& tetrahedron) { return sets.root(tetrahedron[0]) == root; });
+}
+
+SampledSurface sampled_surface(const TetrahedralMesh& mesh, std::string_view group) {
+  SampledSurface surface;
+  if (!has(mesh.surface_names, group)) {
+    surface.defect = fmt::format("the mesh has no physical surface '{}'; it has: {}", group,
+                                 listed(mesh.surface_names));
+    return surface;
+  }
+  const std::vector<TetrahedronFace> faces = faces_of(mesh.tetrahedra);
+  std::set<Triangle> seen;
+  std::vector<Triangle> skin;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (mesh.surface_names[static_cast<std::size_t>(mesh.triangle_surface[i])] != group) continue;
+    if (!seen.insert(sorted(mesh.triangles[i])).second) continue;
+    if (find_face(faces, mesh.triangles[i]).size() != 1) {
+      surface.defect = fmt::format(
+          "the mesh has triangles of group '{0}' inside; {0} is a part of the boundary", group);
+      return surface;
+    }
+    skin.push_back(mesh.triangles[i]);
+  }
+  std::vector<int> sample_of_node(mesh.nodes.size(), -1);
+  for (const Triangle& triangle : skin) {
+    for (const int node : triangle) sample_of_node[static_cast<std::size_t>(node)] = 0;
+  }
+  for (std::size_t node = 0; node < sample_of_node.size(); ++node) {
+    if (sample_of_node[node] < 0) continue;
+    sample_of_node[node] = static_cast<int>(surface.sample_nodes.size());
+    surface.sample_nodes.push_back(static_cast<int>(node));
+  }
+  for (Triangle triangle : skin) {
+    for (int& node : triangle) node = sample_of_node[static_cast<std::size_t>(node)];
+    surface.triangles.push_back(triangle);
+  }
+  return surface;
+}
+
 FingerGroups group_nodes(const TetrahedralMesh& mesh) {
   FingerGroups groups;
+  SampledSurface skin = sampled_surface(mesh, kSkinGroup);
   if (!has(mesh.surface_names, kSkinGroup)) {
-    groups.defect = fmt::format("the mesh has no physical surface 'skin'; it has: {}",
-                                listed(mesh.surface_names));
+    groups.defect = skin.defect;
     return groups;
   }
   if (!has(mesh.surface_names, kBoneGroup) && !has(mesh.volume_names, kBoneGroup)) {
@@ -124,7 +145,9 @@ FingerGroups group_nodes(const TetrahedralMesh& mesh) {
   groups.node_is_rigid.assign(mesh.nodes.size(), false);
   mark_group(mesh, kBoneGroup, groups.node_is_rigid);
   mark_group(mesh, kNailGroup, groups.node_is_rigid);
-  groups.defect = find_skin(mesh, groups);
+  groups.defect = skin.defect;
+  groups.sample_nodes = std::move(skin.sample_nodes);
+  groups.skin_triangles = std::move(skin.triangles);
   if (groups.defect.empty()) groups.defect = find_loose_tissue(mesh);
   const auto& rigid = groups.node_is_rigid;
   if (groups.defect.empty() && std::find(rigid.begin(), rigid.end(), false) == rigid.end()) {

@@ -22,6 +22,19 @@ struct FingerGroups {
   std::vector<bool> node_is_rigid;  ///< of the surfaces `bone` and `nail` and of the volume `bone`
 };
 
+/// A physical surface whose nodes are samples.
+struct SampledSurface {
+  std::string defect;                         ///< as of FingerGroups
+  std::vector<int> sample_nodes;              ///< rising
+  std::vector<std::array<int, 3>> triangles;  ///< indices into sample_nodes, outward
+};
+/// Refused is one that is not there or has triangles inside.
+[[nodiscard]] SampledSurface sampled_surface(const TetrahedralMesh& mesh, std::string_view group);
+/// Marks the nodes of the physical surfaces of this name.
+void mark_surface(const TetrahedralMesh& mesh, std::string_view group, std::vector<bool>& marks);
+/// Whether all tetrahedra hang together.
+[[nodiscard]] bool is_one_piece(const TetrahedralMesh& mesh);
+
 /// Refused are meshes without skin or bone, with skin inside, without a free node, or with tissue
 /// (so skin as well) that is not connected to bone.
 [[nodiscard]] FingerGroups group_nodes(const TetrahedralMesh& mesh);

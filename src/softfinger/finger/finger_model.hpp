@@ -32,7 +32,6 @@ class FingerModel : public SoftSolid {
   double bone_mass = 0.01;  ///< kg
   Coupling coupling;
   double friction_coefficient = 0.5;
-  std::filesystem::path file;
   std::string as_read;  ///< the file as JSON, defaults filled in
 };
 

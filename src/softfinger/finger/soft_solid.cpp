@@ -1,6 +1,30 @@
 #include "softfinger/finger/soft_solid.hpp"
 
+#include <algorithm>
+
 namespace softfinger {
+namespace {
+
+double volume_of(const TetrahedralMesh& mesh, std::size_t tetrahedron) {
+  std::array<Vector3, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) {
+    corners[k] = mesh.nodes[static_cast<std::size_t>(mesh.tetrahedra[tetrahedron][k])];
+  }
+  return (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]) /
+         6.0;
+}
+
+}  // namespace
+
+double SoftSolid::mass() const {
+  double mass = 0.0;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    if (tetrahedron_material[t] < 0) continue;
+    mass +=
+        materials[static_cast<std::size_t>(tetrahedron_material[t])].density * volume_of(mesh, t);
+  }
+  return mass;
+}
 
 double SoftSolid::plane_modulus() const {
   double modulus = 0.0;
@@ -9,6 +33,10 @@ double SoftSolid::plane_modulus() const {
     modulus += material.share * material.youngs_modulus / (1.0 - nu * nu);
   }
   return modulus;
+}
+
+bool SoftSolid::is_held() const {
+  return std::ranges::find(node_is_rigid, true) != node_is_rigid.end();
 }
 
 void SoftSolid::measure() {
@@ -29,16 +57,11 @@ void SoftSolid::measure() {
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const int material = tetrahedron_material[t];
     if (material < 0) continue;
-    std::array<Vector3, 4> corners;
-    bool soft = false;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto node = static_cast<std::size_t>(mesh.tetrahedra[t][k]);
-      corners[k] = mesh.nodes[node];
-      soft = soft || !node_is_rigid[node];
-    }
+    const bool soft = std::ranges::any_of(mesh.tetrahedra[t], [&](int node) {
+      return !node_is_rigid[static_cast<std::size_t>(node)];
+    });
     if (!soft) continue;
-    const double volume =
-        (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]) / 6.0;
+    const double volume = volume_of(mesh, t);
     materials[static_cast<std::size_t>(material)].share += volume;
     all += volume;
   }

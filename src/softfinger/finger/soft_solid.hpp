@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,8 +36,12 @@ class SoftSolid {
   Relaxation relaxation;
   StrainLimit strain_limits;
   double contact_tolerance = 5e-5;  ///< m
+  std::filesystem::path file;       ///< it was read from
   bool feature_contact = true;      ///< between samples too, see FeaturePoints
 
+  /// Whether some of it is held by its frame.
+  [[nodiscard]] bool is_held() const;
+  [[nodiscard]] double mass() const;  ///< kg
   /// Fills in areas of samples and shares of materials, when all else is there.
   void measure();
 };

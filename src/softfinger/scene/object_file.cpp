@@ -17,6 +17,7 @@
 #include "softfinger/geometry/shape_names.hpp"
 #include "softfinger/scene/joint_file.hpp"
 #include "softfinger/scene/pose_keys.hpp"
+#include "softfinger/scene/soft_file.hpp"
 
 namespace softfinger {
 namespace {
@@ -32,6 +33,7 @@ const Range kDensity = Range::between(1e-3, 1e6);          // kg/m^3
 const Range kVelocity = Range::between(-1e5, 1e5);         // mm/s
 const Range kAngularVelocity = Range::between(-1e5, 1e5);  // deg/s
 constexpr int kMostDynamic = 64;
+constexpr int kMostSoft = 8;
 
 enum class Motion { kScripted, kDynamic };
 constexpr std::array<NameRow<Motion>, 2> kMotions{{
@@ -81,8 +83,15 @@ ReadObject::Mesh read_mesh(const ConfigTable& table) {
                           table.number("edge_rounding_mm", kEdgeRounding, kDefaultEdgeRounding)}};
 }
 
-ShapeKind read_shape_kind(const ConfigTable& table) {
-  return row_named(kShapes, table.choice("shape", names_of(kShapes)))->value;
+constexpr const char* kSoft = "soft";
+
+/// Empty: it is soft.
+std::optional<ShapeKind> read_shape_kind(const ConfigTable& table) {
+  std::vector<std::string> names = names_of(kShapes);
+  names.emplace_back(kSoft);
+  const std::string name = table.choice("shape", names);
+  if (name == kSoft) return std::nullopt;
+  return row_named(kShapes, name)->value;
 }
 
 Shape read_shape(const ConfigTable& table, ShapeKind kind) {
@@ -161,9 +170,40 @@ void read_dynamics(const ConfigTable& table, ShapeKind kind, ReadObject& read) {
   }
 }
 
-ReadObject read_object(const ConfigTable& table, const std::set<std::string>& taken) {
-  const ShapeKind kind = read_shape_kind(table);
+/// What is soft moves by the forces on it, but for what is held.
+ReadObject read_soft_object(const ConfigTable& table, const std::set<std::string>& taken,
+                            bool with_files) {
+  ReadObject read{.table = table,
+                  .object = {.name = table.text("name", free_name(kSoft, taken)),
+                             .shape = HalfSpace{},
+                             .motion = Trajectory(),
+                             .friction_coefficient = {}},
+                  .mesh = {},
+                  .density = {}};
+  read.object.soft = read_soft(table, with_files);
+  const Pose origin;
+  const Pose X_WO = read_pose(table, &origin);
+  read.object.friction_coefficient = table.optional_number("friction_coefficient", kFriction);
+  (void)table.choice("motion", names_of(kMotions), row_of(kMotions, Motion::kDynamic).name);
+  for (const char* key : kDynamicKeys) {
+    if (table.has(key)) {
+      table.fail(key, "a soft object moves by the density of its material; leave this out");
+    }
+  }
+  if (table.has("waypoint") && with_files && !read.object.soft->is_held()) {
+    table.fail("waypoint", "the mesh has no physical surface 'fixed' that could follow waypoints");
+  }
+  auto waypoints = read_waypoints(table, &X_WO);
+  read.object.motion = waypoints.empty() ? Trajectory(X_WO) : Trajectory(std::move(waypoints));
+  return read;
+}
+
+ReadObject read_object(const ConfigTable& table, const std::set<std::string>& taken,
+                       bool with_files) {
+  const std::optional<ShapeKind> given = read_shape_kind(table);
   table.decides("shape");
+  if (!given) return read_soft_object(table, taken, with_files);
+  const ShapeKind kind = *given;
   std::optional<ReadObject::Mesh> mesh;
   if (kind == ShapeKind::kMesh) mesh = read_mesh(table);
   const std::string name = table.text("name", free_name(row_of(kShapes, kind).name, taken));
@@ -222,6 +262,9 @@ void join(const std::vector<ReadObject>& read, std::vector<VirtualObject>& objec
     const auto parent = table.optional_text("parent");
     if (!parent) continue;
     const int number = number_of(*parent, objects, table);
+    if (objects[static_cast<std::size_t>(number)].soft) {
+      table.fail("parent", fmt::format("'{}' is soft: nothing can hang on it", *parent));
+    }
     if (number == static_cast<int>(i)) {
       table.fail("parent", fmt::format("'{}' is the object itself", *parent));
     }
@@ -278,14 +321,18 @@ void weigh(const ReadObject& read, VirtualObject& object) {
 
 }  // namespace
 
-std::vector<ReadObject> read_objects(const std::vector<ConfigTable>& tables) {
+std::vector<ReadObject> read_objects(const std::vector<ConfigTable>& tables, bool with_files) {
   // Given names first: a default must not take the name that a later object bears.
   std::set<std::string> names = given_names(tables);
   std::vector<ReadObject> read;
   int dynamic = 0;
+  int soft = 0;
   for (const ConfigTable& table : tables) {
-    read.push_back(read_object(table, names));
+    read.push_back(read_object(table, names, with_files));
     names.insert(read.back().object.name);
+    if (read.back().object.soft && ++soft > kMostSoft) {
+      table.fail("shape", fmt::format("more than {} soft objects", kMostSoft));
+    }
     if (!read.back().object.dynamics) continue;
     if (++dynamic > kMostDynamic) {
       table.fail("motion", fmt::format("more than {} dynamic objects", kMostDynamic));

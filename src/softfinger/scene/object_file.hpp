@@ -23,8 +23,10 @@ struct ReadObject {
   std::optional<double> density;  ///< instead of a mass, kg/m^3
 };
 
-/// Throws InputError with file, line and key, as the others do.
-[[nodiscard]] std::vector<ReadObject> read_objects(const std::vector<ConfigTable>& tables);
+/// Throws InputError with file, line and key, as the others do. Without `with_files` tetrahedra of
+/// soft objects are left out.
+[[nodiscard]] std::vector<ReadObject> read_objects(const std::vector<ConfigTable>& tables,
+                                                   bool with_files = true);
 
 /// Objects with their parents, meshes and masses; objects of the same mesh share it.
 [[nodiscard]] std::vector<VirtualObject> complete(const std::vector<ReadObject>& read,

@@ -66,7 +66,7 @@ struct ReadScene {
   std::vector<ReadObject> objects;
 };
 
-ReadScene read_scene(const ConfigFile& config, bool trackers_given) {
+ReadScene read_scene(const ConfigFile& config, bool trackers_given, bool with_files = true) {
   const ConfigTable root = config.root();
   ReadScene read;
   Scene& scene = read.scene;
@@ -79,12 +79,13 @@ ReadScene read_scene(const ConfigFile& config, bool trackers_given) {
   scene.gravity =
       root.table_or_empty("world").numbers("gravity_m_per_s2", 3, kGravity, scene.gravity);
   scene.fingers = read_fingers(fingers, trackers_given);
-  read.objects = read_objects(objects);
+  read.objects = read_objects(objects, with_files);
   root.finish();  // first: a misspelt key may be the reason that there is no finger
   const bool moves = std::ranges::any_of(
-      read.objects, [](const ReadObject& each) { return each.object.dynamics.has_value(); });
+      read.objects, [](const ReadObject& each) { return each.object.answers(); });
   if (fingers.empty() && !moves) {
-    root.fail("finger", "a scene needs at least one [[finger]], or an object that is dynamic");
+    root.fail("finger",
+              "a scene needs at least one [[finger]], or an object that is dynamic or soft");
   }
   return read;
 }
@@ -106,6 +107,10 @@ constexpr std::array kExampleSolids{
     "shape = \"mesh\"\nfile = \"relief.ply\"\nunit = \"mm\"\n",
     "shape = \"mesh\"\nfile = \"relief.glb\"\n",
 };
+constexpr const char* kExampleSoft =
+    "shape = \"soft\"\nfile = \"sponge.msh\"\nunit = \"mm\"\n"
+    "material = {relaxation = [{time_ms = 100.0, fraction = 0.5}]}\n"
+    "strain_limits = {min = 0.5}\n";
 constexpr std::array kExampleJoints{
     "kind = \"slider\"\naxis = [0.0, 0.0, 1.0]\n"
     "curve = {travel_mm = [0.0, 1.0], force_N = [0.0, 1.0]}\n",
@@ -121,6 +126,7 @@ std::string example() {
   };
   std::string text = kExample + scripted(kExamplePlane);
   for (const char* object : kExampleSolids) text += scripted(object);
+  text += scripted(kExampleSoft);
   for (const char* object : kExampleSolids) {
     for (const char* joint : kExampleJoints) {
       text += fmt::format("[[object]]\n{}motion = \"dynamic\"\nmass_g = 1.0\n[object.joint]\n{}",
@@ -150,7 +156,7 @@ Scene load_scene(const std::filesystem::path& file, bool trackers_given,
 
 std::string scene_schema() {
   const ConfigFile config("scene.toml", example());
-  static_cast<void>(read_scene(config, false));
+  static_cast<void>(read_scene(config, false, false));
   return config.schema("softfinger scene file");
 }
 

@@ -25,6 +25,8 @@ struct SceneDescription {
   struct Object {
     std::string name;
     Shape shape;
+    std::vector<Vector3> positions_O;           ///< of a soft one at rest: its surface
+    std::vector<std::array<int, 3>> triangles;  ///< indices into these, outward
   };
   struct Finger {
     std::string name;

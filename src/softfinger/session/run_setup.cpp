@@ -231,8 +231,9 @@ RecordingInfo recording_info(const RunSetup& setup) {
     info.fingers.push_back(std::move(finger));
   }
   for (const VirtualObject& object : setup.scene.objects) {
-    if (object.dynamics) {
-      const auto& joint = object.dynamics->joint;
+    if (object.soft) add_file(object.soft->file);
+    if (object.answers()) {
+      const auto joint = object.dynamics ? object.dynamics->joint : std::nullopt;
       const char* unit = "";
       if (joint && joint->kind == JointKind::kSlider) unit = "mm";
       if (joint && joint->kind == JointKind::kHinge) unit = "deg";

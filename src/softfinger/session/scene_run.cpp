@@ -363,7 +363,7 @@ RunSummary SceneRun::finish() {
   }
   for (const ObjectRecord& last : scene_->objects()) {
     const VirtualObject& object = setup_->scene.objects[static_cast<std::size_t>(last.object)];
-    const std::optional<Joint>& joint = object.dynamics->joint;
+    const std::optional<Joint> joint = object.dynamics ? object.dynamics->joint : std::nullopt;
     const bool slides = joint && joint->kind == JointKind::kSlider;
     summary.objects.push_back({object.name,
                                slides                   ? "mm"

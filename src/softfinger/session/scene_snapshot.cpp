@@ -72,7 +72,13 @@ SceneDescription describe(const RunSetup& setup) {
     description.objectives.push_back({std::string(kind.name), std::string(kind.words)});
   }
   for (const VirtualObject& object : setup.scene.objects) {
-    description.objects.push_back({object.name, object.shape});
+    description.objects.push_back({object.name, object.shape, {}, {}});
+    if (!object.soft) continue;
+    SceneDescription::Object& told = description.objects.back();
+    for (const int node : object.soft->sample_nodes) {
+      told.positions_O.push_back(object.soft->mesh.nodes[static_cast<std::size_t>(node)]);
+    }
+    told.triangles = object.soft->skin_triangles;
   }
   for (std::size_t i = 0; i < setup.scene.fingers.size(); ++i) {
     const FingerModel& model = *setup.models[i];

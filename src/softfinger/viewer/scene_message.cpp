@@ -159,7 +159,12 @@ std::string scene_message(const SceneDescription& scene) {
                   {"device_states", device_states_json()},
                   {"latency_stages", latency_stages_json()}};
   for (const auto& object : scene.objects) {
-    message["objects"].push_back({{"name", object.name}, {"shape", to_json(object.shape)}});
+    // A soft one is drawn as it is at rest, where it is.
+    Json shape = object.triangles.empty() ? to_json(object.shape)
+                                          : Json{{"kind", row_of(kShapes, ShapeKind::kMesh).name},
+                                                 {"positions_mm", flat(object.positions_O)},
+                                                 {"triangles", flat(object.triangles)}};
+    message["objects"].push_back({{"name", object.name}, {"shape", std::move(shape)}});
   }
   for (const auto& finger : scene.fingers) message["fingers"].push_back(to_json(finger));
   for (const auto& notice : scene.notices) {

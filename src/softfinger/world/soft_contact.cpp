@@ -266,8 +266,7 @@ Eigen::Ref<Eigen::MatrixXd> SoftContact::compliance() {
   return compliance_.topLeftCorner(rows, rows);
 }
 
-double SoftContact::evaluate(const Eigen::VectorXd& ways) {
-  const auto rows = static_cast<Eigen::Index>(3 * pairs_.size());
+void SoftContact::look_at(const Eigen::VectorXd& ways) {
   stiffness_.resize(pairs_.size());
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const Pair& pair = pairs_[p];
@@ -278,6 +277,18 @@ double SoftContact::evaluate(const Eigen::VectorXd& ways) {
         potential.contact_positions()[pair.sample] + Vector3(ways.segment<3>(row)));
     forces_.segment<3>(row) = response.gradient - pair.gradient;
     stiffness_[p] = response.hessian;
+  }
+}
+
+double SoftContact::evaluate(const Eigen::VectorXd& ways, bool refined) {
+  const auto rows = static_cast<Eigen::Index>(3 * pairs_.size());
+  if (refined) {
+    look_at(ways);
+  } else {
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+      const auto row = static_cast<Eigen::Index>(3 * p);
+      forces_.segment<3>(row) = stiffness_[p] * ways.segment<3>(row);
+    }
   }
   excess_.head(rows).noalias() = compliance() * forces_.head(rows);
   excess_.head(rows) += ways.head(rows) - starts_.head(rows);
@@ -325,13 +336,14 @@ void SoftContact::solve(const Eigen::VectorXd& ways, Eigen::VectorXd& better) {
   better.head(rows).noalias() += compliance() * rest_.head(rows);
 }
 
-std::span<const double> SoftContact::balance() {
+std::span<const double> SoftContact::balance(bool refined) {
   const auto rows = static_cast<Eigen::Index>(3 * pairs_.size());
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     starts_.segment<3>(static_cast<Eigen::Index>(3 * p)) = pairs_[p].start;
   }
   ways_.head(rows).setZero();
-  double excess = evaluate(ways_);
+  look_at(ways_);
+  double excess = evaluate(ways_, refined);
   const double enough = kAccuracy * excess;
   for (int iteration = 0; iteration < kIterations && excess > enough; ++iteration) {
     solve(ways_, better_);
@@ -340,7 +352,7 @@ std::span<const double> SoftContact::balance() {
     // The shortest step is taken in any case: kinks are passed rather than stopped at.
     for (int halving = 0; halving <= kHalvings; ++halving, t *= 0.5) {
       trial_.head(rows) = ways_.head(rows) + t * (better_.head(rows) - ways_.head(rows));
-      excess = evaluate(trial_);
+      excess = evaluate(trial_, refined);
       if (excess < before) break;
     }
     ways_.swap(trial_);

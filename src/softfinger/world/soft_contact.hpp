@@ -48,8 +48,9 @@ class SoftContact {
                             std::span<const double> unknowns) const;
   /// W: rows and columns three a pair. Others may yield too.
   [[nodiscard]] Eigen::Ref<Eigen::MatrixXd> compliance();
-  /// Finds how much the pairs' forces change, by rows as of compliance().
-  std::span<const double> balance();
+  /// Finds how much the pairs' forces change, by rows as of compliance(). Else than `refined` as
+  /// they would if they went on as they begin: then the directions lead down.
+  std::span<const double> balance(bool refined);
   /// d -= A^-1 G^T times that.
   void apply(std::size_t body);
 
@@ -84,7 +85,8 @@ class SoftContact {
   void learn_nodes(Body& body, std::span<const int> nodes);
   void build_compliance();
   /// Changes of force at these ways; returns how far the ways are from what these leave.
-  double evaluate(const Eigen::VectorXd& ways);
+  double evaluate(const Eigen::VectorXd& ways, bool refined);
+  void look_at(const Eigen::VectorXd& ways);
   /// The ways that would be left where forces change as they do at `ways`.
   void solve(const Eigen::VectorXd& ways, Eigen::VectorXd& better);
 

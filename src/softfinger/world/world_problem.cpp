@@ -381,14 +381,15 @@ double WorldProblem::solve_direction(bool refined) {
       partner.finger->potential().yield_to(partner.couplings[k], twist_of(partner.bodies[k]));
     }
   });
-  if (soft_.any()) bend_to_soft_contact(factor);
+  if (soft_.any()) bend_to_soft_contact(factor, refined);
   if (refined) correct_directions();
   double slope = direction_.dot(current_.gradient);
   for (const Partner* partner : fingers_) slope += partner->finger->potential().slope();
   return slope;
 }
 
-void WorldProblem::bend_to_soft_contact(const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& factor) {
+void WorldProblem::bend_to_soft_contact(const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& factor,
+                                        bool refined) {
   if (!soft_.find_pairs(team_)) return;
   const auto rows = static_cast<Eigen::Index>(3 * soft_.size());
   const Eigen::Index freedoms = direction_.size();
@@ -420,7 +421,7 @@ void WorldProblem::bend_to_soft_contact(const Eigen::LLT<Eigen::Ref<Eigen::Matri
     }
     soft_.compliance() += pulled.lazyProduct(yielding);
   }
-  const std::span<const double> forces = soft_.balance();
+  const std::span<const double> forces = soft_.balance(refined);
   for_each_finger([&](Partner& partner) { soft_.apply(partner.number); });
   if (!touches) return;
   recoil_.noalias() = yielding * Eigen::Map<const Eigen::VectorXd>(forces.data(), rows);

@@ -108,7 +108,7 @@ class WorldProblem {
   void add_pair(std::size_t a, std::size_t b, const Matrix6& block);
   void correct_directions();
   /// The directions with contact of soft surfaces; `factor` is that of the bodies' system.
-  void bend_to_soft_contact(const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& factor);
+  void bend_to_soft_contact(const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>& factor, bool refined);
   [[nodiscard]] Vector6 twist_of(std::size_t body) const;
 
   const BodyTree& tree_;
