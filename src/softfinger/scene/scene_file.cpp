@@ -109,7 +109,8 @@ constexpr std::array kExampleSolids{
 };
 constexpr const char* kExampleSoft =
     "shape = \"soft\"\nfile = \"sponge.msh\"\nunit = \"mm\"\n"
-    "material = {relaxation = [{time_ms = 100.0, fraction = 0.5}]}\n"
+    "material = {youngs_modulus_kPa = 20.0, poissons_ratio = 0.3, density_kg_per_m3 = 200.0, "
+    "foam = {}, relaxation = [{time_ms = 100.0, fraction = 0.5}]}\n"
     "strain_limits = {min = 0.5}\n";
 constexpr std::array kExampleJoints{
     "kind = \"slider\"\naxis = [0.0, 0.0, 1.0]\n"
