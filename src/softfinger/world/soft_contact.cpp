@@ -14,7 +14,7 @@ namespace {
 /// A pair counts where its gap is less than it moves and this, m.
 constexpr double kReach = 1e-4;
 /// Of the ways without the pairs' forces, that balance() may leave.
-constexpr double kAccuracy = 1e-8;
+constexpr double kBalanced = 1e-8;
 constexpr int kIterations = 12;
 constexpr int kHalvings = 6;
 /// Nodes whose responses are found at once.
@@ -344,7 +344,7 @@ std::span<const double> SoftContact::balance(bool refined) {
   ways_.head(rows).setZero();
   look_at(ways_);
   double excess = evaluate(ways_, refined);
-  const double enough = kAccuracy * excess;
+  const double enough = kBalanced * excess;
   for (int iteration = 0; iteration < kIterations && excess > enough; ++iteration) {
     solve(ways_, better_);
     const double before = excess;
