@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -96,6 +97,28 @@ TEST(TriangleTree, SignInATunnelAndATorus) {
     const double exact = std::hypot(std::hypot(q.x(), q.y()) - 0.02, q.z()) - 0.008;
     // The facets' own error.
     EXPECT_NEAR(torus_tree.closest(q).distance, exact, 0.03e-3);
+  }
+}
+
+TEST(TriangleTree, RefitKnowsWhatANewTreeWould) {
+  ClosedSurface surface = closed_surface(torus_mesh(0.02, 0.008, 60, 30), "torus");
+  TriangleTree tree(surface);
+  for (Vector3& p : surface.mesh.positions) {
+    p = Vector3(1.3 * p.x() + 0.01, p.y() + 0.2 * p.z(), 0.6 * p.z() + 2.0 * p.x() * p.x());
+  }
+  tree.refit();
+  const TriangleTree anew(surface);
+  std::mt19937 generator(2);
+  for (int i = 0; i < 500; ++i) {
+    const Vector3 p = random_point(generator, 0.04);
+    const TriangleTree::Closest closest = tree.closest(p);
+    const TriangleTree::Closest wanted = anew.closest(p);
+    EXPECT_EQ(closest.distance, wanted.distance);
+    EXPECT_LT((closest.point - wanted.point).norm(), 1e-15);
+    const std::array<double, 3> weights{0.2, 0.5, 0.3};
+    const Vector3 normal = tree.normal_at(closest.triangle, weights);
+    EXPECT_NEAR(normal.norm(), 1.0, 1e-14);
+    EXPECT_LT((normal - anew.normal_at(closest.triangle, weights)).norm(), 1e-13);
   }
 }
 
