@@ -77,7 +77,7 @@ Json describe(const Joint& joint, const Scene& scene) {
 }
 
 Json describe(const VirtualObject& object, const Scene& scene) {
-  Json json{{"name", object.name}, {"shape", object.soft ? "soft" : name_of(object.shape)}};
+  Json json{{"name", object.name}, {"shape", object.soft ? kSoftShape : name_of(object.shape)}};
   json.update(object.soft
                   ? sizes_of(*object.soft)
                   : std::visit([](const auto& shape) { return sizes_of(shape); }, object.shape));

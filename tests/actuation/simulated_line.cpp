@@ -106,6 +106,7 @@ void SimulatedLine::plug_in(Board& board) {
   ASSERT_EQ(::tcgetattr(far_, &attributes), 0);
   ::cfmakeraw(&attributes);
   ::tcsetattr(far_, TCSANOW, &attributes);
+  std::filesystem::remove(name_);  // of a killed process that had this number
   std::filesystem::create_symlink(name.data(), name_);
   board_ = &board;
   commands_ = board.commands();

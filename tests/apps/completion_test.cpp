@@ -74,7 +74,7 @@ TEST(Completion, NamesOfShippedFilesWhereAFileOfTheirKindIsTaken) {
   EXPECT_THAT(offered({"replay", "a.sqlite", "--scene", "="}), Contains("edge"));
   // One scene is enough, and after the value of a flag it is the scene's turn again.
   EXPECT_THAT(offered({"run", "sphere", ""}), ElementsAre());
-  EXPECT_THAT(offered({"run", "--duration-s", "2", "sp"}), ElementsAre("sphere"));
+  EXPECT_THAT(offered({"run", "--duration-s", "2", "sph"}), ElementsAre("sphere"));
 }
 
 TEST(Completion, ChoicesOfAFlag) {

@@ -147,7 +147,9 @@ TEST(NamesOnPages, Motors) {
 
 TEST(NamesOnPages, ShapesAndUnitsOfObjects) {
   const std::string scene = section("files.md", "## Scene");
-  EXPECT_THAT(values(scene, "shape"), ElementsAreArray(names_of(kShapes)));
+  std::vector<std::string> shapes = names_of(kShapes);
+  shapes.emplace_back(kSoftShape);
+  EXPECT_THAT(values(scene, "shape"), ElementsAreArray(shapes));
   EXPECT_THAT(values(scene, "unit"), ElementsAreArray(names_of(kMeshUnits)));
 }
 

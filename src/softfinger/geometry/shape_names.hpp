@@ -20,6 +20,9 @@ inline constexpr std::array<NameRow<ShapeKind>, std::variant_size_v<Shape>> kSha
     {ShapeKind::kMesh, "mesh"},
 }};
 
+/// What a scene calls an object of tetrahedra, which has no Shape.
+inline constexpr const char* kSoftShape = "soft";
+
 /// "plane", "sphere", ...
 [[nodiscard]] inline std::string_view name_of(const Shape& shape) {
   return row_of(kShapes, static_cast<ShapeKind>(shape.index())).name;

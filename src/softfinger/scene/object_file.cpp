@@ -83,14 +83,12 @@ ReadObject::Mesh read_mesh(const ConfigTable& table) {
                           table.number("edge_rounding_mm", kEdgeRounding, kDefaultEdgeRounding)}};
 }
 
-constexpr const char* kSoft = "soft";
-
 /// Empty: it is soft.
 std::optional<ShapeKind> read_shape_kind(const ConfigTable& table) {
   std::vector<std::string> names = names_of(kShapes);
-  names.emplace_back(kSoft);
+  names.emplace_back(kSoftShape);
   const std::string name = table.choice("shape", names);
-  if (name == kSoft) return std::nullopt;
+  if (name == kSoftShape) return std::nullopt;
   return row_named(kShapes, name)->value;
 }
 
@@ -174,7 +172,7 @@ void read_dynamics(const ConfigTable& table, ShapeKind kind, ReadObject& read) {
 ReadObject read_soft_object(const ConfigTable& table, const std::set<std::string>& taken,
                             bool with_files) {
   ReadObject read{.table = table,
-                  .object = {.name = table.text("name", free_name(kSoft, taken)),
+                  .object = {.name = table.text("name", free_name(kSoftShape, taken)),
                              .shape = HalfSpace{},
                              .motion = Trajectory(),
                              .friction_coefficient = {}},
