@@ -67,6 +67,8 @@ class Play {
     unconverged_ += world_.summary().converged ? 0 : 1;
     iterations_ += world_.summary().iterations;
   }
+  /// Fingers are seen no more: they take no part in the steps that follow.
+  void leave() { all_.clear(); }
   void run(double duration) {
     const auto steps = std::lround(duration / kStep);
     for (long k = 0; k < steps; ++k) step();

@@ -107,6 +107,24 @@ TEST(SoftObject, GainsTheMomentumThatItIsPushedWith) {
   EXPECT_EQ(play.unconverged(), 0);
 }
 
+TEST(SoftObject, SpringsBackWhenAFingerIsSeenNoMore) {
+  Play play({soft("sponge", soft_box(kSize, kCells, 20e3, 0.3, 200.0, true), kBelow)},
+            Vector3::Zero(), {press(3.0 * mm)});
+  const auto greatest_way = [&] {
+    double greatest = 0.0;
+    const std::vector<Vector3>& rest = play.objects()[0].soft->mesh.nodes;
+    for (std::size_t n = 0; n < rest.size(); ++n) {
+      greatest = std::max(greatest, (play.world().nodes(0)[n] - rest[n] - kBelow).norm());
+    }
+    return greatest;
+  };
+  play.run(0.3);
+  EXPECT_GT(greatest_way(), 0.5 * mm);
+  play.leave();
+  play.run(0.3);
+  EXPECT_LT(greatest_way(), 1e-6);
+}
+
 /// Two fingers lift a sponge of 30 mm off the ground.
 Play held_sponge(ThreadTeam* team = nullptr) {
   const auto side = [=](double sign) {

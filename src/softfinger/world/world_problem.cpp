@@ -137,14 +137,15 @@ void WorldProblem::begin(double time, std::span<Pose> X_WO, std::span<const Body
     taking_part_[partner.number] = takes_part ? 1 : 0;
     if (takes_part) fingers_.push_back(&partner);
   }
+  const bool touched = soft_.any();
   soft_.begin(taking_part_);
   for (std::size_t b = 0; b < joints_.size(); ++b) {
     if (joints_[b]) joints_[b]->old_q = motions_[b].place().q;
   }
   std::copy(places.begin(), places.end(), current_.places.begin());
   show(current_.places);
-  // They have begun without knowing of each other.
-  if (soft_.any()) evaluate_fingers(At::kCurrent);
+  // They have begun without knowing of each other, or of who is gone.
+  if (soft_.any() || touched) evaluate_fingers(At::kCurrent);
   evaluate(current_);
   cache_is_current_ = true;
 }
