@@ -83,7 +83,7 @@ Json describe(const VirtualObject& object, const Scene& scene) {
                   : std::visit([](const auto& shape) { return sizes_of(shape); }, object.shape));
   json["friction_coefficient"] = nullptr;
   if (object.friction_coefficient) json["friction_coefficient"] = *object.friction_coefficient;
-  json["moves"] = object.motion.moves() || object.answers();
+  json["moves"] = object.motion.moves() || object.moves_by_forces();
   if (object.soft) {
     json["mass_g"] = in_g(object.soft->mass());
     json["joint"] = nullptr;

@@ -83,7 +83,7 @@ TEST_F(SoftObjectFile, IsReadInSiAndHeavyByItsDensity) {
   EXPECT_EQ(object.name, "soft");
   ASSERT_NE(object.soft, nullptr);
   EXPECT_FALSE(object.dynamics);
-  EXPECT_TRUE(object.answers());
+  EXPECT_TRUE(object.moves_by_forces());
   EXPECT_NEAR(object.soft->mass(), 200.0 * 8e-6 / 6.0, 1e-12);
   EXPECT_EQ(object.soft->materials.at(0).youngs_modulus, 20e3);
   EXPECT_EQ(object.soft->sample_nodes.size(), 3u);

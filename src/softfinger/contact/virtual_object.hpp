@@ -26,7 +26,7 @@ struct VirtualObject {
   std::shared_ptr<const SoftSolid> soft = {};
 
   /// Whether it moves by the forces on it, as a whole or in part.
-  [[nodiscard]] bool answers() const { return dynamics.has_value() || soft != nullptr; }
+  [[nodiscard]] bool moves_by_forces() const { return dynamics.has_value() || soft != nullptr; }
 };
 
 /// Coefficient of friction between two objects: the larger of those given.

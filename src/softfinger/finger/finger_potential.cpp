@@ -87,7 +87,7 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
   direction_.assign(unknowns, 0.0);
   predicted_.assign(nodes, Vector3::Zero());
   node_gradient_.assign(nodes, Vector3::Zero());
-  loads_ = node_gradient_;
+  if (bone == Bone::kPrescribed) loads_ = node_gradient_;
   lever_arms_.assign(nodes, Vector3::Zero());
   const std::size_t contact_points = model.sample_nodes.size() + FeaturePoints::kMost;
   contact_positions_.assign(contact_points, Vector3::Zero());

@@ -12,7 +12,7 @@ namespace softfinger {
 SceneLoop::SceneLoop(std::span<const VirtualObject> objects, const Vector3& gravity,
                      double simulation_rate, ThreadTeam* team)
     : objects_(objects), simulation_rate_(simulation_rate), team_(team) {
-  const auto moves = [](const VirtualObject& object) { return object.answers(); };
+  const auto moves = [](const VirtualObject& object) { return object.moves_by_forces(); };
   if (std::ranges::none_of(objects, moves)) return;
   world_.emplace(objects, gravity, 1.0 / simulation_rate, team);
   events_.reserve(WorldEvents::kMostOpen);
@@ -86,7 +86,7 @@ void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked) {
 }
 
 Pose SceneLoop::object_pose(std::size_t object) const {
-  if (objects_[object].answers()) return world_->state(object).X_WO;
+  if (objects_[object].moves_by_forces()) return world_->state(object).X_WO;
   return objects_[object].motion.sample(static_cast<double>(step_) / simulation_rate_);
 }
 

@@ -82,7 +82,7 @@ ReadScene read_scene(const ConfigFile& config, bool trackers_given, bool with_fi
   read.objects = read_objects(objects, with_files);
   root.finish();  // first: a misspelt key may be the reason that there is no finger
   const bool moves = std::ranges::any_of(
-      read.objects, [](const ReadObject& each) { return each.object.answers(); });
+      read.objects, [](const ReadObject& each) { return each.object.moves_by_forces(); });
   if (fingers.empty() && !moves) {
     root.fail("finger",
               "a scene needs at least one [[finger]], or an object that is dynamic or soft");

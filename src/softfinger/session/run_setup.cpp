@@ -232,7 +232,7 @@ RecordingInfo recording_info(const RunSetup& setup) {
   }
   for (const VirtualObject& object : setup.scene.objects) {
     if (object.soft) add_file(object.soft->file);
-    if (object.answers()) {
+    if (object.moves_by_forces()) {
       const auto joint = object.dynamics ? object.dynamics->joint : std::nullopt;
       const char* unit = "";
       if (joint && joint->kind == JointKind::kSlider) unit = "mm";

@@ -42,6 +42,8 @@ void SoftContact::add(FingerSimulation& simulation, int object) {
   Body& body = bodies_.emplace_back();
   body.simulation = &simulation;
   body.object = object;
+  if (object >= 0 && compliance_.size() == 0) reserve_pairs();
+  if (compliance_.size() == 0) return;  // nothing is soft
   const FingerModel& model = simulation.model();
   const std::size_t touching = object < 0 ? model.sample_nodes.size() : model.mesh.nodes.size();
   const auto most = static_cast<Eigen::Index>(std::min(touching, 4 * kMostPairs));
@@ -51,6 +53,9 @@ void SoftContact::add(FingerSimulation& simulation, int object) {
   const std::size_t unknowns = simulation.potential().direction().size();
   body.yielding.columns.assign(3 * kNodesAtOnce, std::vector<double>(unknowns, 0.0));
   body.response.assign(unknowns, 0.0);
+}
+
+void SoftContact::reserve_pairs() {
   pairs_.reserve(kMostPairs);
   stiffness_.reserve(kMostPairs);
   stiff_.reserve(kMostPairs);

@@ -20,9 +20,11 @@ class ThreadTeam;
 /// on how stiff contact is, and no factor on who touches.
 class SoftContact {
  public:
+  /// More are left out of the direction, which then takes longer to lead to the same end.
   static constexpr std::size_t kMostPairs = 128;
 
-  /// One more body that may touch; the number of the scene's object that it is, -1: a finger.
+  /// One more body that may touch; the number of the scene's object that it is, -1: a finger. Soft
+  /// objects first.
   void add(FingerSimulation& body, int object);
   /// Nothing is known of factors.
   void forget();
@@ -80,6 +82,7 @@ class SoftContact {
     Yielding yielding;
     std::vector<double> response;
   };
+  void reserve_pairs();
   void add_pairs(std::size_t toucher, std::size_t soft, bool pressing);
   void learn(std::size_t body);
   void learn_nodes(Body& body, std::span<const int> nodes);
