@@ -105,6 +105,16 @@ TEST_F(SoftObjectFile, RefusesWithLineAndKey) {
               AllOf(HasSubstr("scene.toml"), HasSubstr("material"), HasSubstr("missing")));
   EXPECT_THAT(refusal_of(kFoam + "[object.material]\npoissons_ratio = 0.3\n"),
               AllOf(HasSubstr("youngs_modulus_kPa"), HasSubstr("missing")));
+  const auto material = [](const std::string& modulus, const std::string& density) {
+    return kFoam + "[object.material]\nyoungs_modulus_kPa = " + modulus +
+           "\npoissons_ratio = 0.3\ndensity_kg_per_m3 = " + density + "\n";
+  };
+  EXPECT_THAT(refusal_of(material("0.001", "200")),
+              AllOf(HasSubstr(":6"), HasSubstr("youngs_modulus_kPa"), HasSubstr("0.5")));
+  EXPECT_THAT(refusal_of(material("1e7", "200")), HasSubstr("100000"));
+  EXPECT_THAT(refusal_of(material("20", "1")), AllOf(HasSubstr(":8"), HasSubstr("density")));
+  EXPECT_THAT(refusal_of(material("20", "200") + "[object.material.foam]\ndensity_kg_per_m3 = 1\n"),
+              AllOf(HasSubstr(":10"), HasSubstr("density_kg_per_m3"), HasSubstr("found 1")));
   EXPECT_THAT(refusal_of(kFoam + "mass_g = 5\n" + kMaterial),
               AllOf(HasSubstr(":5"), HasSubstr("mass_g"), HasSubstr("density")));
   EXPECT_THAT(refusal_of("file = \"foam.stl\"\nunit = \"mm\"\n" + std::string(kMaterial)),

@@ -18,6 +18,10 @@ namespace {
 constexpr double kLeastExtent = 1e-3;    // m; what is smaller or larger has
 constexpr double kGreatestExtent = 2.0;  // the wrong unit
 constexpr std::size_t kMostTetrahedra = 20000;
+// What is softer tangles under its own weight, what is harder is rigid, and steps of either may not
+// converge.
+const Range kSoftModulus = Range::between(0.5, 1e5);   // kPa
+const Range kSoftDensity = Range::between(10.0, 2e4);  // kg/m^3
 
 void load_mesh(const ConfigTable& table, const std::filesystem::path& file, double unit,
                SoftSolid& solid) {
@@ -52,6 +56,21 @@ void load_mesh(const ConfigTable& table, const std::filesystem::path& file, doub
   }
 }
 
+/// Of each volume, wherever it was given.
+void check_ranges(const ConfigTable& material, const SoftSolid& solid) {
+  for (const SoftSolid::Material& of : solid.materials) {
+    const ConfigTable own = of.volume.empty() ? material : material.table_or_empty(of.volume);
+    const auto check = [&](const char* key, double value, const Range& range) {
+      if (value >= range.min && value <= range.max) return;
+      (own.has(key) ? own : material)
+          .fail(key, fmt::format("must be {:g} to {:g} of a soft object, found {:g}", range.min,
+                                 range.max, value));
+    };
+    check("youngs_modulus_kPa", of.youngs_modulus / kPa, kSoftModulus);
+    check("density_kg_per_m3", of.density, kSoftDensity);
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const SoftSolid> read_soft(const ConfigTable& table, bool with_file) {
@@ -68,11 +87,12 @@ std::shared_ptr<const SoftSolid> read_soft(const ConfigTable& table, bool with_f
   const ConfigTable material = table.table("material");
   if (solid->mesh.volume_names.size() <= 1) {
     // Those of a finger are not a sponge's.
-    (void)material.number("youngs_modulus_kPa", Range::positive());
+    (void)material.number("youngs_modulus_kPa", kSoftModulus);
     (void)material.number("poissons_ratio", Range{.min = 0.0, .max = 0.5, .open_max = true});
-    (void)material.number("density_kg_per_m3", Range::positive());
+    (void)material.number("density_kg_per_m3", kSoftDensity);
   }
   read_materials(material, *solid);
+  check_ranges(material, *solid);
   if (const auto limits = table.optional_table("strain_limits")) {
     read_strain_limits(*limits, solid->strain_limits);
   }
