@@ -11,20 +11,6 @@ namespace {
 constexpr double kSteepest = 1.5;
 /// Points further than this from an obstacle's box are passed over, m.
 constexpr double kAround = 5e-4;
-/// What is left of the friction limit of a point that came off, so that it is known to have
-/// touched, N.
-constexpr double kLeastLimit = 1e-12;
-/// A limit that only falls goes further by this part of its fall: with less friction the next
-/// normal force is mostly lower too.
-constexpr double kOvershoot = 0.3;
-
-/// An interpolated distance has no gradient of unit length near its edges. Where it has none at all
-/// any direction is as good.
-Vector3 unit(const Vector3& gradient) {
-  const double length = gradient.norm();
-  return length > 0.0 ? Vector3(gradient / length) : Vector3::UnitZ();
-}
-
 /// Bounds of what the distance to a shape is positive outside of, and not less than to them; a
 /// mesh's interpolated distance may be less.
 Eigen::AlignedBox3d bounds_by_distance(const Shape& shape) {
@@ -407,90 +393,6 @@ double ContactPotential::gap_bound(std::size_t i, std::size_t o, const Vector3& 
   return bound > 0.0 ? bound : std::max(bound, boxes_O_[o].exteriorDistance(position_O));
 }
 
-double ContactPotential::update_anchors(std::span<const Vector3> positions,
-                                        std::span<FrictionAnchor> anchors) const {
-  double change = 0.0;
-  for (std::size_t i = 0; i < points_; ++i) {
-    if (is_near_[i] == 0) continue;
-    for (std::size_t o = 0; o < obstacle_count_; ++o) {
-      const std::size_t k = i * obstacle_count_ + o;
-      if (near_[k] == 0) continue;  // neither had friction nor has it now
-      const Obstacle& obstacle = obstacles_[o];
-      const Pair& pair = pairs_[k];
-      FrictionAnchor& anchor = anchors[k];
-      const double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
-      change = std::max(change, std::abs(limit - anchor.limit));
-      if (limit > 0.0) {
-        const Pose& X_WO = obstacle_pose(i, o);
-        const Vector3 normal = unit(pair.gradient);
-        // What is left of the displacement after sliding; none where contact is new.
-        Vector3 u = Vector3::Zero();
-        if (anchor.limit > 0.0) {
-          u = positions[i] - X_WO * anchor.anchor_O;
-          u -= normal * normal.dot(u);
-          const double longest = std::min(limit, anchor.limit) / tangential_stiffness(i);
-          const double length = u.norm();
-          if (length > longest) u *= longest / length;
-        }
-        anchor.anchor_O = X_WO.inverse() * Vector3(positions[i] - u);
-        anchor.normal_O = X_WO.rotation.transpose() * normal;
-      }
-      anchor.limit = limit;
-      anchor.side = i < samples_ ? side_after(i, o, pair) : ContactSide{};
-    }
-  }
-  return change;
-}
-
-ContactSide ContactPotential::side_after(std::size_t i, std::size_t o, const Pair& pair) const {
-  if (pair.far || !(pair.gap < 0.0) || std::holds_alternative<HalfSpace>(*obstacles_[o].shape)) {
-    return {};
-  }
-  const std::size_t k = i * obstacle_count_ + o;
-  const ContactSide& side = anchors_[k].side.known ? anchors_[k].side : entered_[k];
-  if (pair.behind) return side_above(*obstacles_[o].shape, side, pair.position_O);
-  const Matrix3& R_OW = X_OW_[o].rotation;
-  return side_at({pair.gap, R_OW * pair.gradient, Matrix3::Zero()}, pair.position_O);
-}
-
-double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool only_lower) const {
-  double change = 0.0;
-  for (std::size_t i = 0; i < points_; ++i) {
-    if (is_near_[i] == 0) continue;
-    for (std::size_t o = 0; o < obstacle_count_; ++o) {
-      const std::size_t k = i * obstacle_count_ + o;
-      if (near_[k] == 0) continue;  // neither had friction nor has it now
-      const Obstacle& obstacle = obstacles_[o];
-      const Pair& pair = pairs_[k];
-      FrictionAnchor& anchor = anchors[k];
-      if (anchor.limit <= 0.0) continue;  // it touches for the first time: no history to slide from
-      double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
-      if (only_lower && limit >= anchor.limit) continue;
-      if (only_lower) limit = std::max(0.0, limit - kOvershoot * (anchor.limit - limit));
-      change = std::max(change, std::abs(limit - anchor.limit));
-      anchor.limit = std::max(limit, kLeastLimit);
-      if (limit <= 0.0) continue;
-      anchor.normal_O = obstacle_pose(i, o).rotation.transpose() * unit(pair.gradient);
-    }
-  }
-  return change;
-}
-
-bool ContactPotential::is_in_cone() const {
-  for (std::size_t i = 0; i < points_; ++i) {
-    if (is_near_[i] == 0) continue;
-    for (std::size_t o = 0; o < obstacle_count_; ++o) {
-      const std::size_t k = i * obstacle_count_ + o;
-      if (near_[k] == 0 || !(pairs_[k].friction_limit > 0.0)) continue;
-      const Pair& pair = pairs_[k];
-      const double limit =
-          obstacles_[o].friction_coefficient * pair.pressing * pair.gradient.norm();
-      if (pair.friction_force.norm() > (1.0 + kConeRelative) * limit + kConeAbsolute) return false;
-    }
-  }
-  return true;
-}
-
 ContactPotential::Forces ContactPotential::forces(std::size_t i) const {
   Forces sum;
   if (is_near_[i] == 0) return sum;
@@ -526,7 +428,7 @@ ContactPotential::Nearest ContactPotential::nearest(std::size_t i) const {
       continue;
     }
     if (d.distance >= nearest.gap) continue;
-    nearest = {d.distance, unit(d.gradient), static_cast<int>(o)};
+    nearest = {d.distance, unit_normal(d.gradient), static_cast<int>(o)};
   }
   return nearest;
 }

@@ -53,4 +53,11 @@ using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder, MeshSha
 /// Least box along the axes of O that holds the solid, m; endless for a half space.
 [[nodiscard]] Eigen::AlignedBox3d bounds(const Shape& shape);
 
+/// Unit normal by a gradient, which an interpolated distance has not of unit length near its edges.
+/// Where there is none at all any direction is as good.
+[[nodiscard]] inline Vector3 unit_normal(const Vector3& gradient) {
+  const double length = gradient.norm();
+  return length > 0.0 ? Vector3(gradient / length) : Vector3::UnitZ();
+}
+
 }  // namespace softfinger

@@ -7,6 +7,7 @@
 
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/numerics/newton.hpp"
+#include "softfinger/threads/thread_team.hpp"
 #include "softfinger/world/body_motion.hpp"
 #include "softfinger/world/body_tree.hpp"
 #include "softfinger/world/joint_law.hpp"
@@ -14,8 +15,6 @@
 #include "softfinger/world/solid_contact.hpp"
 
 namespace softfinger {
-
-class ThreadTeam;
 
 /// One step of objects that move and of the fingers that may touch them, as one potential: that of
 /// each finger, inertia, weight and joints of each body, and contact between objects. It is a
@@ -136,5 +135,14 @@ class WorldProblem {
   bool cache_is_current_ = false;
   bool has_factor_ = false;
 };
+
+template <typename Work>
+void WorldProblem::for_each_finger(const Work& work) {
+  if (team_ != nullptr) {
+    team_->run(fingers_.size(), [&](std::size_t f, int) { work(*fingers_[f]); });
+  } else {
+    for (Partner* partner : fingers_) work(*partner);
+  }
+}
 
 }  // namespace softfinger
