@@ -108,8 +108,8 @@ class FingerPotential {
   /// First contact, then, with loads(), the rest.
   void meet(At at);
   void complete(At at);
-  /// What others press on nodes, N: added to the forces of complete(), from then on. Empty where the
-  /// bone is coupled: a finger's surface is not touched by samples of others.
+  /// What others press on nodes, N: added to the forces of complete(), from then on. Empty where
+  /// the bone is coupled: a finger's surface is not touched by samples of others.
   [[nodiscard]] std::span<Vector3> loads() { return loads_; }
   /// B += weight * load, by the unknowns of a node; lever arms are those of the factor.
   void add_load(int node, const Vector3& load, std::span<double> unknowns) const;
