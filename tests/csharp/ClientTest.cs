@@ -23,6 +23,7 @@ static class ClientTest
             case "choose": return Check.Status(() => Choose(address));
             case "token": return Check.Status(() => Token(address, arguments[2]));
             case "refuse": return Check.Status(() => Refuse(address));
+            case "soft": return Check.Status(() => GivesWay(address));
             case "answer": return Check.Status(() => Answer(address, arguments[2]));
             case "spoil": return Check.Status(() => Spoil(address));
             default: throw new ArgumentException(arguments[0]);
@@ -99,6 +100,24 @@ static class ClientTest
                 if (finger.Twin != null && finger.Twin.NormalForce_N > 0.01) twins += Touched(finger.Twin, samples);
                 Print(snapshot);
             }
+        }
+    }
+
+    /// <summary>The sponge between two fingers is pressed out of its shape, by less than it is thick.</summary>
+    static void GivesWay(string address)
+    {
+        using (Client client = Connect(address))
+        {
+            Check.Equal(client.Scene.Objects[0].Shape.Kind, "soft", "shape");
+            float[] rest = client.Scene.Objects[0].Shape.Positions_m;
+            Snapshot pressed = Until<Snapshot>(client, snapshot => snapshot.Fingers[0].NormalForce_N > 0.3f && snapshot.Fingers[1].NormalForce_N > 0.3f);
+            Check.Equal(pressed.SoftObjects.Count, 1, "soft objects");
+            Check.Equal(pressed.SoftObjects[0].Object, 0, "which");
+            float[] now = pressed.SoftObjects[0].Positions_m;
+            Check.Equal(now.Length, rest.Length, "points");
+            float most = 0;
+            for (int i = 0; i < rest.Length; ++i) most = Math.Max(most, Math.Abs(now[i] - rest[i]));
+            Check.That(most > 1e-3f && most < 2e-2f, $"gives way by {most} m");
         }
     }
 

@@ -24,6 +24,8 @@ HERE, CLIENT = ROOT / "tests/csharp", ROOT / "clients/csharp"
 PLANE = ROOT / "scenes/plane.toml"
 #: The device that loads fastest.
 PLATE = "--device", ROOT / "devices/plate-2dof.toml"
+#: On both fingers of a scene that two of them touch.
+PLATES = [word for finger in ("index", "thumb") for word in ("--device", f"{finger}={ROOT / 'devices/plate-2dof.toml'}")]
 test = None
 
 
@@ -72,8 +74,12 @@ def answering(*messages, close=None, status="101 Switching Protocols"):
             thread.join()
 
 
-SCENE = {"type": "scene", "generation": 3, "scene": "none", "scenes": [], "duration_s": 0, "objects": [], "fingers": [],
+SCENE = {"type": "scene", "protocol_version": 2, "generation": 3, "scene": "none", "scenes": [], "duration_s": 0, "objects": [], "fingers": [],
          "notices": [], "objectives": [], "device_states": [], "latency_stages": []}
+
+
+#: A snapshot of that, up to the number of its soft objects.
+EMPTY = b"SFSA" + struct.pack("<3I", 3, 0, 0) + bytes(36)
 
 
 def scene(**changed):
@@ -165,25 +171,31 @@ class Client(unittest.TestCase):
                     with self.subTest(case):
                         self.passes(case, address)
 
+    def test_a_soft_object_is_told_as_it_deforms(self):
+        with mono.softfinger(PROGRAM, ROOT / "scenes/sponge.toml", *PLATES) as address:
+            self.passes("soft", address)
+
     def test_a_hand_moves_the_finger(self):
         with mono.softfinger(PROGRAM, PLANE, *PLATE, "--tracker", "webxr") as address:
             self.passes("hand", address)
 
     def test_other_answers_are_told_in_one_line(self):
         for says, messages, more in (
-            ("speaks protocol 2, this client 1", [scene(protocol_version=2)], {}),
+            ("speaks protocol 3, this client 2", [scene(protocol_version=3)], {}),
             ("a message: not JSON: at character 2", ["{"], {}),
             ("a message: type is missing", ["{}"], {}),
             ("a message: fingers is missing", [scene(fingers=None)], {}),
             ("a message: generation: a whole number from 0", [scene(generation=-1)], {}),
-            ("a snapshot before any scene", [b"SFS9"], {}),
-            ("a snapshot does not begin with SFS9", [scene(), b"SFS8" + bytes(48)], {}),
-            ("a snapshot: cut short after 8 bytes", [scene(), b"SFS9" + struct.pack("<I", 3)], {}),
+            ("speaks protocol 1, this client 2", [scene(protocol_version=None)], {}),
+            ("a snapshot before any scene", [b"SFSA"], {}),
+            ("a snapshot does not begin with SFSA", [scene(), b"SFS9" + bytes(48)], {}),
+            ("a snapshot: cut short after 8 bytes", [scene(), b"SFSA" + struct.pack("<I", 3)], {}),
+            ("a snapshot: of object 7, the scene has 0", [scene(), EMPTY + struct.pack("<4I", 1, 7, 0, 0)], {}),
             ("refused what this client sent: more than any page sends", [scene()], {"close": (1008, "more than any page sends")}),
             ("no page of softfinger", [], {"status": "200 OK"}),
             ("nobody answers", [], {}),
-            # What a later version may say is skipped; the protocol's first version said none.
-            ("ended", [scene(protocol_version=1), '{"type": "song"}', b"SFS9" + struct.pack("<I", 4)], {"close": (1000, "")}),
+            # What a later version may say is skipped.
+            ("ended", [scene(), '{"type": "song"}', b"SFSA" + struct.pack("<I", 4)], {"close": (1000, "")}),
             ("ended", [scene()], {}),
         ):
             with self.subTest(says), answering(*messages, **more) as address:

@@ -15,6 +15,8 @@ HERE, UNITY = ROOT / "tests/csharp", ROOT / "clients/unity"
 PLANE, CYLINDER = ROOT / "scenes/plane.toml", ROOT / "scenes/cylinder.toml"
 #: The device that loads fastest.
 PLATE = ROOT / "devices/plate-2dof.toml"
+#: On both fingers of a scene that two of them touch.
+PLATES = [word for finger in ("index", "thumb") for word in ("--device", f"{finger}={ROOT / 'devices/plate-2dof.toml'}")]
 test = None
 
 
@@ -35,6 +37,10 @@ class Unity(unittest.TestCase):
     def test_the_sample_shows_what_a_script_touches(self):
         with mono.softfinger(PROGRAM, CYLINDER, "--device", PLATE, "--repeat") as address:
             self.passes("show", address)
+
+    def test_the_sample_shows_what_is_soft_as_it_deforms(self):
+        with mono.softfinger(PROGRAM, ROOT / "scenes/sponge.toml", *PLATES) as address:
+            self.passes("soft", address)
 
     def test_a_finger_follows_a_transform(self):
         with mono.softfinger(PROGRAM, PLANE, "--device", PLATE, "--tracker", "page") as address:

@@ -104,10 +104,11 @@ test("Scene has the keys of the page, and its version", () => {
 
 test("Shape: each kind has its keys, and those together are the page's", () => {
   const shapes = client.scene.objects.map(({ shape }) => shape);
-  assert.deepEqual(shapes.map(({ kind }) => kind), ["plane", "sphere", "box", "cylinder", "mesh"]);
+  assert.deepEqual(shapes.map(({ kind }) => kind), ["plane", "sphere", "box", "cylinder", "mesh", "soft"]);
   assert.deepEqual(sorted(new Set(shapes.flatMap(Object.keys))), sorted(keys("Shape")));
   assert.deepEqual(shapes[2], { kind: "box", size_mm: [4, 5, 6], edge_radius_mm: 0.5 });
   assert.equal(shapes[4].positions_mm.length % 3, 0);
+  assert.deepEqual(Object.keys(shapes[5]), Object.keys(shapes[4]));
 });
 
 test("Snapshot, FingerSnapshot and Twin lie as the page has their bytes", async () => {
@@ -119,6 +120,17 @@ test("Snapshot, FingerSnapshot and Twin lie as the page has their bytes", async 
   assert.ok(parsed.fingers[0].twin && !parsed.fingers[1].twin);
 });
 
+test("SoftObject lies as the page has its bytes, and gives way", async () => {
+  const rest = client.scene.objects[5].shape.positions_mm;
+  const sunk = ({ soft_objects: [{ positions_mm }] }) => Math.max(...positions_mm.map((at, i) => Math.abs(at - rest[i])));
+  await snapshot((one) => one.soft_objects.length > 0 && sunk(one) > 0.1, "a sponge that sinks by its weight");
+  const { fields, parsed } = await sameFrame();
+  assert.equal(fields.soft_objects, 1);
+  assert.equal(parsed.soft_objects[0].object, 5);
+  assert.equal(parsed.soft_objects[0].positions_mm.length, rest.length);
+  assert.ok(sunk(parsed) < 5, "by more than its weight");
+});
+
 /** The next frame, which client and page read alike to the last byte. */
 async function sameFrame() {
   const socket = await rawSocket();
@@ -126,10 +138,12 @@ async function sameFrame() {
   socket.close();
   const parsed = readSnapshot(frame, client.scene);
   const { fields, end } = readSection("Snapshot", frame, 0);
-  sameFields(parsed, fields, "Snapshot", ["fingers", "X_WO"]);
+  sameFields(parsed, fields, "Snapshot", ["fingers", "X_WO", "soft_objects"]);
   assert.deepEqual(parsed.X_WO.flatMap((pose) => [...pose]), fields.X_WO);
-  assert.equal(new TextDecoder().decode(new Uint8Array(frame, 0, 4)), "SFS9");
-  assert.equal(parsed.fingers.reduce((at, finger) => sameFinger(finger, frame, at), end), frame.byteLength);
+  assert.equal(new TextDecoder().decode(new Uint8Array(frame, 0, 4)), "SFSA");
+  const behind = parsed.fingers.reduce((at, finger) => sameFinger(finger, frame, at), end);
+  assert.equal(parsed.soft_objects.length, fields.soft_objects);
+  assert.equal(parsed.soft_objects.reduce((at, soft) => sameSoftObject(soft, frame, at), behind), frame.byteLength);
   return { fields, parsed };
 }
 
@@ -145,6 +159,12 @@ function sameFields(parsed, fields, section, but = []) {
     else assert.deepEqual(typeof value === "object" ? [...value] : value, fields[name], `${section}: ${name}`);
     assert.ok(names(section).has(name), `${section}: ${name}`);
   }
+}
+
+function sameSoftObject(soft, frame, start) {
+  const { fields, end } = readSection("SoftObject", frame, start);
+  sameFields(soft, fields, "SoftObject");
+  return end;
 }
 
 function sameFinger(finger, frame, start) {

@@ -17,12 +17,14 @@ time_s = 0.0
 position_mm = [${x}, 0.0, 20.0]
 `;
 
-const object = (name, shape, sizes, x) => `
+const kFoam = "material = { youngs_modulus_kPa = 1.0, poissons_ratio = 0.3, density_kg_per_m3 = 200.0 }";
+
+const object = (name, shape, sizes, x, z = 0) => `
 [[object]]
 name = "${name}"
 shape = "${shape}"
 ${sizes}
-position_mm = [${x}, 0.0, 0.0]
+position_mm = [${x}, 0.0, ${z}.0]
 `;
 
 /** A device that a person is told of: it cannot come as near as its file wants it to. */
@@ -37,6 +39,8 @@ const touch = (folder, port) => [
   object("block", "box", "size_mm = [4.0, 5.0, 6.0]\nedge_radius_mm = 0.5", 500),
   object("rod", "cylinder", "radius_mm = 3.0\nlength_mm = 20.0\nedge_radius_mm = 0.2", 600),
   object("needle", "mesh", `file = "${root}/objects/needle.stl"\nunit = "mm"`, 700),
+  // It rests on the plane, and sinks into itself by its weight.
+  object("sponge", "soft", `file = "${root}/objects/sponge.msh"\nunit = "mm"\n${kFoam}`, 800, 10),
 ].join("");
 
 /** In `folder`: touch.toml, which it returns, again.toml, quick to load, and broken.toml. */

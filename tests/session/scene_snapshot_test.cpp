@@ -128,5 +128,32 @@ TEST(SceneSnapshot, AMembraneChangesItsShape) {
   EXPECT_EQ(blown.pieces[1].ball_radius, 0.0);
 }
 
+// The surface of something soft is told in a frame that goes with it: what is left is its
+// deformation.
+TEST(SceneSnapshot, SomethingSoftIsDrawnAsItStands) {
+  RunOptions options;
+  options.scene = kShipped / "scenes/sponge.toml";
+  const std::shared_ptr<const RunSetup> setup = load_setup(options);
+  const SoftSolid& sponge = *setup->scene.objects[0].soft;
+  const SceneDescription::Object told = describe(*setup).objects[0];
+  Snapshot snapshot = initial_snapshot(*setup);
+  ASSERT_EQ(snapshot.soft_objects.size(), 1U) << "the table is not soft";
+  Snapshot::SoftObject& soft = snapshot.soft_objects[0];
+  EXPECT_EQ(soft.object, 0U);
+  ASSERT_EQ(soft.positions_O.size(), told.positions_O.size());
+  ASSERT_GT(soft.positions_O.size(), 100U);
+  EXPECT_EQ(soft.positions_O[7], told.positions_O[7].cast<float>());
+  // Elsewhere, turned, and one node out of its place.
+  const Pose X_WO{exp_rotation(Vector3(0.3, -0.2, 1.0)), Vector3(0.1, 0.2, 0.3)};
+  std::vector<Vector3> nodes;
+  for (const Vector3& at : sponge.mesh.nodes) nodes.push_back(X_WO * at);
+  nodes[static_cast<std::size_t>(sponge.sample_nodes[7])] += X_WO.rotation * Vector3(0, 0, 1 * mm);
+  fill(soft, sponge, X_WO, nodes);
+  for (std::size_t i = 0; i < soft.positions_O.size(); ++i) {
+    const Vector3 moved = i == 7 ? Vector3(0, 0, 1 * mm) : Vector3::Zero();
+    EXPECT_LT((soft.positions_O[i].cast<double>() - told.positions_O[i] - moved).norm(), 1e-8) << i;
+  }
+}
+
 }  // namespace
 }  // namespace softfinger

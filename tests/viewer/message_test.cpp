@@ -204,6 +204,16 @@ TEST(SceneMessage, NamesEachShape) {
   EXPECT_NEAR(objects[2]["shape"]["length_mm"].get<double>(), 20.0, 1e-9);
 }
 
+// What is soft is told as it is at rest.
+TEST(SceneMessage, TellsTheSurfaceOfWhatIsSoft) {
+  SceneDescription scene;
+  scene.objects = {{"sponge", {}, {Vector3(0, 0, 1) * mm, Vector3::Zero()}, {{0, 1, 0}}}};
+  const auto shape = nlohmann::json::parse(scene_message(scene))["objects"][0]["shape"];
+  EXPECT_EQ(shape,
+            nlohmann::json::parse(R"({"kind":"soft","positions_mm":[0.0,0.0,1.0,0.0,0.0,0.0],)"
+                                  R"("triangles":[0,1,0]})"));
+}
+
 // A field of pins has hundreds of pieces of one shape.
 TEST(SceneMessage, TellsAlikePiecesOnce) {
   SceneDescription scene;
@@ -303,16 +313,18 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   finger.stages[LatencyStage::kSend] = 3 * ms;
   finger.device_said = 12 * ms;
   finger.actual = Eigen::Vector2d(9 * deg, 1.25 * mm);
+  snapshot.soft_objects = {{4, {Eigen::Vector3f::Zero(), {-0.007F, 0.0F, 0.001F}}}};
 
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
   const std::size_t pose = 28;
-  const std::size_t samples = 52 + pose + 3 * pose + 28 + 32 + 32 + 16;
+  const std::size_t samples = 56 + pose + 3 * pose + 28 + 32 + 32 + 16;
   const std::size_t pieces = samples + 5 * 16 + 8 + 4 * (2 + 2 + 3 + 27);
   const std::size_t twin = pieces + 2 * 32;
-  ASSERT_EQ(message.size(), twin + 48 + 5 * 16 + 8);
+  const std::size_t soft = twin + 48 + 5 * 16 + 8;
+  ASSERT_EQ(message.size(), soft + 8 + 2 * 12);
   EXPECT_EQ(read_at<std::uint32_t>(message, 0), kSnapshotMagic);
-  EXPECT_EQ(std::memcmp(message.data(), "SFS9", 4), 0);
+  EXPECT_EQ(std::memcmp(message.data(), "SFSA", 4), 0);
   EXPECT_EQ(read_at<std::uint32_t>(message, 4), 7U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 8), 1234U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 12), 1U + 4U);
@@ -323,9 +335,10 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_EQ(read_at<std::uint32_t>(message, 40), 1U);
   EXPECT_NEAR(read_at<std::uint32_t>(message, 44), 1000U, 1U);
   EXPECT_EQ(read_at<std::uint32_t>(message, 48), 9U);
-  EXPECT_FLOAT_EQ(read_at<float>(message, 52 + 8), 5.0F);
-  EXPECT_FLOAT_EQ(read_at<float>(message, 52 + 24), 1.0F);  // quaternion w
-  const std::size_t forces = 52 + 4 * pose;
+  EXPECT_EQ(read_at<std::uint32_t>(message, 52), 1U);
+  EXPECT_FLOAT_EQ(read_at<float>(message, 56 + 8), 5.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, 56 + 24), 1.0F);  // quaternion w
+  const std::size_t forces = 56 + 4 * pose;
   EXPECT_FLOAT_EQ(read_at<float>(message, forces), 42.0F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 4), 0.75F);
   EXPECT_FLOAT_EQ(read_at<float>(message, forces + 12), 0.25F);
@@ -368,6 +381,10 @@ TEST(SnapshotMessage, FollowsItsLayout) {
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 44), 0.125F);
   EXPECT_FLOAT_EQ(read_at<float>(message, twin + 48 + 8), 3.0F);
   EXPECT_EQ(read_at<std::uint8_t>(message, twin + 48 + 80), 1U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, soft), 4U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, soft + 4), 2U);
+  EXPECT_FLOAT_EQ(read_at<float>(message, soft + 8 + 12), -7.0F);
+  EXPECT_FLOAT_EQ(read_at<float>(message, soft + 8 + 20), 1.0F);
 }
 
 TEST(SnapshotMessage, ClientsKnowTheSumsByTheirNamesInOrder) {

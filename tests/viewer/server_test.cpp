@@ -130,7 +130,7 @@ TEST_F(ServerTest, SendsTheSceneThenSnapshots) {
     const auto snapshot = client.read_frame();
     ASSERT_TRUE(snapshot);
     ASSERT_EQ(snapshot->opcode, 2);
-    EXPECT_EQ(snapshot->payload.substr(0, 4), "SFS9");
+    EXPECT_EQ(snapshot->payload.substr(0, 4), "SFSA");
     double time = 0;
     snapshot->payload.copy(std::bit_cast<char*>(&time), sizeof time, 16);
     EXPECT_GT(time, last);

@@ -1,11 +1,13 @@
 // What goes over the WebSocket of a softfinger run, message by message as docs/protocol.md has it. Lengths in mm.
 
-export type Shape =
+export type RigidShape =
   | { kind: "plane" }
   | { kind: "sphere"; radius_mm: number }
   | { kind: "box"; size_mm: [number, number, number]; edge_radius_mm: number }
   | { kind: "cylinder"; radius_mm: number; length_mm: number; edge_radius_mm: number }
   | { kind: "mesh"; positions_mm: number[]; triangles: number[] };
+/** What is soft is told as it is at rest; see Snapshot.soft_objects. */
+export type Shape = RigidShape | { kind: "soft"; positions_mm: number[]; triangles: number[] };
 
 /** What a finger follows of a hand that a headset sees. */
 export interface FollowedFinger {
@@ -38,7 +40,7 @@ export interface FingerDescription {
   joint_unit: "deg" | "mm";
   disk_radius_mm: number;
   legs: number;
-  pieces: { shape: Shape; count: number }[]; // of the device's solid, alike ones in a row together
+  pieces: { shape: RigidShape; count: number }[]; // of the device's solid, alike ones in a row together
   cap_radius_mm: number; // above 0: the first piece is a ball that shows above this ring
   workspace: Workspace;
   twin: boolean;
@@ -167,6 +169,12 @@ export interface FingerSnapshot extends Skin, ContactSums {
   twin: Twin | null; // null: not pressed yet, or none
 }
 
+/** The surface of an object of kind soft as it stands. */
+export interface SoftObjectSnapshot {
+  object: number; // its place in Scene.objects
+  positions_mm: Float32Array; // of the points of its shape, in O
+}
+
 export interface Snapshot {
   generation: number;
   step: number;
@@ -184,6 +192,7 @@ export interface Snapshot {
   deadline_misses: number;
   X_WO: PoseArray[];
   fingers: FingerSnapshot[];
+  soft_objects: SoftObjectSnapshot[]; // those that the scene has, in its order
 }
 
 export type Request =

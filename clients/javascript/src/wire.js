@@ -1,7 +1,7 @@
 // Binary messages, as docs/protocol.md lays them out: snapshots read, hands written. Little-endian.
 
 /** Of the protocol; grows when who knows the one before would misread it. */
-export const kProtocolVersion = 1;
+export const kProtocolVersion = 2;
 
 /** What the contact of a finger comes to, in the order of a snapshot. */
 export const kContactSums = [
@@ -38,8 +38,8 @@ export const kHandJoints = [
   ...kFingers.flatMap((finger) => kBones.map((bone) => `${finger}-finger-${bone}`)),
 ];
 
-const kSnapshotMagic = 0x39534653; // "SFS9"
-const kSnapshotHeader = 52; // bytes
+const kSnapshotMagic = 0x41534653; // "SFSA"
+const kSnapshotHeader = 56; // bytes
 const kHandMagic = 0x58484653; // "SFHX"
 const kHandHeader = 16; // bytes
 
@@ -105,6 +105,13 @@ function readFinger(read, stages) {
   };
 }
 
+/** @param {Reader} read @returns {import("./messages.js").SoftObjectSnapshot} */
+function readSoftObject(read) {
+  const object = read.u32();
+  const points = read.u32();
+  return { object, positions_mm: read.floats(3 * points) };
+}
+
 /** @type {typeof import("./index.js").readSnapshot} */
 export function readSnapshot(frame, scene) {
   const read = new Reader(frame);
@@ -115,7 +122,7 @@ export function readSnapshot(frame, scene) {
   const time_s = read.f64();
   const step_ms = read.f32();
   const match_ms = read.f32();
-  const [deadline_misses, objects, fingers, wall_ms, stops] = Array.from({ length: 5 }, () => read.u32());
+  const [deadline_misses, objects, fingers, wall_ms, stops, softObjects] = Array.from({ length: 6 }, () => read.u32());
   return {
     generation, step, time_s, wall_ms, stops, step_ms, match_ms, deadline_misses,
     paused: (flags & 1) !== 0,
@@ -124,6 +131,7 @@ export function readSnapshot(frame, scene) {
     stop_confirmed: (flags & 8) !== 0,
     X_WO: Array.from({ length: objects }, () => read.pose()),
     fingers: Array.from({ length: fingers }, () => readFinger(read, scene.latency_stages.length)),
+    soft_objects: Array.from({ length: softObjects }, () => readSoftObject(read)),
   };
 }
 

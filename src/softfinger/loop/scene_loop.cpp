@@ -90,6 +90,10 @@ Pose SceneLoop::object_pose(std::size_t object) const {
   return objects_[object].motion.sample(static_cast<double>(step_) / simulation_rate_);
 }
 
+std::span<const Vector3> SceneLoop::object_nodes(std::size_t object) const {
+  return world_ ? world_->nodes(object) : std::span<const Vector3>();
+}
+
 void SceneLoop::record_events() {
   events_.clear();
   for (const WorldEvent& event : world_->events()) {

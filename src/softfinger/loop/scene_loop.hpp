@@ -34,6 +34,8 @@ class SceneLoop {
   }
   /// Where an object is after the last step.
   [[nodiscard]] Pose object_pose(std::size_t object) const;
+  /// Nodes of a soft object after the last step, W, m; of a rigid one none.
+  [[nodiscard]] std::span<const Vector3> object_nodes(std::size_t object) const;
   /// A row for each object that moves by forces, in their order, after the last step.
   [[nodiscard]] std::span<const ObjectRecord> objects() const { return records_; }
   /// What the last step, or the end, tells of them.

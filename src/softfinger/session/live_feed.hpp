@@ -25,7 +25,7 @@ struct SceneDescription {
   struct Object {
     std::string name;
     Shape shape;
-    std::vector<Vector3> positions_O;           ///< of a soft one at rest: its surface
+    std::vector<Vector3> positions_O;           ///< of a soft one at rest: what can be touched
     std::vector<std::array<int, 3>> triangles;  ///< indices into these, outward
   };
   struct Finger {
@@ -103,6 +103,11 @@ struct Snapshot {
     RenderingMeasures measures;  ///< against the virtual contact that led to the command
     double cpu_time = 0.0;       ///< s, of the press
   };
+  /// The surface of a soft object as it stands.
+  struct SoftObject {
+    std::size_t object = 0;                    ///< which of the scene's
+    std::vector<Eigen::Vector3f> positions_O;  ///< m, in the order of its description
+  };
   /// A finger with the sums of its virtual contact.
   struct Finger : ContactSums {
     Pose X_WFt;                   ///< tracked
@@ -139,7 +144,8 @@ struct Snapshot {
   double step_cpu_time = 0.0;   ///< s, of the last step
   double match_cpu_time = 0.0;  ///< s, of the last match
   std::uint64_t deadline_misses = 0;
-  std::vector<Pose> X_WO;  ///< one per object
+  std::vector<Pose> X_WO;                ///< one per object
+  std::vector<SoftObject> soft_objects;  ///< those that there are, in the order of the scene
   std::vector<Finger> fingers;
 };
 

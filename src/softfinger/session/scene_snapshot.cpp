@@ -42,6 +42,15 @@ class SurfaceCollector {
   std::map<int, int> indices_;
 };
 
+/// Of what can be touched, at rest.
+std::vector<Vector3> touching_nodes(const SoftSolid& solid) {
+  std::vector<Vector3> positions;
+  for (const int node : solid.sample_nodes) {
+    positions.push_back(solid.mesh.nodes[static_cast<std::size_t>(node)]);
+  }
+  return positions;
+}
+
 }  // namespace
 
 DeviceFeedback initial_feedback(const DeviceLoop& device) {
@@ -75,9 +84,7 @@ SceneDescription describe(const RunSetup& setup) {
     description.objects.push_back({object.name, object.shape, {}, {}});
     if (!object.soft) continue;
     SceneDescription::Object& told = description.objects.back();
-    for (const int node : object.soft->sample_nodes) {
-      told.positions_O.push_back(object.soft->mesh.nodes[static_cast<std::size_t>(node)]);
-    }
+    told.positions_O = touching_nodes(*object.soft);
     told.triangles = object.soft->skin_triangles;
   }
   for (std::size_t i = 0; i < setup.scene.fingers.size(); ++i) {
@@ -91,9 +98,7 @@ SceneDescription describe(const RunSetup& setup) {
     finger.hand_finger = tracker.hand.finger.value_or(HandFinger::kIndex);
     finger.registrable = is_registrable(setup, i);
     finger.X_WFt_start = start_pose(setup.scene.fingers[i].waypoints);
-    for (const int node : model.sample_nodes) {
-      finger.skin_rest_positions_F.push_back(model.mesh.nodes[static_cast<std::size_t>(node)]);
-    }
+    finger.skin_rest_positions_F = touching_nodes(model);
     finger.skin_triangles = model.skin_triangles;
     SurfaceCollector surfaces(model.mesh, finger.rigid_positions_F);
     finger.bone_triangles = surfaces.collect("bone");
@@ -129,13 +134,21 @@ SceneDescription describe(const RunSetup& setup) {
 
 Snapshot initial_snapshot(const RunSetup& setup) {
   Snapshot snapshot;
-  snapshot.X_WO.resize(setup.scene.objects.size());
+  const std::vector<VirtualObject>& objects = setup.scene.objects;
+  snapshot.X_WO.resize(objects.size());
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (!objects[i].soft) continue;
+    Snapshot::SoftObject& soft = snapshot.soft_objects.emplace_back();
+    soft.object = i;
+    for (const Vector3& at : touching_nodes(*objects[i].soft)) {
+      soft.positions_O.push_back(at.cast<float>());
+    }
+  }
   for (std::size_t i = 0; i < setup.models.size(); ++i) {
     Snapshot::Finger finger;
     const FingerModel& model = *setup.models[i];
     const std::size_t samples = model.sample_nodes.size();
-    for (const int node : model.sample_nodes) {
-      const Vector3& rest = model.mesh.nodes[static_cast<std::size_t>(node)];
+    for (const Vector3& rest : touching_nodes(model)) {
       finger.skin.positions_F.push_back(rest.cast<float>());
     }
     finger.skin.pressures.resize(samples);
@@ -148,6 +161,16 @@ Snapshot initial_snapshot(const RunSetup& setup) {
     snapshot.fingers.push_back(std::move(finger));
   }
   return snapshot;
+}
+
+void fill(Snapshot::SoftObject& snapshot, const SoftSolid& solid, const Pose& X_WO,
+          std::span<const Vector3> nodes) {
+  const Pose X_OW = X_WO.inverse();
+  const std::size_t samples = std::min(solid.sample_nodes.size(), snapshot.positions_O.size());
+  for (std::size_t i = 0; i < samples; ++i) {
+    const Vector3& at = nodes[static_cast<std::size_t>(solid.sample_nodes[i])];
+    snapshot.positions_O[i] = (X_OW * at).cast<float>();
+  }
 }
 
 void fill(Snapshot::Skin& snapshot, const ContactSet& contact) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "softfinger/loop/device_loop.hpp"
@@ -30,7 +31,10 @@ void read_device(const DeviceLoop& device, DeviceFeedback& feedback);
 [[nodiscard]] SceneDescription describe(const RunSetup& setup);
 /// A snapshot with every vector at full size.
 [[nodiscard]] Snapshot initial_snapshot(const RunSetup& setup);
-/// Fill one finger or its skin; allocate nothing.
+/// Fill one soft object, or one finger or its skin; allocate nothing. `nodes` of all of its mesh,
+/// W, m.
+void fill(Snapshot::SoftObject& snapshot, const SoftSolid& solid, const Pose& X_WO,
+          std::span<const Vector3> nodes);
 void fill(Snapshot::Skin& snapshot, const ContactSet& contact);
 void fill(Snapshot::Finger& snapshot, const FingerLoop& loop);
 void fill(Snapshot::Finger& snapshot, const DeviceFeedback& feedback);

@@ -43,6 +43,10 @@ void SnapshotPublisher::publish(const Moment& moment, const SceneLoop& scene,
   for (std::size_t i = 0; i < draft.X_WO.size(); ++i) {
     draft.X_WO[i] = scene.object_pose(i);
   }
+  for (Snapshot::SoftObject& soft : draft.soft_objects) {
+    fill(soft, *setup_->scene.objects[soft.object].soft, draft.X_WO[soft.object],
+         scene.object_nodes(soft.object));
+  }
   for (std::size_t i = 0; i < fingers.size(); ++i) {
     Snapshot::Finger& finger = draft.fingers[i];
     const FingerChain& chain = *fingers[i]->chain;

@@ -159,9 +159,8 @@ std::string scene_message(const SceneDescription& scene) {
                   {"device_states", device_states_json()},
                   {"latency_stages", latency_stages_json()}};
   for (const auto& object : scene.objects) {
-    // A soft one is drawn as it is at rest, where it is.
     Json shape = object.triangles.empty() ? to_json(object.shape)
-                                          : Json{{"kind", row_of(kShapes, ShapeKind::kMesh).name},
+                                          : Json{{"kind", kSoftShape},
                                                  {"positions_mm", flat(object.positions_O)},
                                                  {"triangles", flat(object.triangles)}};
     message["objects"].push_back({{"name", object.name}, {"shape", std::move(shape)}});

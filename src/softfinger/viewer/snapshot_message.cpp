@@ -132,10 +132,16 @@ void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& sc
   out.count(snapshot.fingers.size());
   out.put(static_cast<std::uint32_t>(static_cast<std::uint64_t>(snapshot.wall_time / ms)));
   out.put(snapshot.stops);
+  out.count(snapshot.soft_objects.size());
   for (const Pose& X_WO : snapshot.X_WO) out.pose(X_WO);
   for (std::size_t i = 0; i < snapshot.fingers.size(); ++i) {
     static const SceneDescription::Finger kUnknown;
     write_finger(snapshot.fingers[i], i < scene.fingers.size() ? scene.fingers[i] : kUnknown, out);
+  }
+  for (const Snapshot::SoftObject& soft : snapshot.soft_objects) {
+    out.count(soft.object);
+    out.count(soft.positions_O.size());
+    for (const Eigen::Vector3f& point : soft.positions_O) out.point(point);
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace softfinger {
 
-inline constexpr std::uint32_t kSnapshotMagic = 0x39534653;  ///< "SFS9"
+inline constexpr std::uint32_t kSnapshotMagic = 0x41534653;  ///< "SFSA"
 
 /// Writes a snapshot as docs/protocol.md has it and clients read it
 /// (clients/javascript/src/wire.js). `scene` gives the units of the configuration; it must be the
@@ -16,13 +16,14 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x39534653;  ///< "SFS9"
 ///
 /// Layout, little-endian, every number 4 bytes and aligned unless said:
 ///
-///     u32 magic "SFS9"        u32 generation (low bits)
+///     u32 magic "SFSA"        u32 generation (low bits)
 ///     u32 step (low bits)     u32 flags: 1 paused, 2 finished, 4 to be stopped, 8 stopped
 ///     f64 time_s
 ///     f32 step_ms             f32 match_ms
 ///     u32 deadline_misses     u32 objects         u32 fingers
 ///     u32 wall_ms (low bits), of a clock of any origin
 ///     u32 stops: how often devices were stopped so far
+///     u32 soft objects
 ///     per object: pose X_WO
 ///     per finger:
 ///       pose X_WFt, pose X_WF, pose X_FP
@@ -48,6 +49,9 @@ inline constexpr std::uint32_t kSnapshotMagic = 0x39534653;  ///< "SFS9"
 ///         f32 normal_force_sum_N                        f32 tangential_force_N
 ///         f32 tangential_force_error                    f32 slip_ratio_error
 ///         f32 positions_mm[3 t] in F  f32 pressures_kPa[t]  u8 in_contact[t], zero-padded to 4
+///     per soft object:
+///       u32 object: its place among objects           u32 points p
+///       f32 positions_mm[3 p] in O
 ///     pose: f32 x_mm, y_mm, z_mm, quaternion x, y, z, w
 void write_snapshot_message(const Snapshot& snapshot, const SceneDescription& scene,
                             std::vector<std::byte>& message);

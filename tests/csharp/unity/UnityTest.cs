@@ -24,6 +24,7 @@ static class UnityTest
                 OfShapes();
             });
             case "show": return Check.Status(() => Show(where));
+            case "soft": return Check.Status(() => ShowSoft(where));
             case "move": return Check.Status(() => MoveFinger(where));
             case "hand": return Check.Status(() => MoveHand(where));
             case "nobody": return Check.Status(() => Nobody(where));
@@ -192,6 +193,39 @@ static class UnityTest
         }, "released");
         World.End();
         Check.That(!connection.IsConnected, "disconnected");
+    }
+
+    /// <summary>The sample shows a sponge that two fingers squeeze: its surface gives way and keeps its volume, nearly.</summary>
+    static void ShowSoft(string address)
+    {
+        var root = new GameObject("root");
+        root.AddComponent<TouchScene>().Address = address;
+        SoftfingerConnection connection = null;
+        SoftObject sponge = null;
+        Until(() =>
+        {
+            connection = connection ?? Find<SoftfingerConnection>();
+            sponge = Find<SoftObject>();
+            return sponge != null && connection.Snapshot != null;
+        }, "sponge");
+        Mesh mesh = sponge.GetComponent<MeshFilter>().sharedMesh;
+        Shape shape = connection.Scene.Objects[0].Shape;
+        Check.Equal(mesh.triangles.Length, shape.Triangles.Length, "triangles");
+        var rest = new Vector3[shape.Positions_m.Length / 3];
+        Frames.ToUnity(shape.Positions_m, rest);
+        float moved = 0;
+        Until(() =>
+        {
+            Vector3[] vertices = mesh.vertices;
+            Check.Equal(vertices.Length, rest.Length, "vertices");
+            for (int i = 0; i < vertices.Length; ++i) moved = Math.Max(moved, (vertices[i] - rest[i]).magnitude);
+            return moved > 1e-3f;
+        }, "deformed");
+        float volume = Volume(mesh);
+        Check.That(volume > 1.5e-5f && volume < 3e-5f, $"clockwise in front: {volume} m^3 of sponge");
+        Check.That(moved < 2e-2f, $"by {moved} m");
+        Check.Equal(mesh.NormalsOf, rest.Length, "normals");
+        World.End();
     }
 
     static T Find<T>() where T : Component

@@ -3,7 +3,7 @@ namespace Softfinger
     /// <summary>An object's, or a piece's of a device. Zero or null is what its kind does not have.</summary>
     public sealed class Shape
     {
-        /// <summary>plane (z = 0 of O, solid below), sphere, box, cylinder (along z of O) or mesh.</summary>
+        /// <summary>plane (z = 0 of O, solid below), sphere, box, cylinder (along z of O), mesh, or soft: a mesh at rest.</summary>
         public string Kind { get; }
 
         /// <summary>Of a sphere or cylinder.</summary>
@@ -18,10 +18,10 @@ namespace Softfinger
         /// <summary>Three whole edges of a box.</summary>
         public double[] Size_m { get; }
 
-        /// <summary>Of a mesh: x, y, z of each vertex in O.</summary>
+        /// <summary>Of a mesh, or soft: x, y, z of each vertex in O.</summary>
         public float[] Positions_m { get; }
 
-        /// <summary>Of a mesh: three vertices a triangle, counter-clockwise from outside.</summary>
+        /// <summary>Of a mesh, or soft: three vertices a triangle, counter-clockwise from outside.</summary>
         public int[] Triangles { get; }
 
         internal Shape(Json json)

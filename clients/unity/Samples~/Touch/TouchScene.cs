@@ -45,6 +45,7 @@ namespace Softfinger.Unity.Samples
                 made.AddComponent<ObjectPose>().ObjectName = described.Name;
                 GameObject body = Body(described.Shape);
                 body.transform.SetParent(made.transform, false);
+                if (described.Shape.Kind == "soft") body.AddComponent<SoftObject>().ObjectName = described.Name;
                 if (objectMaterial != null) body.GetComponent<MeshRenderer>().sharedMaterial = objectMaterial;
                 made.SetActive(true);
             }
@@ -84,6 +85,11 @@ namespace Softfinger.Unity.Samples
                 case "cylinder":
                     body = GameObject.CreatePrimitive(PrimitiveType.Cylinder);
                     body.transform.localScale = new Vector3(2 * (float)shape.Radius_m, (float)shape.Length_m / 2, 2 * (float)shape.Radius_m);
+                    return body;
+                case "soft":
+                    body = new GameObject("soft");
+                    body.AddComponent<MeshFilter>();
+                    body.AddComponent<MeshRenderer>();
                     return body;
                 case "mesh":
                     body = new GameObject("mesh");

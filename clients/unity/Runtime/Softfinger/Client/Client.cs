@@ -26,7 +26,7 @@ namespace Softfinger
     public sealed class Client : IDisposable
     {
         /// <summary>The version of the protocol that this client speaks.</summary>
-        public const int Protocol = 1;
+        public const int Protocol = 2;
 
         const int MostBytes = 64 << 20;
         const int MostRequestBytes = 1024;

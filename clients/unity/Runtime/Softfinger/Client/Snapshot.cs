@@ -40,6 +40,19 @@ namespace Softfinger
 
         /// <summary>One for each of the scene's.</summary>
         public IReadOnlyList<FingerSnapshot> Fingers { get; internal set; }
+
+        /// <summary>One for each of the scene's objects of kind soft, in its order.</summary>
+        public IReadOnlyList<SoftObjectSnapshot> SoftObjects { get; internal set; }
+    }
+
+    /// <summary>The surface of an object of kind soft as it stands.</summary>
+    public sealed class SoftObjectSnapshot
+    {
+        /// <summary>Its place in Scene.Objects.</summary>
+        public int Object { get; internal set; }
+
+        /// <summary>x, y, z in O of the points of its shape.</summary>
+        public float[] Positions_m { get; internal set; }
     }
 
     /// <summary>Skin in contact; n samples.</summary>

@@ -6,7 +6,7 @@ namespace Softfinger
     /// <summary>Reads a snapshot as softfinger's viewer/snapshot_message.hpp lays it out. Nothing is taken from outside it.</summary>
     internal sealed class SnapshotReader
     {
-        const uint Magic = 0x39534653;  // "SFS9"
+        const uint Magic = 0x41534653;  // "SFSA"
         const int PoseBytes = 28;
         const int StateBytes = 16;
         const float Degree = (float)(Math.PI / 180);
@@ -28,7 +28,7 @@ namespace Softfinger
 
         Snapshot Read()
         {
-            if (U32() != Magic) throw new OperationError("a snapshot does not begin with SFS9: take this client and the program from one version of softfinger");
+            if (U32() != Magic) throw new OperationError("a snapshot does not begin with SFSA: take this client and the program from one version of softfinger");
             var snapshot = new Snapshot { Generation = U32() };
             if (snapshot.Generation != unchecked((uint)scene.Generation)) return null;
             snapshot.Step = U32();
@@ -45,6 +45,7 @@ namespace Softfinger
             int fingers = Count(4);
             snapshot.Wall_ms = U32();
             snapshot.Stops = U32();
+            int softObjects = Count(8);
             if (objects != scene.Objects.Count || fingers != scene.Fingers.Count)
             {
                 throw Wrong($"of {objects} objects and {fingers} fingers, the scene has {scene.Objects.Count} and {scene.Fingers.Count}");
@@ -55,6 +56,9 @@ namespace Softfinger
             var read = new FingerSnapshot[fingers];
             for (int i = 0; i < fingers; ++i) read[i] = ReadFinger(scene.Fingers[i]);
             snapshot.Fingers = read;
+            var soft = new SoftObjectSnapshot[softObjects];
+            for (int i = 0; i < softObjects; ++i) soft[i] = ReadSoftObject(scene);
+            snapshot.SoftObjects = soft;
             if (at != size) throw Wrong($"{size - at} bytes too long");
             return snapshot;
         }
@@ -88,6 +92,16 @@ namespace Softfinger
             finger.Pieces = solid;
             if (twinSamples > 0) finger.Twin = ReadTwin(twinSamples);
             return finger;
+        }
+
+        SoftObjectSnapshot ReadSoftObject(Scene scene)
+        {
+            uint number = U32();
+            if (number >= (uint)scene.Objects.Count) throw Wrong($"of object {number}, the scene has {scene.Objects.Count}");
+            var soft = new SoftObjectSnapshot { Object = (int)number, Positions_m = Floats(3 * Count(12), 1e-3f) };
+            float[] rest = scene.Objects[soft.Object].Shape.Positions_m;
+            if (rest == null || rest.Length != soft.Positions_m.Length) throw Wrong($"{soft.Positions_m.Length / 3} points of object {number}, the scene has others");
+            return soft;
         }
 
         Twin ReadTwin(int samples)

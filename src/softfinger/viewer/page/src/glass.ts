@@ -6,14 +6,16 @@ export interface GlassOptions {
   rim: number; // and added where it is seen edge-on
   grid: number; // mm between lines; 0: none
   reach?: number; // mm from `centre`, in its own frame, at which it has faded
+  deforms?: boolean; // its grid is that of attributes `rest` and `restNormal`, and goes with it
 }
 
 /** Thin glass with a bright rim and a grid of its own frame, so that what lies behind is seen. */
-export function glass({ color, body, rim, grid, reach = Infinity }: GlassOptions): ShaderMaterial {
+export function glass({ color, body, rim, grid, reach = Infinity, deforms = false }: GlassOptions): ShaderMaterial {
   return new ShaderMaterial({
     transparent: true,
     depthWrite: false,
     side: DoubleSide,
+    defines: deforms ? { DEFORMS: "" } : {},
     uniforms: {
       color: { value: new Color(color) },
       centre: { value: new Vector3() },
@@ -24,6 +26,10 @@ export function glass({ color, body, rim, grid, reach = Infinity }: GlassOptions
       gridStrength: { value: grid > 0 ? 1 : 0 },
     },
     vertexShader: /* glsl */ `
+      #ifdef DEFORMS
+        attribute vec3 rest;
+        attribute vec3 restNormal;
+      #endif
       varying vec3 vWorld;
       varying vec3 vLocal;
       varying vec3 vLocalNormal;
@@ -35,8 +41,13 @@ export function glass({ color, body, rim, grid, reach = Infinity }: GlassOptions
         #endif
         vec4 world = place * vec4(position, 1.0);
         vWorld = world.xyz;
-        vLocal = position;
-        vLocalNormal = normal;
+        #ifdef DEFORMS
+          vLocal = rest;
+          vLocalNormal = restNormal;
+        #else
+          vLocal = position;
+          vLocalNormal = normal;
+        #endif
         vWorldNormal = mat3(place) * normal;
         gl_Position = projectionMatrix * viewMatrix * world;
       }`,

@@ -87,6 +87,7 @@ function begin(next: Scene, wanted: Shown): void {
 
 function show(snapshot: Snapshot): void {
   objects.forEach((view, i) => snapshot.X_WO[i] && place(view.group, snapshot.X_WO[i]));
+  for (const { object, positions_mm } of snapshot.soft_objects) objects[object]?.deform(positions_mm);
   fingers.forEach((view, i) => {
     const finger = snapshot.fingers[i];
     if (!finger) return;

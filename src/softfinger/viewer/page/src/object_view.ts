@@ -3,22 +3,28 @@ import type { Shape } from "softfinger-client";
 import { glass } from "./glass";
 import { palette } from "./palette";
 import { geometryOf } from "./shape_geometry";
+import { SoftSurface } from "./soft_surface";
 
 const kPlaneReach = 62; // mm; farther away a plane has faded
 
-/** A virtual object as thin glass with a 5 mm grid, so that the pad is seen through it. */
+/** A virtual object as thin glass with a 5 mm grid, which deforms with it, so that the pad is seen through it. */
 export class ObjectView {
   readonly group = new Group();
   private readonly material: ShaderMaterial;
   private readonly fades: boolean;
+  private readonly soft: SoftSurface | null;
 
   constructor(shape: Shape) {
     this.material = glass({
       color: palette.object, body: 0.07, rim: 0.42, grid: 5,
       reach: shape.kind === "plane" ? kPlaneReach : Infinity,
+      deforms: shape.kind === "soft",
     });
     this.fades = shape.kind === "plane";
-    const mesh = new Mesh(geometryOf(shape), this.material);
+    this.soft = shape.kind === "soft" ? new SoftSurface(shape.positions_mm, shape.triangles) : null;
+    const geometry = shape.kind === "soft" ? this.soft!.geometry : geometryOf(shape);
+    const mesh = new Mesh(geometry, this.material);
+    mesh.frustumCulled = this.soft === null; // its bounds change with every frame
     mesh.renderOrder = 3;
     this.group.add(mesh);
   }
@@ -26,6 +32,11 @@ export class ObjectView {
   dispose(): void {
     this.material.dispose();
     (this.group.children[0] as Mesh).geometry.dispose();
+  }
+
+  /** Something soft: points of its surface as they stand, in its frame. */
+  deform(positions_mm: ArrayLike<number>): void {
+    this.soft?.update(positions_mm);
   }
 
   /** Where the object's grid fades around, in the world, mm: a finger, or fingers that far apart. */

@@ -3,7 +3,7 @@ import {
   Float32BufferAttribute, Group, InstancedMesh, LineBasicMaterial, LineSegments, type Material,
   Matrix4, Mesh, MeshStandardMaterial, Quaternion, SphereGeometry, TorusGeometry, Vector3,
 } from "three";
-import type { Shape } from "softfinger-client";
+import type { RigidShape } from "softfinger-client";
 import { glass } from "./glass";
 import { palette } from "./palette";
 import { geometryOf } from "./shape_geometry";
@@ -18,7 +18,7 @@ export interface PieceView {
   update(pieces: Float32Array): void;
 }
 
-export function pieceViews(runs: { shape: Shape; count: number }[], capRadius: number): PieceView[] {
+export function pieceViews(runs: { shape: RigidShape; count: number }[], capRadius: number): PieceView[] {
   let first = 0;
   return runs.map(({ shape, count }, i) => {
     const view = i === 0 && capRadius > 0
@@ -29,7 +29,7 @@ export function pieceViews(runs: { shape: Shape; count: number }[], capRadius: n
 }
 
 /** How far the shape's middle is from where links may take hold of it, mm. */
-export function gripRadius(shape: Shape): number {
+export function gripRadius(shape: RigidShape): number {
   return shape.kind === "sphere" || shape.kind === "cylinder" ? shape.radius_mm : 0;
 }
 
@@ -39,7 +39,7 @@ class AlikePieces implements PieceView {
   private readonly meshes: InstancedMesh[] = [];
   private tray: Mesh | null = null;
 
-  constructor(private readonly shape: Shape, private readonly count: number, private readonly first: number) {
+  constructor(private readonly shape: RigidShape, private readonly count: number, private readonly first: number) {
     const many = count >= kMany;
     if (isDisk(shape)) {
       this.add(geometryOf(shape), glass({ color: palette.device, body: 0.2, rim: 0.3, grid: 0 }), 3);
@@ -135,9 +135,9 @@ function matrixAt(pieces: Float32Array, index: number): Matrix4 {
     new Vector3(p[0], p[1], p[2]), new Quaternion(p[3], p[4], p[5], p[6]), new Vector3(1, 1, 1));
 }
 
-type Cylinder = Extract<Shape, { kind: "cylinder" }>;
+type Cylinder = Extract<RigidShape, { kind: "cylinder" }>;
 
-function isDisk(shape: Shape): shape is Cylinder {
+function isDisk(shape: RigidShape): shape is Cylinder {
   return shape.kind === "cylinder" && shape.length_mm < shape.radius_mm;
 }
 
@@ -148,7 +148,7 @@ function rimOf(disk: Cylinder): BufferGeometry {
 }
 
 /** Lines that tell a clear body's form: both rims of a cylinder. */
-function edgesOf(shape: Shape): BufferGeometry[] {
+function edgesOf(shape: RigidShape): BufferGeometry[] {
   if (shape.kind !== "cylinder") return [];
   const tube = Math.min(0.16, 0.16 * shape.radius_mm);
   const ring = () => new TorusGeometry(shape.radius_mm - tube, tube, 8, 48);

@@ -3,10 +3,10 @@ import {
   SphereGeometry, Vector2, Vector3,
 } from "three";
 import { toCreasedNormals } from "three/addons/utils/BufferGeometryUtils.js";
-import type { Shape } from "softfinger-client";
+import type { RigidShape } from "softfinger-client";
 
 /** A shape of the wire in its own frame. */
-export function geometryOf(shape: Shape): BufferGeometry {
+export function geometryOf(shape: RigidShape): BufferGeometry {
   switch (shape.kind) {
     case "plane":
       return new PlaneGeometry(240, 240);
