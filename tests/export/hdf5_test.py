@@ -17,7 +17,7 @@ import recordings
 
 PROGRAM, ROOT = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 MM, DEG, MS = 1e-3, math.pi / 180.0, 1e-3
-SUFFIXES = {"mm2": "mm2", "mm": "mm", "deg": "deg", "ms": "ms", "us": "us", "s": "s", "N": "N"}
+SUFFIXES = {"N_s": "N s", "mm_per_s": "mm/s", "deg_per_s": "deg/s", "mm2": "mm2", "mm": "mm", "deg": "deg", "ms": "ms", "us": "us", "s": "s", "N": "N"}
 
 
 class Exports:
@@ -39,11 +39,13 @@ class Exported(unittest.TestCase):
         folder = pathlib.Path(cls.temporary.name)
         cls.one = Exports(recordings.record_one_finger, folder)
         cls.two = Exports(recordings.record_two_fingers, folder)
+        cls.button = Exports(recordings.record_button, folder)
 
     @classmethod
     def tearDownClass(cls):
         cls.one.h5.close()
         cls.two.h5.close()
+        cls.button.h5.close()
         cls.temporary.cleanup()
 
     def assertSameBits(self, found, expected):
@@ -65,7 +67,8 @@ class Exported(unittest.TestCase):
                     self.assertEqual(list(column.asstr()[:]), list(texts))
                     continue
                 unit = next((u for u in SUFFIXES if name.endswith("_" + u)), None)
-                self.assertEqual(column.attrs["unit"], SUFFIXES[unit] if unit else "1")
+                of_kind = {"objects/joint": "mm or deg"}.get(f"{file.stem}/{name}", "1")
+                self.assertEqual(column.attrs["unit"], SUFFIXES[unit] if unit else of_kind)
                 self.assertEqual(["" if math.isnan(v) else f"{v:.12g}" for v in column[:]], list(texts))
 
     def check_tables(self, exports, least):
@@ -86,6 +89,13 @@ class Exported(unittest.TestCase):
         names = self.two.h5["contact/finger"].asstr()[:4]
         self.assertEqual(list(names), ["index", "ring", "index", "ring"])
         self.assertIn("rendering", self.two.h5["command/state"].asstr()[:])
+
+    def test_objects_that_move_and_what_happens_to_them(self):
+        self.check_tables(self.button, 9)
+        objects = recordings.rows(self.button.recording, "objects", "step, object")
+        self.assertSameBits(self.button.h5["objects/z_mm"], [o["z_m"] / MM for o in objects])
+        self.assertSameBits(self.button.h5["objects/joint"], [o["joint"] / MM for o in objects])
+        self.assertIn("click", self.button.h5["events/kind"].asstr()[:])
 
     def test_steps_to_the_last_bit(self):
         steps = recordings.rows(self.one.recording, "steps", "step")

@@ -61,13 +61,14 @@ class Exported(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory()
         folder = pathlib.Path(cls.temporary.name)
         cls.recordings = [recordings.record_one_finger(PROGRAM, ROOT, folder),
-                          recordings.record_two_fingers(PROGRAM, ROOT, folder)]
+                          recordings.record_two_fingers(PROGRAM, ROOT, folder),
+                          recordings.record_button(PROGRAM, ROOT, folder)]
         files = [recording.with_suffix(".mcap") for recording in cls.recordings]
         for recording, file in zip(cls.recordings, files):
             recordings.run(PROGRAM, "export", recording, "--to", file)
-        cls.one, cls.two = read(*files)
-        cls.steps, cls.two_steps = (recordings.rows(r, "steps", "step, finger") for r in cls.recordings)
-        cls.ticks, cls.two_ticks = (recordings.rows(r, "ticks", "step, finger, tick") for r in cls.recordings)
+        cls.one, cls.two, cls.button = read(*files)
+        cls.steps, cls.two_steps, _ = (recordings.rows(r, "steps", "step, finger") for r in cls.recordings)
+        cls.ticks, cls.two_ticks, _ = (recordings.rows(r, "ticks", "step, finger, tick") for r in cls.recordings)
 
     @classmethod
     def tearDownClass(cls):
@@ -122,6 +123,21 @@ class Exported(unittest.TestCase):
         heights = [p[2] for p in platforms]
         for (h0, t0), (h1, t1) in zip(zip(heights, travel), zip(heights[1:], travel[1:])):
             self.assertAlmostEqual(abs(h1 - h0), abs(t1 - t0), delta=2e-5)
+
+    def test_objects_that_move_and_what_happens_to_them(self):
+        objects = recordings.rows(self.recordings[2], "objects", "step, object")
+        self.assertGreater(len(objects), 1600)
+        transforms = self.transforms(self.button)
+        moved = [p for parent, child, p in transforms if (parent, child) == ("world", "object_button")]
+        self.assertEqual(moved, [[o[k] for k in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")] for o in objects])
+        joints = [m["value"] for m in self.messages(self.button, "/joints") if m["value"]["name"] == ["object_button"]]
+        self.assertEqual([joint["position"] for joint in joints], [[o["joint"]] for o in objects])
+        self.assertLess(min(o["joint"] for o in objects), -1e-3)
+        events = recordings.rows(self.recordings[2], "events", "step, number")
+        told = [(m["time"], m["value"]["msg"]) for m in self.messages(self.button, "/events")]
+        self.assertEqual([time for time, _ in told], [round(event["time_s"] * 1e9) for event in events])
+        self.assertEqual(told[0][1], f"impact: button and index, {events[0]['impulse_N_s']:.3g} N s")
+        self.assertIn("click: button", [text for _, text in told])
 
     def test_forces(self):
         wrenches = self.messages(self.one, "/wrench")

@@ -62,6 +62,13 @@ def record_two_fingers(program, root, folder):
                    FINGER.format(name="ring", device="disk-linear", y=40, root=root)])
 
 
+def record_button(program, root, folder):
+    """Objects that move: a button that a finger presses until it clicks."""
+    file = folder / "button.sqlite"
+    run(program, "run", root / "scenes/button.toml", "--headless", "--as-fast-as-possible", "--duration-s", "1.6", "--record", file)
+    return file
+
+
 def rows(file, table, order):
     """The rows of a table, by name of their columns."""
     recording = sqlite3.connect(file)

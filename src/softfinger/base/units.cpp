@@ -24,6 +24,7 @@ const Unit& unit_of(std::string_view key) {
       Unit{"_deg_per_N_mm", deg / 1e-3, "degrees per N mm", "deg/(N mm)"},
       Unit{"_mm_per_N", mm, "mm per N", "mm/N"},
       Unit{"_N_mm", 1e-3, "N mm", "N mm"},
+      Unit{"_N_s", 1.0, "N s", "N s"},
       Unit{"_kg_per_m3", 1.0, "kg per cubic metre", "kg/m3"},
       Unit{"_us_per_deg", us / deg, "microseconds per degree", "us/deg"},
       Unit{"_us_per_mm", us / mm, "microseconds per mm", "us/mm"},

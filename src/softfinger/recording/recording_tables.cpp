@@ -322,7 +322,7 @@ class Export {
     }
     Columns columns{{.name = "time_s"}, words_of("object", names)};
     add(columns, columns_of(CsvFile::kObjects));
-    columns.push_back({.name = "joint"});
+    columns.push_back({.name = "joint", .unit = "mm or deg"});
     const auto table = store_.open("objects", columns);
     ObjectRecord record;
     while (reader_.next(record)) {

@@ -14,6 +14,7 @@ struct TableColumn {
   std::string name;            ///< with the unit of numbers that are not whole
   bool words = false;          ///< else numbers
   std::size_t most_bytes = 0;  ///< of words whose vocabulary is known; 0: it is not
+  std::string unit = {};       ///< of numbers whose name does not say it
 };
 
 /// A table that is written row by row, field by field. Throws OperationError where something cannot

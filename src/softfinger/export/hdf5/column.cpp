@@ -45,7 +45,7 @@ Hdf5Handle make_data_set(hid_t group, const TableColumn& column, hid_t type) {
   Hdf5Handle set(H5Dcreate2(group, column.name.c_str(), type, space.id(), H5P_DEFAULT,
                             creation.id(), access.id()),
                  H5Dclose);
-  const std::string_view unit = unit_symbol(column.name);
+  const std::string_view unit = column.unit.empty() ? unit_symbol(column.name) : column.unit;
   hdf5_attribute(set.id(), "unit", std::string(unit.empty() && !column.words ? "1" : unit));
   return set;
 }

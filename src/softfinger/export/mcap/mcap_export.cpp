@@ -54,6 +54,9 @@ class RosExport {
       }
       if (finger.joints > 0 && !joints_) joints_ = add("/joints", joint_state_type());
     }
+    for (const RecordingInfo::Object& object : reader.info().objects) {
+      if (!object.joint_unit.empty() && !joints_) joints_ = add("/joints", joint_state_type());
+    }
     if (reader.info().with_state) skin_ = add("/skin", point_cloud_type());
     mcap_.add_metadata("softfinger", as_texts(recording_facts(reader)));
   }
@@ -62,8 +65,11 @@ class RosExport {
     StepRecord step;
     TickRecord tick;
     bool more_ticks = reader_.next(tick);
+    more_objects_ = reader_.next(object_);
+    more_events_ = reader_.next(event_);
     while (mcap_.ok() && reader_.next(step)) {
       tell_until(step.time);
+      write_objects_until(step.step);
       write(step);
       for (; more_ticks && std::pair(tick.step, tick.finger) <= std::pair(step.step, step.finger);
            more_ticks = reader_.next(tick)) {
@@ -71,6 +77,7 @@ class RosExport {
       }
     }
     for (; mcap_.ok() && more_ticks; more_ticks = reader_.next(tick)) write(tick);
+    write_objects_until(std::numeric_limits<std::int64_t>::max());
     tell_until(std::numeric_limits<double>::infinity());
     mcap_.close();
     return {.whole = mcap_.ok(), .lack = lack()};
@@ -143,6 +150,43 @@ class RosExport {
     }
   }
 
+  /// What objects did up to this step.
+  void write_objects_until(std::int64_t step) {
+    for (; mcap_.ok() && more_objects_ && object_.step <= step;
+         more_objects_ = reader_.next(object_)) {
+      write(object_);
+    }
+    for (; mcap_.ok() && more_events_ && event_.step <= step; more_events_ = reader_.next(event_)) {
+      const std::uint64_t at = nanoseconds(event_.time);
+      put(events_, at, log_line(at, words_of(event_)));
+    }
+  }
+
+  void write(const ObjectRecord& record) {
+    const RosHeader world{nanoseconds(record.time), "world"};
+    const std::string frame =
+        "object_" + reader_.info().object_names[static_cast<std::size_t>(record.object)];
+    const RosTransform transform{world, frame, record.X_WO};
+    put(tf_, world.time, tf_message({&transform, 1}));
+    if (joints_ && !std::isnan(record.joint)) {
+      put(*joints_, world.time, joint_state(world, {&frame, 1}, {&record.joint, 1}));
+    }
+  }
+
+  [[nodiscard]] std::string words_of(const EventRecord& event) const {
+    const RecordingInfo& info = reader_.info();
+    const auto name = [&](std::int64_t number) {
+      const auto index = static_cast<std::size_t>(number);
+      const std::size_t objects = info.object_names.size();
+      return index < objects ? info.object_names[index] : info.fingers[index - objects].name;
+    };
+    std::string words = fmt::format("{}: {}", kEventKinds[static_cast<std::size_t>(event.kind)],
+                                    name(event.object));
+    if (event.other >= 0) words += " and " + name(event.other);
+    if (!std::isnan(event.impulse)) words += fmt::format(", {:.3g} N s", event.impulse);
+    return words;
+  }
+
   /// What people were told before this step was taken.
   void tell_until(double time) {
     for (; told_ < messages_.size() && messages_[told_].time < time; ++told_) {
@@ -155,6 +199,9 @@ class RosExport {
   RecordedFingers recorded_;
   std::vector<RecordedMessage> messages_;
   std::size_t told_ = 0;
+  ObjectRecord object_;  ///< the next, where there is one
+  EventRecord event_;
+  bool more_objects_ = false, more_events_ = false;
   McapWriter mcap_;
   std::uint16_t tf_ = 0, wrench_ = 0, events_ = 0;
   std::optional<std::uint16_t> joints_, skin_;
