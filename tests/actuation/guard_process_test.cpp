@@ -86,6 +86,23 @@ TEST_F(GuardedThimble, FollowsAndRetractsAtTheEnd) {
   EXPECT_EQ(actuator.take_event(), std::nullopt);
 }
 
+TEST_F(GuardedThimble, EndsWithItsProcessAndNoLater) {
+  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
+  ASSERT_EQ(guard.start(false), "");
+  ASSERT_TRUE(soon([&] {
+    guard.submit(wanted, DeviceState::kRendering);
+    return away_from(wanted) < kNear;
+  }));
+  const int process = guard.process();
+  std::thread end([&] { guard.finish(); });
+  ASSERT_TRUE(soon([&] { return guard.channel().state == DeviceState::kStopped; }));
+  const auto stopped = std::chrono::steady_clock::now();
+  end.join();
+  EXPECT_LT(std::chrono::steady_clock::now() - stopped, std::chrono::milliseconds(700))
+      << "a second where it hangs";
+  EXPECT_NE(::kill(process, 0), 0) << "it has ended, and was waited for";
+}
+
 TEST_F(GuardedThimble, RetractsWhileTheLoopIsSilent) {
   Actuator actuator(device, options());
   ASSERT_TRUE(follow(actuator, wanted, [&] { return away_from(wanted) < kNear; }));
@@ -182,6 +199,7 @@ TEST_P(FaultyGuard, IsReplacedByOneThatRetractsUntilItIsReleased) {
   };
   ASSERT_TRUE(follow([&] { return away_from(wanted) < kNear; }));
   const int first = guard.process();
+  const std::ptrdiff_t descriptors = open_descriptors();
   const auto began = std::chrono::steady_clock::now();
   ASSERT_EQ(::kill(first, GetParam().signal), 0);
   while (!guard.channel().stop.is_stopped()) {
@@ -196,6 +214,7 @@ TEST_P(FaultyGuard, IsReplacedByOneThatRetractsUntilItIsReleased) {
   EXPECT_NE(guard.process(), first);
   EXPECT_TRUE(guard.is_served());
   EXPECT_EQ(guard.replacements(), 1U);
+  EXPECT_EQ(open_descriptors(), descriptors) << "nothing of the first one is kept";
   for (int k = 0; k < 20; ++k) {
     guard.submit(wanted, DeviceState::kRendering);
     std::this_thread::sleep_for(std::chrono::milliseconds(33));

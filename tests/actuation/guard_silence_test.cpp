@@ -51,6 +51,40 @@ TEST(GuardSilence, OneInADriverHangsAfterAQuarterOfASecondAndTenLooks) {
   EXPECT_EQ(look_that_tells(late, ProcessState::kInDriver, 1.0, 40), 10);
 }
 
+// It sleeps between its commands: that says nothing as long as it beats, however long one looks.
+TEST(GuardSilence, BeginsWithTheFirstLookThatFindsItSilent) {
+  GuardSilence silence;
+  const auto asleep = [](double beat) {
+    return [beat] { return GuardSilence::Seen{beat, ProcessState::kAsleep}; };
+  };
+  for (int look = 0; look < 100; ++look) {
+    EXPECT_FALSE(silence.tells_that_it_hangs(look, 0.01, 0.0, asleep(look))) << look;
+  }
+  // Guard and watcher were held for a second, both of them.
+  constexpr double kLast = 1000.0;
+  for (int look = 0; look < GuardSilence::kLooksAsleep; ++look) {
+    EXPECT_FALSE(silence.tells_that_it_hangs(kLast, 1.0, 0.0, asleep(kLast))) << look;
+  }
+  EXPECT_TRUE(silence.tells_that_it_hangs(kLast, 1.0, 0.0, asleep(kLast)));
+}
+
+TEST(GuardSilence, OneThatBeatsWhileItIsLookedAtDoesNotHang) {
+  GuardSilence silence;
+  const auto woken = [] { return GuardSilence::Seen{kBeat + 0.01, ProcessState::kAsleep}; };
+  for (int look = 0; look < 20; ++look) {
+    EXPECT_FALSE(silence.tells_that_it_hangs(kBeat, 1.0, 0.0, woken)) << look;
+  }
+}
+
+// What it used of a processor before it fell silent is none of its silence.
+TEST(GuardSilence, CountsProcessorTimeFromItsBegin) {
+  GuardSilence silence;
+  const auto runs = [] { return GuardSilence::Seen{kBeat, ProcessState::kRunning}; };
+  EXPECT_FALSE(silence.tells_that_it_hangs(kBeat, 1.0, 50.0, runs));
+  EXPECT_FALSE(silence.tells_that_it_hangs(kBeat, 1.0, 50.0, runs));
+  EXPECT_TRUE(silence.tells_that_it_hangs(kBeat, 1.0, 50.0 + GuardSilence::kSpinning, runs));
+}
+
 TEST(GuardSilence, ItsBoundsAreTooLong) {
   GuardSilence silence;
   silence.begin(kBeat, 0.0);

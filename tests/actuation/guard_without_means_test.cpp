@@ -96,17 +96,38 @@ TEST_F(GuardWithoutMeans, SaysSoWhereTheSystemHasNoMoreDescriptors) {
   EXPECT_EQ(guard.start(false), "") << "as soon as there are some";
 }
 
+TEST_F(GuardWithoutMeans, SaysSoWhereTheSystemHasNoMemoryToShare) {
+  const auto before_signal = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  rlimit none = before;
+  none.rlim_cur = 0;
+  const std::ptrdiff_t descriptors = open_descriptors();
+  ::setrlimit(RLIMIT_FSIZE, &none);
+  EXPECT_THROW(GuardProcess(SOFTFINGER_GUARD, device->home(), setup()), OperationError);
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, before_signal);
+  EXPECT_EQ(open_descriptors(), descriptors);
+}
+
 TEST_F(GuardWithoutMeans, SaysSoWhereItIsNoProgram) {
   const fs::path text = directory_ / "no-program";
   std::ofstream(text) << "not a program\n";
   GuardProcess guard(text, device->home(), setup());
+  const std::ptrdiff_t before = open_descriptors();
   expect_refused(guard, "cannot be started");
+  EXPECT_EQ(open_descriptors(), before) << "and keeps nothing open";
+  const int anothers = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  guard.finish();
+  EXPECT_EQ(::close(anothers), 0) << "and closes nothing that is not its own any more";
 }
 
 TEST_F(GuardWithoutMeans, SaysSoWhereItIsAnotherProgram) {
   GuardProcess guard("/bin/true", device->home(), setup());
+  const std::ptrdiff_t before = open_descriptors();
   EXPECT_THAT(guard.start(false), HasSubstr("does not answer"));
   EXPECT_FALSE(guard.is_served());
+  EXPECT_EQ(open_descriptors(), before);
 }
 
 /// Signals (bit n - 1 of signal n) on a line of /proc/PID/status.
@@ -131,17 +152,19 @@ TEST_F(GuardWithoutMeans, HasNothingOfItsParentButWhatItIsGiven) {
   sigemptyset(&one);
   sigaddset(&one, SIGUSR2);
   ::sigprocmask(SIG_BLOCK, &one, &before);
-  const auto ignored = std::signal(SIGUSR1, SIG_IGN);
+  constexpr std::array kIgnored{SIGUSR1, SIGALRM, SIGTERM, SIGWINCH, SIGXFSZ};
+  for (const int signal : kIgnored) ASSERT_EQ(std::signal(signal, SIG_IGN), SIG_DFL);
   {
     GuardProcess guard(program, device->home(), setup());
     EXPECT_THAT(guard.start(false), HasSubstr("does not answer"));
   }
-  std::signal(SIGUSR1, ignored);
+  for (const int signal : kIgnored) std::signal(signal, SIG_DFL);
   ::sigprocmask(SIG_SETMASK, &before, nullptr);
   std::ifstream file(program.string() + ".said");
   const std::string said(std::istreambuf_iterator<char>(file), {});
   EXPECT_EQ(signals_on(said, "SigBlk"), 0U);
-  EXPECT_EQ(signals_on(said, "SigIgn") & (1U << (SIGUSR1 - 1)), 0U);
+  constexpr std::uint64_t kAllButTheCLibrarysOwn = (std::uint64_t{1} << 31U) - 1U;
+  EXPECT_EQ(signals_on(said, "SigIgn") & kAllButTheCLibrarysOwn, 0U);
   const std::size_t session = said.find("session: ");
   ASSERT_NE(session, std::string::npos) << said;
   int leader = 0;
@@ -206,8 +229,11 @@ TEST_F(GuardProgram, SaysThatItIsOfAnotherVersionByTheSizeOfWhatIsShared) {
 
 TEST_F(GuardProgram, EndsWhereNobodyTellsItWhatToGuard) {
   ASSERT_EQ(::ftruncate(memory_, sizeof(LineChannel)), 0);
-  ::shutdown(ends_[0], SHUT_WR);
+  const auto began = std::chrono::steady_clock::now();
   EXPECT_EQ(run_guard(ends_[1], memory_), 1);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(9)) << "5 s";
+  ::shutdown(ends_[0], SHUT_WR);
+  EXPECT_EQ(run_guard(ends_[1], memory_), 1) << "where nobody can";
 }
 
 // A page's port, say, would stay taken for as long as a guard retracts.
@@ -259,6 +285,82 @@ TEST_F(GuardWithoutMeans, HearsAStopOnlyWhereItRuns) {
   EXPECT_FALSE(guard.would_hear_a_stop(std::chrono::milliseconds(50)));
   // Another one takes its place.
   EXPECT_TRUE(guard.would_hear_a_stop(std::chrono::seconds(10)));
+}
+
+/// A guard by a name that may come to mean something else.
+class ExchangedGuard : public GuardWithoutMeans {
+ protected:
+  ExchangedGuard() { fs::create_symlink(SOFTFINGER_GUARD, program_); }
+  void exchange(const std::string& script) {
+    fs::remove(program_);
+    std::ofstream(program_) << "#!/bin/sh\n" << script << "\n";
+    fs::permissions(program_, fs::perms::owner_all);
+  }
+  bool led_to(GuardProcess& guard, const Configuration& q) {
+    return soon([&] {
+      guard.submit(wanted, DeviceState::kRendering);
+      return away_from(q) < kNear;
+    });
+  }
+  fs::path program_ = directory_ / "softfinger-guard";
+};
+
+TEST_F(ExchangedGuard, WhileAnotherTakesItsPlaceNobodyIsConnected) {
+  GuardProcess guard(program_, device->home(), setup());
+  ASSERT_EQ(guard.start(false), "");
+  ASSERT_TRUE(led_to(guard, wanted));
+  exchange("sleep 1");
+  ::kill(guard.process(), SIGKILL);
+  EXPECT_TRUE(soon([&] { return guard.channel().stop.is_stopped(); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // of the second that it takes
+  EXPECT_FALSE(guard.channel().connected);
+  EXPECT_EQ(guard.channel().state, DeviceState::kDisconnected);
+  EXPECT_TRUE(guard.is_served());
+}
+
+TEST_F(ExchangedGuard, IsReplacedThreeTimesInARowAndNoMore) {
+  GuardProcess guard(program_, device->home(), setup());
+  ASSERT_EQ(guard.start(false), "");
+  exchange("exit 0");
+  ::kill(guard.process(), SIGKILL);
+  EXPECT_TRUE(soon([&] { return !guard.is_served(); }));
+  EXPECT_EQ(guard.replacements(), 3U);
+  EXPECT_TRUE(soon([&] { return guard.channel().state == DeviceState::kStopped; }));
+  EXPECT_FALSE(guard.channel().connected);
+}
+
+// A cable that is pulled takes guards with it that hang in their driver.
+TEST_F(ExchangedGuard, ItsSuccessorWaitsForAPortThatIsNotThereAtOnce) {
+  const fs::path port = directory_ / "port";
+  fs::create_symlink(terminal.port(), port);
+  GuardSetup by_name = setup();
+  by_name.line.port = port;
+  GuardProcess guard(program_, device->home(), by_name);
+  ASSERT_EQ(guard.start(false), "");
+  ASSERT_TRUE(led_to(guard, wanted));
+  fs::remove(port);
+  ::kill(guard.process(), SIGKILL);
+  EXPECT_TRUE(soon([&] { return guard.replacements() == 1; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  EXPECT_EQ(guard.replacements(), 1U) << "one that waits is enough";
+  EXPECT_FALSE(guard.channel().connected);
+  fs::create_symlink(terminal.port(), port);
+  EXPECT_TRUE(led_to(guard, device->retracted()));
+}
+
+// However long that takes.
+TEST_F(ExchangedGuard, TheEndWaitsUntilTheDeviceIsRetracted) {
+  GuardSetup slow = setup();
+  const std::string rate = "joint_rate_deg_per_s = ";
+  const std::size_t at = slow.device_text.find(rate);
+  ASSERT_NE(at, std::string::npos);
+  slow.device_text.replace(at, slow.device_text.find('\n', at) - at, rate + "10.0");
+  GuardProcess guard(program_, device->home(), slow);
+  ASSERT_EQ(guard.start(false), "");
+  ASSERT_TRUE(led_to(guard, wanted));
+  ASSERT_GT(away_from(device->retracted()), 0.3) << "two seconds of its way";
+  guard.finish();
+  EXPECT_LT(away_from(device->retracted()), kNear);
 }
 
 TEST_P(GuardThatIsNotThereAgain, IsToldAsLost) {

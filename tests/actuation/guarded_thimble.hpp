@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -20,6 +21,12 @@ namespace softfinger {
 inline const std::filesystem::path kThimble =
     std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / "thimble-3rrs.toml";
 inline constexpr double kNear = 0.01;  ///< rad
+
+/// Of this process.
+inline std::ptrdiff_t open_descriptors() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/fd"),
+                       std::filesystem::directory_iterator());
+}
 
 /// A thimble whose Maestro is emulated, for a guard process to own the port of.
 class GuardedThimble : public ::testing::Test {

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -16,6 +15,7 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "softfinger/actuation/guard_socket.hpp"
 #include "softfinger/actuation/process_state.hpp"
@@ -44,9 +44,7 @@ class SpawnPlan {
   ~SpawnPlan() {
     posix_spawn_file_actions_destroy(&actions_);
     posix_spawnattr_destroy(&attributes_);
-    for (const int descriptor : copies_) {
-      if (descriptor >= 0) ::close(descriptor);
-    }
+    for (const int descriptor : copies_) ::close(descriptor);
   }
   SpawnPlan(const SpawnPlan&) = delete;
   SpawnPlan& operator=(const SpawnPlan&) = delete;
@@ -62,13 +60,13 @@ class SpawnPlan {
     posix_spawnattr_setsigdefault(&attributes_, &all);
     posix_spawnattr_setflags(&attributes_,
                              POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&actions_, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+      posix_spawn_file_actions_addopen(&actions_, stream, "/dev/null", O_RDWR, 0);
+    }
   }
   void hand_over(int descriptor, int as) {
     const int copy = ::fcntl(descriptor, F_DUPFD_CLOEXEC, kAboveGuardDescriptors);
-    copies_[count_++] = copy;
+    copies_.push_back(copy);
     posix_spawn_file_actions_adddup2(&actions_, copy, as);
   }
   /// 0 or an error number.
@@ -82,8 +80,7 @@ class SpawnPlan {
  private:
   posix_spawn_file_actions_t actions_{};
   posix_spawnattr_t attributes_{};
-  std::array<int, 3> copies_{-1, -1, -1};
-  std::size_t count_ = 0;
+  std::vector<int> copies_;
 };
 
 }  // namespace
@@ -170,14 +167,11 @@ bool GuardProcess::has_ended() noexcept {
 bool GuardProcess::hangs() noexcept {
   const double beat = channel_->beat.load();
   const double silence = channel_->silence(monotonic_time());
-  if (!silence_.goes_on(beat, silence)) {
-    silence_.begin(beat, process_cpu_time(process_));
-    return false;
-  }
-  wake();  // what only sleeps too long is ready to run from here on
-  const ProcessState state = process_state(process_);
-  if (channel_->beat.load() != beat) return false;  // that state was of a guard that had woken up
-  return silence_.hangs(silence, state, process_cpu_time(process_));
+  return silence_.tells_that_it_hangs(beat, silence, process_cpu_time(process_), [this] {
+    wake();  // what only sleeps too long is ready to run from here on
+    const ProcessState state = process_state(process_);
+    return GuardSilence::Seen{channel_->beat.load(), state};
+  });
 }
 
 /// False: not any more.
@@ -208,19 +202,14 @@ void GuardProcess::await_death() noexcept {
 
 void GuardProcess::watch() noexcept {
   while (true) {
-    // Its end is seen at once.
-    pollfd end{.fd = socket_, .events = 0, .revents = 0};
-    ::poll(&end, 1, static_cast<int>(kLookEvery.count()));
+    std::this_thread::sleep_for(kLookEvery);
     const bool ended = has_ended();
     // One that ended as it was told to has said so; closing a port may take it a while yet.
     if (channel_->ending && channel_->state.load() == DeviceState::kStopped) {
       await_death();
       break;
     }
-    if (!ended && !hangs()) {
-      if (end.revents != 0) std::this_thread::sleep_for(kLookEvery);  // it is ending
-      continue;
-    }
+    if (!ended && !hangs()) continue;
     channel_->stop.stop(StopCause::kGuard);
     channel_->connected = false;
     channel_->state = DeviceState::kDisconnected;

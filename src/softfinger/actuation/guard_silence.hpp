@@ -18,6 +18,25 @@ class GuardSilence {
   /// Of processor time without a sign of life, s.
   static constexpr double kSpinning = 0.07;
 
+  /// What is seen of a silent guard from close by.
+  struct Seen {
+    double beat = 0.0;
+    ProcessState state = ProcessState::kRunning;
+  };
+  /// One look at the guard: its last sign of life, how long ago that was (s), and the processor
+  /// time it has used (s). Whether it hangs; `look` (a function that returns Seen) is asked where
+  /// the silence goes on.
+  template <typename Look>
+  [[nodiscard]] bool tells_that_it_hangs(double beat, double silence, double processor_time,
+                                         const Look& look) {
+    if (!goes_on(beat, silence)) {
+      begin(beat, processor_time);
+      return false;
+    }
+    const Seen seen = look();
+    if (seen.beat != beat) return false;  // that state was of a guard that had woken up
+    return hangs(silence, seen.state, processor_time);
+  }
   /// Whether the guard, whose last sign of life was `beat`, has been silent for a while, s, as it
   /// was at the look before; else a silence begins, with the processor time (s) used so far.
   [[nodiscard]] bool goes_on(double beat, double silence) const noexcept {
