@@ -5,19 +5,22 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <thread>
 
-#include "softfinger/actuation/guard_program.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/recording/recording_writer.hpp"
+#include "softfinger/rendered_finger.hpp"
 #include "softfinger/session/run_setup.hpp"
+#include "softfinger/threads/thread_team.hpp"
 #include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
 
 namespace softfinger {
 namespace {
 
 constexpr double kLongestGap = 1.0;  // s
+constexpr int kMostThreads = 256;
 
 std::size_t finger_index(const Scene& scene, const std::string& name) {
   std::vector<std::string> names;
@@ -35,7 +38,9 @@ std::shared_ptr<const RunSetup> load(const std::filesystem::path& given,
   const std::filesystem::path scene = file_or_shipped(Shipped::kScene, given.native());
   SetupOptions named;
   named.scene = scene;
-  if (!options.device.empty()) {
+  if (!options.device.empty() && options.all_fingers) {
+    named.devices.push_back(options.device.string());
+  } else if (!options.device.empty()) {
     const Scene read = load_scene(scene);
     named.devices.push_back(read.fingers[finger_index(read, options.finger)].name + "=" +
                             options.device.string());
@@ -44,96 +49,75 @@ std::shared_ptr<const RunSetup> load(const std::filesystem::path& given,
   return load_setup(named);
 }
 
-PoseConditioning conditioning_of(const RenderingOptions& options) {
-  PoseConditioning conditioning;
-  if (options.filter) conditioning.filter.emplace();
-  if (options.predict &&
-      !(*options.predict >= 0.0 && *options.predict <= PoseConditioning::kMostLead)) {
-    throw InputError(fmt::format("predict {}: must be 0 to {} s", *options.predict,
-                                 PoseConditioning::kMostLead));
-  }
-  conditioning.lead = options.predict;
-  return conditioning;
-}
-
-/// Of the whole scene's files, so that a replay can load it, and of this finger.
-RecordingInfo info_of(const RunSetup& whole, std::size_t finger, const RenderingOptions& options) {
+/// Of the whole scene's files, so that a replay can load it, and of the fingers that are rendered.
+RecordingInfo info_of(const RunSetup& whole, const RenderingOptions& options) {
   RecordingInfo info = recording_info(whole);
-  info.fingers = {info.fingers[finger]};
-  info.fingers.front().poses = conditioning_text(conditioning_of(options), false);
+  if (!options.all_fingers)
+    info.fingers = {info.fingers[finger_index(whole.scene, options.finger)]};
+  for (RecordingInfo::Finger& finger : info.fingers) {
+    finger.poses = conditioning_text(conditioning_of(options), false);
+  }
   info.live = options.open_device;
   info.with_state = options.record_state;
   return info;
 }
 
-void check_device(const RunSetup& setup) {
-  const SceneFinger& finger = setup.scene.fingers.front();
-  if (!setup.devices.front()) {
-    throw InputError(
-        fmt::format("{}: finger {} has no device to open; name one in the scene or in the options, "
-                    "or leave open_device false",
-                    setup.scene.file.string(), finger.name));
-  }
-  if (!setup.devices.front()->settings().transport) {
-    throw InputError(fmt::format(
-        "{}: transport: is missing, there is nothing to open; add a [transport] with the port, or "
-        "leave open_device false",
-        finger.device->string()));
-  }
-}
-
-std::filesystem::path guard_of(const RenderingOptions& options) {
-  if (options.without_guard_process) return {};
-  if (!options.guard_program.empty()) return options.guard_program;
-  std::filesystem::path guard = find_guard_program();
-  if (guard.empty()) {
-    throw InputError(
-        "guard_program: softfinger-guard is neither beside this program nor where softfinger was "
-        "installed; name it, or set without_guard_process");
-  }
-  return guard;
-}
-
-FingerChainOptions chain_of(const RunSetup& setup, const RenderingOptions& options) {
-  if (options.open_device) check_device(setup);
-  ActuatorOptions actuator = {.port = "emulator", .simulated_time = true};
-  if (options.open_device) {
-    actuator = {};
-    actuator.guard_program = guard_of(options);
-  }
-  FingerChainOptions chain = chain_options(setup, 0, actuator);
-  chain.with_state = options.record_state && !options.recording.empty();
-  return chain;
+std::shared_ptr<const RunSetup> rendered(const std::shared_ptr<const RunSetup>& whole,
+                                         const RenderingOptions& options) {
+  const std::size_t first = finger_index(whole->scene, options.finger);
+  return options.all_fingers ? whole : only_finger(*whole, first);
 }
 
 }  // namespace
 
 struct Rendering::Implementation {
-  /// What the caller hands over, as a tracker.
-  struct HandedPose final : Tracker {
-    explicit HandedPose(const TrackedPose& newest) : pose(newest) {}
-    TrackedPose sample(double) override { return pose; }
-    [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
-    const TrackedPose& pose;
+  /// Events that nobody has taken yet, the newest of them.
+  class EventQueue {
+   public:
+    void put(const RenderingEvent& event) {
+      if (count_ == events_.size()) take();
+      events_[(first_ + count_++) % events_.size()] = event;
+    }
+    std::optional<RenderingEvent> take() {
+      if (count_ == 0) return std::nullopt;
+      const RenderingEvent event = events_[first_];
+      first_ = (first_ + 1) % events_.size();
+      --count_;
+      return event;
+    }
+
+   private:
+    std::array<RenderingEvent, 256> events_{};
+    std::size_t first_ = 0, count_ = 0;
   };
 
   Implementation(const std::filesystem::path& scene, const RenderingOptions& options)
       : Implementation(load(scene, options), options) {}
 
   Implementation(const std::shared_ptr<const RunSetup>& whole, const RenderingOptions& options)
-      : setup(only_finger(*whole, finger_index(whole->scene, options.finger))),
-        rate(setup->scene.simulation_rate),
-        conditioned(softfinger::conditioned(std::make_unique<HandedPose>(handed),
-                                            conditioning_of(options), false)),
-        chain(chain_of(*setup, options)),
-        together(setup->scene.objects, setup->scene.gravity, rate, nullptr) {
-    together.add(chain);
-    if (chain.has_device()) describe_device();
+      : setup(rendered(whole, options)), rate(setup->scene.simulation_rate) {
+    if (options.threads < 1 || options.threads > kMostThreads) {
+      throw InputError(fmt::format("threads {}: must be 1 to {}", options.threads, kMostThreads));
+    }
+    if (options.threads > 1) team.emplace(options.threads);
+    ThreadTeam* const shared = team ? &*team : nullptr;
+    together.emplace(setup->scene.objects, setup->scene.gravity, rate, shared);
+    for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {
+      fingers.push_back(std::make_unique<RenderedFinger>(*setup, i, options, shared));
+      together->add(fingers.back()->chain());
+    }
+    tracked.resize(fingers.size());
     if (options.recording.empty()) return;
+    StepRecord largest;
+    for (const auto& finger : fingers) {
+      const StepRecord& step = finger->chain().loop().record();
+      if (step.nodes_W.size() > largest.nodes_W.size()) largest.nodes_W = step.nodes_W;
+      if (step.samples.size() > largest.samples.size()) largest.samples = step.samples;
+    }
     recording = std::make_unique<RecordingWriter>(
-        options.recording, info_of(*whole, finger_index(whole->scene, options.finger), options),
+        options.recording, info_of(*whole, options),
         options.open_device ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
-        chain.loop().record());
+        largest);
   }
 
   ~Implementation() {
@@ -141,49 +125,42 @@ struct Rendering::Implementation {
       close_recording();
     } catch (const OperationError&) {  // close_recording() tells of it
     }
+    retract();
+  }
+
+  /// All at once: each may take a second.
+  void retract() {
+    std::vector<std::thread> waiting;
+    for (std::size_t i = 1; i < fingers.size(); ++i) {
+      waiting.emplace_back([&chain = fingers[i]->chain()] { chain.finish(); });
+    }
+    if (!fingers.empty()) fingers.front()->chain().finish();
+    for (std::thread& thread : waiting) thread.join();
   }
 
   void close_recording() {
     if (!recording) return;
-    together.finish();
-    for (const EventRecord& row : together.events()) record(row);
+    together->finish();
+    for (const EventRecord& row : together->events()) record(row);
     const std::unique_ptr<RecordingWriter> closing = std::move(recording);
     closing->close();
   }
 
-  void describe_device() {
-    const DeviceLoop& device = chain.device();
-    command.configuration = device.record().command.configuration;
-    command.joints = device.record().command.joints;
-    if (const auto& transport = device.device().settings().transport) {
-      servo_step = transport->servos.front().step;
-      command.set_points.setZero(static_cast<Eigen::Index>(transport->servos.size()));
-      command.pulse_widths = command.set_points;
-    }
-    command.state = state_name(DeviceState::kHoming);
+  /// Each finger has been handed its pose of that time.
+  void advance(double time) {
+    simulate_to(time);
+    for (const auto& finger : fingers) finger->tell_stops();
   }
 
-  const RenderingCommand& advance(const TrackedPose& given, double time) {
-    const RenderingCommand& told = simulate_to(given, time);
-    if (chain.has_device()) tell_stops();
-    return told;
-  }
-
-  const RenderingCommand& simulate_to(const TrackedPose& given, double time) {
+  void simulate_to(double time) {
     const auto arrival = std::chrono::steady_clock::now();
-    if (!std::isfinite(time)) return command;
-    handed = given;
-    const TrackedPose target = conditioned->sample(given.time);
-    // Nobody was anywhere before the first pose.
-    if (!seen) from = target.X_WFt;
-    seen = seen || target.valid;
     if (!begun) {
       begun = true;
       origin = time;
-      together.start();
+      together->start();
       record_objects();
-      record(chain.start(TrackedInput(target)));
-      return command;
+      for (const auto& finger : fingers) record(finger->chain().start(finger->target()));
+      return;
     }
     const auto due = static_cast<std::int64_t>(std::floor((time - origin) * rate + 1e-6));
     std::int64_t steps = due - done;
@@ -191,42 +168,20 @@ struct Rendering::Implementation {
       origin = time - static_cast<double>(done + 1) / rate;
       steps = 1;
     }
-    const Pose start = from;
     for (std::int64_t i = 1; i <= steps; ++i) {
-      const double fraction = static_cast<double>(i) / static_cast<double>(steps);
-      TrackedPose tracked = target;
-      tracked.time = static_cast<double>(++done) / rate;
-      if (i < steps) tracked.X_WFt = interpolate(start, target.X_WFt, fraction);
-      const TrackedInput input(tracked);
-      together.step(done, {&input, 1});
+      const double at = static_cast<double>(++done) / rate;
+      for (std::size_t f = 0; f < fingers.size(); ++f) {
+        tracked[f] = fingers[f]->on_the_way(i, steps, at);
+      }
+      together->step(done, tracked);
       record_objects();
-      if (chain.tick_is_due()) tick(arrival);
-      record(chain.seal());
+      for (const auto& finger : fingers) {
+        if (finger->chain().tick_is_due()) record(finger->tick(arrival, origin));
+        record(finger->chain().seal());
+      }
     }
-    if (steps > 0) from = target.X_WFt;
-    return command;
-  }
-
-  void tell_stops() {
-    const StopLatch& latch = chain.device().actuator().stop_latch();
-    command.stops = latch.newest();
-    command.stopped = latch.is_stopped();
-    command.stop_confirmed = command.stopped && latch.confirmed() == command.stops;
-  }
-
-  void tick(std::chrono::steady_clock::time_point arrival) {
-    const TickRecord& tick = chain.tick(chain.tick_input(arrival));
-    record(tick);
-    command.tick = tick.tick;
-    command.time = origin + tick.time;
-    command.configuration = tick.command.configuration;
-    command.joints = tick.command.joints;
-    for (Eigen::Index i = 0; i < command.set_points.size() && i < tick.command.servos; ++i) {
-      command.set_points[i] = tick.command.targets[static_cast<std::size_t>(i)] * servo_step;
-    }
-    command.pulse_widths = command.set_points;
-    command.deviation = tick.deviation;
-    command.state = state_name(tick.command.state);
+    if (steps <= 0) return;
+    for (const auto& finger : fingers) finger->arrive();
   }
 
   template <typename Record>
@@ -235,25 +190,37 @@ struct Rendering::Implementation {
   }
 
   void record_objects() {
-    for (const ObjectRecord& row : together.objects()) record(row);
-    for (const EventRecord& row : together.events()) record(row);
+    for (const ObjectRecord& row : together->objects()) record(row);
+    for (const EventRecord& row : together->events()) {
+      record(row);
+      events.put(told(row));
+    }
   }
 
-  std::shared_ptr<const RunSetup> setup;  // of the one finger
+  [[nodiscard]] RenderingEvent told(const EventRecord& row) const {
+    RenderingEvent event{.time = origin + row.time,
+                         .kind = kEventKinds[static_cast<std::size_t>(row.kind)],
+                         .object = static_cast<std::size_t>(row.object),
+                         .impulse = row.impulse};
+    if (row.other < 0) return event;
+    const auto other = static_cast<std::size_t>(row.other);
+    const std::size_t objects = setup->scene.objects.size();
+    (other < objects ? event.other_object : event.other_finger) =
+        other < objects ? other : other - objects;
+    return event;
+  }
+
+  std::shared_ptr<const RunSetup> setup;  // of the fingers that are rendered
   double rate;
-  TrackedPose handed;                    // by the caller
-  std::unique_ptr<Tracker> conditioned;  // what is made of it
-  FingerChain chain;
-  SceneLoop together;
+  std::optional<ThreadTeam> team;  // none: one thread
+  std::optional<SceneLoop> together;
+  std::vector<std::unique_ptr<RenderedFinger>> fingers;
+  std::vector<TrackedInput> tracked;           // of each, of the step under way
   std::unique_ptr<RecordingWriter> recording;  // null: none
-  RenderingCommand command;
-  double servo_step = 0.0;  // set point of one step of the wire
-  std::size_t notices_told = 0;
+  EventQueue events;
   bool begun = false;
-  bool seen = false;      // a valid pose
   double origin = 0.0;    // the caller's time at step 0, s
   std::int64_t done = 0;  // steps
-  Pose from;              // tracked pose of the last step
 };
 
 Rendering::Rendering(const std::filesystem::path& scene, const RenderingOptions& options)
@@ -263,38 +230,64 @@ Rendering::Rendering(Rendering&&) noexcept = default;
 Rendering& Rendering::operator=(Rendering&&) noexcept = default;
 
 const RenderingCommand& Rendering::step(const Pose& X_WFt, double time) {
-  if (!X_WFt.translation.allFinite() || !X_WFt.rotation.allFinite()) return lost(time);
-  return implementation_->advance({.time = time, .X_WFt = X_WFt, .valid = true}, time);
+  const std::optional<Pose> one(X_WFt);
+  step({&one, 1}, time);
+  return command();
 }
 
 const RenderingCommand& Rendering::lost(double time) {
-  return implementation_->advance({.time = time, .X_WFt = implementation_->from, .valid = false},
-                                  time);
+  if (!std::isfinite(time)) return command();
+  for (const auto& finger : implementation_->fingers) finger->hand_over(std::nullopt, time);
+  implementation_->advance(time);
+  return command();
+}
+
+void Rendering::step(std::span<const std::optional<Pose>> X_WFt, double time) {
+  const auto& fingers = implementation_->fingers;
+  if (X_WFt.size() != fingers.size()) {
+    throw InputError(fmt::format("{} poses for {} fingers: there must be one for each",
+                                 X_WFt.size(), fingers.size()));
+  }
+  if (!std::isfinite(time)) return;
+  for (std::size_t i = 0; i < fingers.size(); ++i) fingers[i]->hand_over(X_WFt[i], time);
+  implementation_->advance(time);
+}
+
+const RenderingCommand& Rendering::command(std::size_t finger) const {
+  return implementation_->fingers[finger]->command();
 }
 
 void Rendering::stop() noexcept {
-  FingerChain& chain = implementation_->chain;
-  if (chain.has_device()) chain.device().actuator().stop(StopCause::kProgram);
+  for (const auto& finger : implementation_->fingers) {
+    if (Actuator* const actuator = finger->actuator()) actuator->stop(StopCause::kProgram);
+  }
 }
 
 bool Rendering::release() noexcept {
-  FingerChain& chain = implementation_->chain;
-  return chain.has_device() &&
-         chain.device().actuator().ask_release(implementation_->command.stops, StopCause::kProgram);
+  bool asked = false;
+  bool stopped_again = false;
+  for (const auto& finger : implementation_->fingers) {
+    Actuator* const actuator = finger->actuator();
+    if (actuator == nullptr || !actuator->stop_latch().is_stopped()) continue;
+    const bool can = actuator->ask_release(finger->command().stops, StopCause::kProgram);
+    asked = asked || can;
+    stopped_again = stopped_again || !can;
+  }
+  return asked && !stopped_again;
 }
 
 std::optional<std::string> Rendering::take_message() {
-  const std::vector<DeviceNotice>& notices = implementation_->setup->notices.front();
-  if (implementation_->notices_told < notices.size()) {
-    const DeviceNotice& notice = notices[implementation_->notices_told++];
-    return notice.key + ": " + notice.text;
+  const auto& fingers = implementation_->fingers;
+  for (std::size_t i = 0; i < fingers.size(); ++i) {
+    const auto message = fingers[i]->take_message();
+    if (!message) continue;
+    if (fingers.size() == 1) return message;
+    return implementation_->setup->scene.fingers[i].name + ": " + *message;
   }
-  FingerChain& chain = implementation_->chain;
-  if (!chain.has_device()) return std::nullopt;
-  Actuator& actuator = chain.device().actuator();
-  const auto event = actuator.take_event();
-  return event ? std::optional(actuator.message(*event)) : std::nullopt;
+  return std::nullopt;
 }
+
+std::optional<RenderingEvent> Rendering::take_event() { return implementation_->events.take(); }
 
 RenderingSnapshot Rendering::snapshot() const {
   RenderingSnapshot taken;
@@ -302,8 +295,8 @@ RenderingSnapshot Rendering::snapshot() const {
   return taken;
 }
 
-void Rendering::snapshot(RenderingSnapshot& snapshot) const {
-  const FingerLoop& loop = implementation_->chain.loop();
+void Rendering::snapshot(RenderingSnapshot& snapshot, std::size_t finger) const {
+  const FingerLoop& loop = implementation_->fingers[finger]->chain().loop();
   const ContactSet& contact = loop.contact();
   snapshot.time = implementation_->origin + loop.record().time;
   snapshot.X_WFt = loop.record().tracked.X_WFt.pose();
@@ -312,40 +305,55 @@ void Rendering::snapshot(RenderingSnapshot& snapshot) const {
   snapshot.sample_pressures.clear();
   snapshot.in_contact.clear();
   snapshot.X_WO.clear();
+  snapshot.objects.clear();
   for (const ContactSample& sample : contact.samples) {
     snapshot.sample_positions_F.push_back(sample.position_F);
     snapshot.sample_pressures.push_back(sample.pressure());
     snapshot.in_contact.push_back(sample.touched() > 0.0);
   }
   snapshot.sums() = contact.sums();
+  const SceneLoop& together = *implementation_->together;
   for (std::size_t o = 0; o < implementation_->setup->scene.objects.size(); ++o) {
-    snapshot.X_WO.push_back(implementation_->together.object_pose(o));
+    snapshot.X_WO.push_back(together.object_pose(o));
+    snapshot.objects.push_back({.X_WO = snapshot.X_WO.back()});
+  }
+  for (const ObjectRecord& record : together.objects()) {
+    RenderingObject& object = snapshot.objects[static_cast<std::size_t>(record.object)];
+    object.moves = true;
+    object.velocity = record.velocity;
+    object.angular_velocity = record.angular_velocity;
+    object.joint = record.joint;
   }
 }
 
 double Rendering::simulation_rate() const { return implementation_->rate; }
 
-double Rendering::device_rate() const {
-  const FingerChain& chain = implementation_->chain;
-  return chain.has_device() ? softfinger::device_rate(chain.device().device()) : 0.0;
-}
+std::size_t Rendering::finger_count() const { return implementation_->fingers.size(); }
 
-int Rendering::joint_count() const {
-  const FingerChain& chain = implementation_->chain;
-  return chain.has_device() ? chain.device().device().joint_count() : 0;
-}
-
-std::vector<std::string> Rendering::configuration_names() const {
+std::vector<std::string> Rendering::finger_names() const {
   std::vector<std::string> names;
-  if (!implementation_->chain.has_device()) return names;
-  for (const ConfigurationAxis& axis : implementation_->chain.device().device().axes()) {
-    names.push_back(axis.name);
+  for (const SceneFinger& finger : implementation_->setup->scene.fingers) {
+    names.push_back(finger.name);
   }
   return names;
 }
 
-const std::vector<std::array<int, 3>>& Rendering::skin_triangles() const {
-  return implementation_->setup->models.front()->skin_triangles;
+double Rendering::device_rate(std::size_t finger) const {
+  const FingerChain& chain = implementation_->fingers[finger]->chain();
+  return chain.has_device() ? softfinger::device_rate(chain.device().device()) : 0.0;
+}
+
+int Rendering::joint_count(std::size_t finger) const {
+  const FingerChain& chain = implementation_->fingers[finger]->chain();
+  return chain.has_device() ? chain.device().device().joint_count() : 0;
+}
+
+std::vector<std::string> Rendering::configuration_names(std::size_t finger) const {
+  return implementation_->fingers[finger]->configuration_names();
+}
+
+const std::vector<std::array<int, 3>>& Rendering::skin_triangles(std::size_t finger) const {
+  return implementation_->fingers[finger]->skin_triangles();
 }
 
 std::vector<std::string> Rendering::object_names() const {
@@ -356,10 +364,26 @@ std::vector<std::string> Rendering::object_names() const {
   return names;
 }
 
-std::optional<Pose> Rendering::registration() const {
+const std::vector<std::array<int, 3>>& Rendering::object_triangles(std::size_t object) const {
+  static const std::vector<std::array<int, 3>> kNone;
+  const auto& soft = implementation_->setup->scene.objects[object].soft;
+  return soft ? soft->skin_triangles : kNone;
+}
+
+void Rendering::object_positions(std::size_t object, std::vector<Vector3>& positions_W) const {
+  positions_W.clear();
+  const auto& soft = implementation_->setup->scene.objects[object].soft;
+  if (!soft) return;
+  const std::span<const Vector3> nodes = implementation_->together->object_nodes(object);
+  for (const int node : soft->sample_nodes) {
+    positions_W.push_back(nodes[static_cast<std::size_t>(node)]);
+  }
+}
+
+std::optional<Pose> Rendering::registration(std::size_t finger) const {
   const RunSetup& setup = *implementation_->setup;
   const PersonFinger* known =
-      setup.person ? setup.person->find(setup.scene.fingers.front().name) : nullptr;
+      setup.person ? setup.person->find(setup.scene.fingers[finger].name) : nullptr;
   return known != nullptr ? known->X_BodyFt : std::nullopt;
 }
 

@@ -166,6 +166,7 @@ std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup, std::size_t f
   alone->models = {setup.models[finger]};
   alone->devices = {setup.devices[finger]};
   alone->ceilings = {setup.ceilings[finger]};
+  alone->notices = {setup.notices[finger]};
   alone->registrations = {setup.registrations[finger]};
   alone->tracker_directories = {setup.tracker_directories[finger]};
   return alone;
