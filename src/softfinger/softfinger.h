@@ -53,13 +53,14 @@ typedef enum {
   SF_STOPPED       /* no command follows */
 } sf_state;
 
-typedef struct sf_rendering sf_rendering; /* one finger of a scene, with its device */
+typedef struct sf_rendering sf_rendering; /* a finger of a scene with its device, or all of them */
 
 /* How a rendering is made; NULL or zeros: all defaults. */
 typedef struct {
   uint32_t size;
   const char *finger;      /* name of a finger of the scene; NULL: the first */
-  const char *device;      /* device file instead of the scene's; NULL: the scene's */
+  const char *device;      /* device file instead of the scene's; NULL: the scene's; with all_fingers
+                              "NAME=FILE" */
   int32_t open_device;     /* 1: commands are sent, by softfinger-guard, a process of its own: whatever
                               becomes of this one, the device is retracted. 0: they are only formed */
   int32_t unused;
@@ -69,6 +70,9 @@ typedef struct {
   int32_t record_state;      /* 1: nodes and samples of every step as well */
   int32_t filter;            /* 1: poses are smoothed by the one-euro filter */
   double predict_s;          /* poses are carried on by this much, 0 to 0.05 */
+  int32_t all_fingers;       /* 1: all fingers of the scene, in its order, whatever `finger` says: they
+                                touch the same objects, and can hold them; see sf_rendering_step_fingers() */
+  int32_t threads;           /* that step several fingers side by side, 1 to 256; 0: one */
 } sf_options;
 
 /* A rigid transform. */
@@ -120,7 +124,40 @@ typedef struct {
   uint32_t joint_count;
   double simulation_rate_Hz;
   double device_rate_Hz; /* 0: no device */
+  uint32_t finger_count;
+  uint32_t unused;
 } sf_info;
+
+/* An object after the last step. */
+typedef struct {
+  uint32_t size;
+  int32_t moves;     /* 1: by the forces on it, as a whole or in part; else what follows is 0 */
+  int32_t has_joint; /* 1: a slider or hinge */
+  int32_t soft;      /* 1: see sf_rendering_object_positions() */
+  double joint;                      /* m, or rad; 0 without one */
+  double velocity_m_per_s[3];        /* of its centre of mass, in W */
+  double angular_velocity_rad_per_s[3];
+} sf_object;
+
+/* What happened to an object that moves. */
+typedef enum {
+  SF_NO_EVENT,
+  SF_IMPACT,  /* two that did not touch for 20 ms begin to; impulse of the normal force over 10 ms */
+  SF_RELEASE, /* they have not touched for 20 ms */
+  SF_CLICK,   /* a slider passes the top of its force curve inwards, or its valley outwards */
+  SF_DETENT,  /* the nearest rest position of a knob is another */
+  SF_LIMIT    /* a joint meets its limit after 20 ms away from it */
+} sf_event_kind;
+typedef struct {
+  uint32_t size;
+  int32_t kind;         /* an sf_event_kind */
+  double time_s;        /* on the caller's clock */
+  double impulse_N_s;   /* NaN: none */
+  uint32_t object;
+  int32_t other_object; /* -1: none */
+  int32_t other_finger; /* -1: none */
+  int32_t unused;
+} sf_event;
 
 /* major * 65536 + minor * 256 + patch */
 SF_API uint32_t sf_version(void);
@@ -131,8 +168,8 @@ SF_API const char *sf_status_text(sf_status status);
 SF_API sf_status sf_scene_finger(const char *scene, size_t index, char *name, size_t capacity,
                                  size_t *count, char *error, size_t error_size);
 
-/* Reads the scene and what it names; trackers and waypoints in it are ignored. Fingers of one scene
-   share nothing: make a rendering for each. */
+/* Reads the scene and what it names; trackers and waypoints in it are ignored. One finger touches the
+   objects alone; with sf_options.all_fingers they touch the same. */
 SF_API sf_status sf_rendering_create(const char *scene, const sf_options *options,
                                      sf_rendering **out, char *error, size_t error_size);
 /* Retracts the device, which may take a second, and ends the handle. A call that another thread is
@@ -152,7 +189,18 @@ SF_API sf_status sf_rendering_step_matrix(sf_rendering *rendering, const double 
                                           double time_s, sf_command *out);
 /* Tracking is lost: the device holds, after 200 ms it retracts. */
 SF_API sf_status sf_rendering_lost(sf_rendering *rendering, double time_s, sf_command *out);
-/* Retracts the device at once and until it is released, also while nobody steps. */
+/* The same for all fingers of the scene, in its order: count poses, the first one's size that of each;
+   tracked: of each 0 where tracking is lost, its pose then without meaning; NULL: all are tracked.
+   With several fingers this takes the place of the calls above, but for sf_rendering_lost(): all are
+   lost. A pose that is none is taken as lost tracking of that finger and told as SF_BAD_INPUT. */
+SF_API sf_status sf_rendering_step_fingers(sf_rendering *rendering, const sf_pose *X_WFt,
+                                           const int32_t *tracked, size_t count, double time_s);
+/* From here on the calls that tell of a finger or its device tell of this one; at first of number 0. */
+SF_API sf_status sf_rendering_select(sf_rendering *rendering, size_t finger);
+/* The newest command of its device. */
+SF_API sf_status sf_rendering_command(const sf_rendering *rendering, sf_command *out);
+/* Retracts the device, with several fingers all of them, at once and until it is released, also while nobody
+   steps. */
 SF_API sf_status sf_rendering_stop(sf_rendering *rendering);
 /* Asks to release it from the stops that the last step told of; sf_command.stopped says whether it
    is. SF_FAILED: nothing is stopped, or it was stopped again since. */
@@ -183,6 +231,20 @@ SF_API sf_status sf_rendering_triangles(const sf_rendering *rendering, uint32_t 
 SF_API sf_status sf_rendering_object_pose(const sf_rendering *rendering, size_t object,
                                           sf_pose *X_WO);
 SF_API sf_status sf_rendering_object_name(const sf_rendering *rendering, size_t object, char *name,
+                                          size_t capacity, size_t *count);
+SF_API sf_status sf_rendering_object(const sf_rendering *rendering, size_t object, sf_object *out);
+/* The surface of something soft as it is deformed: x, y, z of each point in W; three points a
+   triangle, counter-clockwise from outside. None of what keeps its shape. */
+SF_API sf_status sf_rendering_object_positions(const sf_rendering *rendering, size_t object,
+                                               double *xyz_W_m, size_t capacity, size_t *count);
+SF_API sf_status sf_rendering_object_triangles(const sf_rendering *rendering, size_t object,
+                                               uint32_t *corners, size_t capacity, size_t *count);
+/* The next event, each told once; SF_NO_EVENT: nothing more now. Of more than 256 that wait the oldest
+   are forgotten. */
+SF_API sf_status sf_rendering_take_event(sf_rendering *rendering, sf_event *out);
+/* "impact", "release", ...; of anything else "". */
+SF_API const char *sf_event_text(sf_event_kind kind);
+SF_API sf_status sf_rendering_finger_name(const sf_rendering *rendering, size_t finger, char *name,
                                           size_t capacity, size_t *count);
 /* Name of a component of the configuration with the unit people read, e.g. pitch_deg. */
 SF_API sf_status sf_rendering_configuration_name(const sf_rendering *rendering, size_t component,

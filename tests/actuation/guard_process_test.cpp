@@ -88,6 +88,7 @@ TEST_F(GuardedThimble, FollowsAndRetractsAtTheEnd) {
 
 TEST_F(GuardedThimble, EndsWithItsProcessAndNoLater) {
   GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
+  const std::ptrdiff_t descriptors = open_descriptors();
   ASSERT_EQ(guard.start(false), "");
   ASSERT_TRUE(soon([&] {
     guard.submit(wanted, DeviceState::kRendering);
@@ -101,6 +102,7 @@ TEST_F(GuardedThimble, EndsWithItsProcessAndNoLater) {
   EXPECT_LT(std::chrono::steady_clock::now() - stopped, std::chrono::milliseconds(700))
       << "a second where it hangs";
   EXPECT_NE(::kill(process, 0), 0) << "it has ended, and was waited for";
+  EXPECT_EQ(open_descriptors(), descriptors);
 }
 
 TEST_F(GuardedThimble, RetractsWhileTheLoopIsSilent) {

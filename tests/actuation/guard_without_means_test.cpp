@@ -115,11 +115,13 @@ TEST_F(GuardWithoutMeans, SaysSoWhereItIsNoProgram) {
   std::ofstream(text) << "not a program\n";
   GuardProcess guard(text, device->home(), setup());
   const std::ptrdiff_t before = open_descriptors();
+  const int input = ::fcntl(STDIN_FILENO, F_GETFD);
   expect_refused(guard, "cannot be started");
   EXPECT_EQ(open_descriptors(), before) << "and keeps nothing open";
   const int anothers = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   guard.finish();
   EXPECT_EQ(::close(anothers), 0) << "and closes nothing that is not its own any more";
+  EXPECT_EQ(::fcntl(STDIN_FILENO, F_GETFD), input);
 }
 
 TEST_F(GuardWithoutMeans, SaysSoWhereItIsAnotherProgram) {
@@ -128,6 +130,7 @@ TEST_F(GuardWithoutMeans, SaysSoWhereItIsAnotherProgram) {
   EXPECT_THAT(guard.start(false), HasSubstr("does not answer"));
   EXPECT_FALSE(guard.is_served());
   EXPECT_EQ(open_descriptors(), before);
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "nobody is left to be waited for";
 }
 
 /// Signals (bit n - 1 of signal n) on a line of /proc/PID/status.
@@ -346,6 +349,18 @@ TEST_F(ExchangedGuard, ItsSuccessorWaitsForAPortThatIsNotThereAtOnce) {
   EXPECT_FALSE(guard.channel().connected);
   fs::create_symlink(terminal.port(), port);
   EXPECT_TRUE(led_to(guard, device->retracted()));
+}
+
+TEST_F(ExchangedGuard, WaitsForAPortThatIsNotThereAtTheStart) {
+  const fs::path port = directory_ / "port";
+  GuardSetup by_name = setup();
+  by_name.line.port = port;
+  GuardProcess guard(program_, device->home(), by_name);
+  EXPECT_THAT(guard.start(true), HasSubstr("no such port"));
+  EXPECT_TRUE(guard.is_served());
+  fs::create_symlink(terminal.port(), port);
+  EXPECT_TRUE(led_to(guard, wanted));
+  EXPECT_EQ(guard.replacements(), 0U);
 }
 
 // However long that takes.

@@ -111,6 +111,30 @@ TEST(CInterfaceRefuses, SizesAndPointersOfSteps) {
   EXPECT_EQ(sf_rendering_positions(scene, nullptr, 100, nullptr), SF_DONE);
 }
 
+TEST(CInterfaceRefuses, FingersThatAreNotThere) {
+  sf_options options = {};
+  options.size = sizeof options;
+  options.all_fingers = 1;
+  const OpenedScene two("cup.toml", &options);
+  sf_pose poses[2] = {touching_pose(0.0), touching_pose(0.0)};
+  EXPECT_EQ(sf_rendering_step(two, poses, 0.0, nullptr), SF_BAD_INPUT);
+  EXPECT_THAT(message_of(two), HasSubstr("sf_rendering_step_fingers() takes a pose for each"));
+  EXPECT_EQ(sf_rendering_step_fingers(two, poses, nullptr, 1, 0.0), SF_BAD_INPUT);
+  EXPECT_THAT(message_of(two), HasSubstr("count must be the number of fingers"));
+  EXPECT_EQ(sf_rendering_step_fingers(two, nullptr, nullptr, 2, 0.0), SF_BAD_INPUT);
+  EXPECT_EQ(sf_rendering_select(two, 2), SF_BAD_INPUT);
+  EXPECT_EQ(sf_rendering_command(two, nullptr), SF_BAD_INPUT);
+  EXPECT_EQ(sf_rendering_take_event(two, nullptr), SF_BAD_INPUT);
+  EXPECT_EQ(sf_rendering_object_positions(two, 9, nullptr, 0, nullptr), SF_BAD_INPUT);
+  poses[1].quaternion_wxyz[0] = kNoNumber;
+  EXPECT_EQ(sf_rendering_step_fingers(two, poses, nullptr, 2, 0.0), SF_BAD_INPUT);
+  EXPECT_THAT(message_of(two), HasSubstr("taken as lost tracking"));
+  const std::int32_t tracked[2] = {1, 0};
+  EXPECT_EQ(sf_rendering_step_fingers(two, poses, tracked, 2, 0.01), SF_DONE) << "said to be lost";
+  options.threads = 1000;
+  EXPECT_EQ(create(shipped_scene("cup.toml").c_str(), &options).status, SF_BAD_INPUT);
+}
+
 TEST(CInterfaceRefuses, TimeThatGoesBackOrIsNone) {
   const OpenedScene scene("plane.toml");
   const sf_pose X_WFt = touching_pose(0.5);

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -109,6 +111,100 @@ TEST(CInterface, AHandleForEachFinger) {
   EXPECT_EQ(sf_scene_finger(hand.c_str(), 5, name, sizeof name, nullptr, error, sizeof error),
             SF_BAD_INPUT);
   EXPECT_THAT(error, testing::HasSubstr("no finger 5; it has 5"));
+}
+
+// Index and thumb of the scene, on their way together: the first of the two is 4 mm deep.
+TEST(CInterface, AllFingersOfASceneHoldWhatMoves) {
+  sf_options options = {};
+  options.size = sizeof options;
+  options.all_fingers = 1;
+  options.threads = 2;
+  const OpenedScene cup("cup.toml", &options);
+  sf_info info = {sizeof(sf_info)};
+  ASSERT_EQ(sf_rendering_info(cup, &info), SF_DONE);
+  ASSERT_EQ(info.finger_count, 2u);
+  char name[16];
+  ASSERT_EQ(sf_rendering_finger_name(cup, 1, name, sizeof name, nullptr), SF_DONE);
+  EXPECT_STREQ(name, "thumb");
+  EXPECT_EQ(sf_rendering_finger_name(cup, 2, name, sizeof name, nullptr), SF_BAD_INPUT);
+
+  RenderingOptions cpp_options;
+  cpp_options.all_fingers = true;
+  Rendering cpp(shipped_scene("cup.toml"), cpp_options);
+  sf_pose poses[2] = {{sizeof(sf_pose), {}, {0, 0, 0, 0}}, {sizeof(sf_pose), {}, {0, 0, 0, 0}}};
+  const double half = std::sqrt(0.5);
+  for (int i = 0; i <= 400; ++i) {
+    const double time = i / 400.0;
+    const double x = 46e-3 - 11e-3 * std::min(1.0, 1.25 * time);
+    // Pads towards each other: turned about y, the thumb about z besides.
+    poses[0] = {sizeof(sf_pose), {x, 0.0, 52e-3}, {half, 0.0, half, 0.0}};
+    poses[1] = {sizeof(sf_pose), {-x, 0.0, 52e-3}, {0.0, half, 0.0, -half}};
+    ASSERT_EQ(sf_rendering_step_fingers(cup, poses, nullptr, 2, time), SF_DONE) << message_of(cup);
+    cpp.step(std::vector<std::optional<Pose>>{as_cpp(poses[0]), as_cpp(poses[1])}, time);
+  }
+  for (std::size_t finger : {0U, 1U}) {
+    RenderingSnapshot expected;
+    cpp.snapshot(expected, finger);
+    ASSERT_EQ(sf_rendering_select(cup, finger), SF_DONE);
+    sf_contact contact = {sizeof(sf_contact)};
+    ASSERT_EQ(sf_rendering_contact(cup, &contact), SF_DONE);
+    EXPECT_GT(contact.normal_force_N, 0.2) << finger;
+    EXPECT_EQ(contact.normal_force_N, expected.normal_force) << finger;
+    sf_command command = {sizeof(sf_command)};
+    ASSERT_EQ(sf_rendering_command(cup, &command), SF_DONE);
+    EXPECT_EQ(command.state, SF_RENDERING);
+    EXPECT_EQ(Vector3(command.configuration), Vector3(cpp.command(finger).configuration));
+  }
+  sf_object object = {sizeof(sf_object)};
+  ASSERT_EQ(sf_rendering_object(cup, 0, &object), SF_DONE);
+  EXPECT_EQ(object.moves, 1);
+  EXPECT_EQ(object.has_joint + object.soft, 0);
+  EXPECT_EQ(sf_rendering_object(cup, 2, &object), SF_BAD_INPUT);
+  std::size_t count = 7;
+  ASSERT_EQ(sf_rendering_object_positions(cup, 0, nullptr, 0, &count), SF_DONE);
+  EXPECT_EQ(count, 0u) << "it keeps its shape";
+
+  int met[2] = {0, 0};
+  for (sf_event event = {sizeof(sf_event)};;) {
+    ASSERT_EQ(sf_rendering_take_event(cup, &event), SF_DONE);
+    if (event.kind == SF_NO_EVENT) break;
+    if (event.kind == SF_IMPACT && event.other_finger >= 0) ++met[event.other_finger];
+  }
+  EXPECT_EQ(met[0], 1);
+  EXPECT_EQ(met[1], 1);
+  EXPECT_STREQ(sf_event_text(SF_IMPACT), "impact");
+  EXPECT_STREQ(sf_event_text(SF_NO_EVENT), "");
+}
+
+TEST(CInterface, TellsTheSurfaceOfWhatIsSoft) {
+  sf_options options = {};
+  options.size = sizeof options;
+  options.all_fingers = 1;
+  const OpenedScene scene("sponge.toml", &options);
+  ASSERT_EQ(sf_rendering_lost(scene, 0.0, nullptr), SF_DONE);
+  ASSERT_EQ(sf_rendering_lost(scene, 0.1, nullptr), SF_DONE);
+  sf_object object = {sizeof(sf_object)};
+  ASSERT_EQ(sf_rendering_object(scene, 0, &object), SF_DONE);
+  EXPECT_EQ(object.soft, 1);
+  std::size_t points = 0;
+  std::size_t triangles = 0;
+  ASSERT_EQ(sf_rendering_object_positions(scene, 0, nullptr, 0, &points), SF_DONE);
+  ASSERT_EQ(sf_rendering_object_triangles(scene, 0, nullptr, 0, &triangles), SF_DONE);
+  std::vector<double> xyz(3 * points);
+  std::vector<std::uint32_t> corners(3 * triangles);
+  ASSERT_EQ(sf_rendering_object_positions(scene, 0, xyz.data(), points, nullptr), SF_DONE);
+  ASSERT_EQ(sf_rendering_object_triangles(scene, 0, corners.data(), triangles, nullptr), SF_DONE);
+  ASSERT_GT(points, 100u);
+  EXPECT_EQ(*std::max_element(corners.begin(), corners.end()), points - 1);
+  // Six times the volume, by the divergence theorem: the sponge is 36 x 24 x 20 mm or so.
+  double six = 0.0;
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const Vector3 a(&xyz[3 * corners[3 * t]]), b(&xyz[3 * corners[3 * t + 1]]),
+        c(&xyz[3 * corners[3 * t + 2]]);
+    six += a.dot(b.cross(c));
+  }
+  EXPECT_GT(six / 6, 1.5e-5);
+  EXPECT_LT(six / 6, 3e-5);
 }
 
 TEST(CInterface, StepsAllocateNothing) {

@@ -52,9 +52,8 @@ class SpawnPlan {
   /// A session and signals of its own: Ctrl-C in the terminal is not for the guard. And none of our
   /// standard streams: who waits for their end must not wait for the guard.
   void separate() {
-    sigset_t none;
+    const sigset_t none{};
     sigset_t all;
-    sigemptyset(&none);
     sigfillset(&all);
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setsigdefault(&attributes_, &all);

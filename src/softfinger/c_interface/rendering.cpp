@@ -13,6 +13,7 @@
 #include "softfinger/c_interface/frames.hpp"
 #include "softfinger/c_interface/guard_beside_library.hpp"
 #include "softfinger/c_interface/handle.hpp"
+#include "softfinger/recording/record.hpp"
 
 namespace softfinger {
 namespace {
@@ -20,6 +21,7 @@ namespace {
 // What the structs were when they were first published: whoever was compiled then still runs.
 constexpr std::size_t kFirstOptions = offsetof(sf_options, guard_program);
 constexpr std::size_t kFirstCommand = offsetof(sf_command, stopped);
+constexpr std::size_t kFirstInfo = offsetof(sf_info, finger_count);
 constexpr std::size_t kFirstContact = offsetof(sf_contact, normal_force_sum_N);
 constexpr std::size_t kComponents = std::extent_v<decltype(sf_command::configuration)>;
 
@@ -40,12 +42,22 @@ constexpr std::array<NamedState, kDeviceStates.size()> kStates{{
     {state_name(DeviceState::kStopped), SF_STOPPED},
 }};
 
+struct NamedKind {
+  const char* name;
+  sf_event_kind kind;
+};
 sf_state c_state(std::string_view name) {
   for (const NamedState& row : kStates) {
     if (row.name == name) return row.state;
   }
   return SF_DISCONNECTED;  // no device
 }
+
+constexpr std::array<NamedKind, kEventKinds.size()> kKinds{{{kEventKinds[0], SF_IMPACT},
+                                                            {kEventKinds[1], SF_RELEASE},
+                                                            {kEventKinds[2], SF_CLICK},
+                                                            {kEventKinds[3], SF_DETENT},
+                                                            {kEventKinds[4], SF_LIMIT}}};
 
 std::uint32_t c_count(const Eigen::VectorXd& values) {
   return static_cast<std::uint32_t>(values.size());
@@ -65,6 +77,8 @@ RenderingOptions rendering_options(const sf_options* given) {
   named.guard_program =
       options.guard_program != nullptr ? options.guard_program : guard_beside_library();
   named.open_device = options.open_device != 0;
+  named.all_fingers = options.all_fingers != 0;
+  if (options.threads != 0) named.threads = options.threads;
   named.record_state = options.record_state != 0;
   named.filter = options.filter != 0;
   if (options.predict_s != 0.0) named.predict = options.predict_s;
@@ -77,10 +91,14 @@ RenderingOptions rendering_options(const sf_options* given) {
 struct HeldRendering {
   HeldRendering(const char* scene, const sf_options* options)
       : rendering(scene, rendering_options(options)),
-        components(rendering.configuration_names()),
-        objects(rendering.object_names()) {
+        fingers(rendering.finger_names()),
+        objects(rendering.object_names()),
+        poses(fingers.size()) {
+    for (std::size_t finger = 0; finger < fingers.size(); ++finger) {
+      components.push_back(rendering.configuration_names(finger));
+      check(components.back().size(), kComponents, "components");
+    }
     rendering.snapshot(snapshot);
-    check(components.size(), kComponents, "components");
   }
 
   static void check(std::size_t count, std::size_t most, const char* what) {
@@ -90,13 +108,17 @@ struct HeldRendering {
   }
 
   const RenderingSnapshot& newest() {
-    if (!fresh) rendering.snapshot(snapshot);
+    if (!fresh) rendering.snapshot(snapshot, selected);
     fresh = true;
     return snapshot;
   }
 
   Rendering rendering;
-  std::vector<std::string> components, objects;
+  std::vector<std::string> fingers, objects;
+  std::vector<std::vector<std::string>> components;        ///< of each finger's configuration
+  std::vector<std::optional<Pose>> poses;                  ///< of each, of the call under way
+  std::size_t selected = 0;                                ///< finger that is told of
+  std::vector<Vector3> surface;                            ///< of the object asked for last
   double time = -std::numeric_limits<double>::infinity();  ///< of the last call, s
   RenderingSnapshot snapshot;
   bool fresh = true;
@@ -143,21 +165,59 @@ namespace {
 
 using RenderingUse = Handle<HeldRendering>::Use;
 
-/// One step with the pose; none, or one that is no pose: lost tracking.
-sf_status advance(const RenderingUse& use, const std::optional<Pose>& X_WFt, double time,
-                  sf_command* out) {
-  if (out != nullptr && out->size < kFirstCommand) {
-    return use.refuse("sf_command.size must be sizeof(sf_command)");
-  }
+sf_status check_command(const RenderingUse& use, const sf_command* out) {
+  if (out == nullptr || out->size >= kFirstCommand) return SF_DONE;
+  return use.refuse("sf_command.size must be sizeof(sf_command)");
+}
+
+/// One step with use->poses; one that is none: lost tracking.
+sf_status advance_all(const RenderingUse& use, double time) {
   if (!(std::abs(time) <= kLatest)) return use.refuse("time_s must be from -1e12 to 1e12");
   if (time < use->time) {
     return use.refuse("time_s goes back: it must not be less than at the call before");
   }
   use->time = time;
   use->fresh = false;
-  Rendering& rendering = use->rendering;
-  tell_command(X_WFt ? rendering.step(*X_WFt, time) : rendering.lost(time), out);
+  use->rendering.step(use->poses, time);
   return SF_DONE;
+}
+
+/// The same of the one finger that there is, or with none of all.
+sf_status advance(const RenderingUse& use, const std::optional<Pose>& X_WFt, double time,
+                  sf_command* out) {
+  if (const sf_status status = check_command(use, out); status != SF_DONE) return status;
+  if (X_WFt && use->poses.size() != 1) {
+    return use.refuse(
+        "there are several fingers: sf_rendering_step_fingers() takes a pose for each");
+  }
+  std::fill(use->poses.begin(), use->poses.end(), X_WFt);
+  const sf_status status = advance_all(use, time);
+  if (status == SF_DONE) tell_command(use->rendering.command(use->selected), out);
+  return status;
+}
+
+bool checks_object(const RenderingUse& use, std::size_t object) {
+  if (object < use->objects.size()) return true;
+  (void)use.refuse("object must be less than the number of objects");
+  return false;
+}
+
+void copy_triangles(const std::vector<std::array<int, 3>>& triangles, std::uint32_t* corners,
+                    std::size_t capacity, std::size_t* count) {
+  const std::size_t written = corners == nullptr ? 0 : std::min(capacity, triangles.size());
+  for (std::size_t i = 0; i < written; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[3 * i + k] = static_cast<std::uint32_t>(triangles[i][k]);
+    }
+  }
+  if (count != nullptr) *count = triangles.size();
+}
+
+void copy_points(const std::vector<Vector3>& points, double* xyz, std::size_t capacity,
+                 std::size_t* count) {
+  const std::size_t written = xyz == nullptr ? 0 : std::min(capacity, points.size());
+  for (std::size_t i = 0; i < written; ++i) std::copy_n(points[i].data(), 3, xyz + 3 * i);
+  if (count != nullptr) *count = points.size();
 }
 
 /// A reading call: `read` gets the snapshot after the last step.
@@ -235,6 +295,49 @@ sf_status sf_rendering_lost(sf_rendering* rendering, double time_s, sf_command* 
   return use ? softfinger::advance(use, std::nullopt, time_s, out) : SF_BAD_INPUT;
 }
 
+sf_status sf_rendering_step_fingers(sf_rendering* rendering, const sf_pose* X_WFt,
+                                    const int32_t* tracked, size_t count, double time_s) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use) return SF_BAD_INPUT;
+  if (count != use->poses.size()) return use.refuse("count must be the number of fingers");
+  if (X_WFt == nullptr) return use.refuse("X_WFt must not be NULL; sf_rendering_lost() says so");
+  const std::size_t size = X_WFt->size;
+  if (size < sizeof(sf_pose)) return use.refuse("sf_pose.size must be sizeof(sf_pose)");
+  bool all_are_poses = true;
+  for (std::size_t i = 0; i < count; ++i) {
+    use->poses[i].reset();
+    if (tracked != nullptr && tracked[i] == 0) continue;
+    sf_pose pose;
+    std::memcpy(&pose, reinterpret_cast<const char*>(X_WFt) + i * size, sizeof pose);
+    use->poses[i] = softfinger::pose_of(pose);
+    all_are_poses = all_are_poses && use->poses[i];
+  }
+  const sf_status status = softfinger::advance_all(use, time_s);
+  if (status != SF_DONE || all_are_poses) return status;
+  return use.refuse(
+      "X_WFt: must be within 1000 m, the quaternion's norm 1; taken as lost tracking");
+}
+
+sf_status sf_rendering_select(sf_rendering* rendering, size_t finger) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use) return SF_BAD_INPUT;
+  if (finger >= use->fingers.size()) {
+    return use.refuse("finger must be less than the number of fingers");
+  }
+  use->fresh = use->fresh && use->selected == finger;
+  use->selected = finger;
+  return SF_DONE;
+}
+
+sf_status sf_rendering_command(const sf_rendering* rendering, sf_command* out) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use) return SF_BAD_INPUT;
+  if (out == nullptr) return use.refuse("sf_command.size must be sizeof(sf_command)");
+  const sf_status status = softfinger::check_command(use, out);
+  if (status == SF_DONE) softfinger::tell_command(use->rendering.command(use->selected), out);
+  return status;
+}
+
 sf_status sf_rendering_stop(sf_rendering* rendering) {
   const RenderingUse use(rendering, RenderingUse::kAnyThread);
   if (!use) return SF_BAD_INPUT;
@@ -261,17 +364,19 @@ sf_status sf_rendering_take_message(sf_rendering* rendering, char* text, size_t 
 
 sf_status sf_rendering_info(const sf_rendering* rendering, sf_info* out) {
   return softfinger::with_snapshot(rendering, [&](const RenderingUse& use, const auto& snapshot) {
-    if (out == nullptr || out->size < sizeof(sf_info)) {
+    if (out == nullptr || out->size < softfinger::kFirstInfo) {
       return use.refuse("sf_info.size must be sizeof(sf_info)");
     }
+    const std::size_t finger = use->selected;
     sf_info info{};
     info.sample_count = static_cast<std::uint32_t>(snapshot.in_contact.size());
-    info.triangle_count = static_cast<std::uint32_t>(use->rendering.skin_triangles().size());
+    info.triangle_count = static_cast<std::uint32_t>(use->rendering.skin_triangles(finger).size());
     info.object_count = static_cast<std::uint32_t>(use->objects.size());
-    info.configuration_count = static_cast<std::uint32_t>(use->components.size());
-    info.joint_count = static_cast<std::uint32_t>(use->rendering.joint_count());
+    info.configuration_count = static_cast<std::uint32_t>(use->components[finger].size());
+    info.joint_count = static_cast<std::uint32_t>(use->rendering.joint_count(finger));
     info.simulation_rate_Hz = use->rendering.simulation_rate();
-    info.device_rate_Hz = use->rendering.device_rate();
+    info.device_rate_Hz = use->rendering.device_rate(finger);
+    info.finger_count = static_cast<std::uint32_t>(use->fingers.size());
     softfinger::hand_out(info, out);
     return SF_DONE;
   });
@@ -313,10 +418,7 @@ sf_status sf_rendering_poses(const sf_rendering* rendering, sf_pose* X_WFt, sf_p
 sf_status sf_rendering_positions(const sf_rendering* rendering, double* xyz_F_m, size_t capacity,
                                  size_t* count) {
   return softfinger::with_snapshot(rendering, [&](const RenderingUse&, const auto& snapshot) {
-    const auto& positions = snapshot.sample_positions_F;
-    const std::size_t written = xyz_F_m == nullptr ? 0 : std::min(capacity, positions.size());
-    for (std::size_t i = 0; i < written; ++i) std::copy_n(positions[i].data(), 3, xyz_F_m + 3 * i);
-    if (count != nullptr) *count = positions.size();
+    softfinger::copy_points(snapshot.sample_positions_F, xyz_F_m, capacity, count);
     return SF_DONE;
   });
 }
@@ -344,23 +446,15 @@ sf_status sf_rendering_in_contact(const sf_rendering* rendering, uint8_t* in_con
 sf_status sf_rendering_triangles(const sf_rendering* rendering, uint32_t* corners, size_t capacity,
                                  size_t* count) {
   return softfinger::with_snapshot(rendering, [&](const RenderingUse& use, const auto&) {
-    const auto& triangles = use->rendering.skin_triangles();
-    const std::size_t written = corners == nullptr ? 0 : std::min(capacity, triangles.size());
-    for (std::size_t i = 0; i < written; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        corners[3 * i + k] = static_cast<std::uint32_t>(triangles[i][k]);
-      }
-    }
-    if (count != nullptr) *count = triangles.size();
+    softfinger::copy_triangles(use->rendering.skin_triangles(use->selected), corners, capacity,
+                               count);
     return SF_DONE;
   });
 }
 
 sf_status sf_rendering_object_pose(const sf_rendering* rendering, size_t object, sf_pose* X_WO) {
   return softfinger::with_snapshot(rendering, [&](const RenderingUse& use, const auto& snapshot) {
-    if (object >= snapshot.X_WO.size()) {
-      return use.refuse("object must be less than the number of objects");
-    }
+    if (!softfinger::checks_object(use, object)) return SF_BAD_INPUT;
     if (X_WO == nullptr || X_WO->size < sizeof(sf_pose)) {
       return use.refuse("sf_pose.size must be sizeof(sf_pose)");
     }
@@ -376,10 +470,86 @@ sf_status sf_rendering_object_name(const sf_rendering* rendering, size_t object,
   });
 }
 
+sf_status sf_rendering_object(const sf_rendering* rendering, size_t object, sf_object* out) {
+  return softfinger::with_snapshot(rendering, [&](const RenderingUse& use, const auto& snapshot) {
+    if (!softfinger::checks_object(use, object)) return SF_BAD_INPUT;
+    if (out == nullptr || out->size < sizeof(sf_object)) {
+      return use.refuse("sf_object.size must be sizeof(sf_object)");
+    }
+    const softfinger::RenderingObject& from = snapshot.objects[object];
+    sf_object told{};
+    told.moves = from.moves ? 1 : 0;
+    told.has_joint = std::isnan(from.joint) ? 0 : 1;
+    told.soft = use->rendering.object_triangles(object).empty() ? 0 : 1;
+    told.joint = told.has_joint == 1 ? from.joint : 0.0;
+    std::copy_n(from.velocity.data(), 3, told.velocity_m_per_s);
+    std::copy_n(from.angular_velocity.data(), 3, told.angular_velocity_rad_per_s);
+    softfinger::hand_out(told, out);
+    return SF_DONE;
+  });
+}
+
+sf_status sf_rendering_object_positions(const sf_rendering* rendering, size_t object,
+                                        double* xyz_W_m, size_t capacity, size_t* count) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use || !softfinger::checks_object(use, object)) return SF_BAD_INPUT;
+  return softfinger::guarded({nullptr, 0}, [&] {
+    use->rendering.object_positions(object, use->surface);
+    softfinger::copy_points(use->surface, xyz_W_m, capacity, count);
+    return SF_DONE;
+  });
+}
+
+sf_status sf_rendering_object_triangles(const sf_rendering* rendering, size_t object,
+                                        uint32_t* corners, size_t capacity, size_t* count) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use || !softfinger::checks_object(use, object)) return SF_BAD_INPUT;
+  softfinger::copy_triangles(use->rendering.object_triangles(object), corners, capacity, count);
+  return SF_DONE;
+}
+
+sf_status sf_rendering_take_event(sf_rendering* rendering, sf_event* out) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use) return SF_BAD_INPUT;
+  if (out == nullptr || out->size < sizeof(sf_event)) {
+    return use.refuse("sf_event.size must be sizeof(sf_event)");
+  }
+  sf_event told{};
+  told.other_object = -1;
+  told.other_finger = -1;
+  if (const auto event = use->rendering.take_event()) {
+    for (const auto& row : softfinger::kKinds) {
+      if (row.name == event->kind) told.kind = row.kind;
+    }
+    told.time_s = event->time;
+    told.impulse_N_s = event->impulse;
+    told.object = static_cast<std::uint32_t>(event->object);
+    if (event->other_object) told.other_object = static_cast<std::int32_t>(*event->other_object);
+    if (event->other_finger) told.other_finger = static_cast<std::int32_t>(*event->other_finger);
+  }
+  softfinger::hand_out(told, out);
+  return SF_DONE;
+}
+
+const char* sf_event_text(sf_event_kind kind) {
+  for (const auto& row : softfinger::kKinds) {
+    if (row.kind == kind) return row.name;
+  }
+  return "";
+}
+
+sf_status sf_rendering_finger_name(const sf_rendering* rendering, size_t finger, char* name,
+                                   size_t capacity, size_t* count) {
+  return softfinger::with_snapshot(rendering, [&](const RenderingUse& use, const auto&) {
+    return softfinger::tell_name(use, use->fingers, finger, name, capacity, count);
+  });
+}
+
 sf_status sf_rendering_configuration_name(const sf_rendering* rendering, size_t component,
                                           char* name, size_t capacity, size_t* count) {
   return softfinger::with_snapshot(rendering, [&](const RenderingUse& use, const auto&) {
-    return softfinger::tell_name(use, use->components, component, name, capacity, count);
+    return softfinger::tell_name(use, use->components[use->selected], component, name, capacity,
+                                 count);
   });
 }
 
