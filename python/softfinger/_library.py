@@ -47,6 +47,8 @@ class Options(ctypes.Structure):
         ("record_state", c_int32),
         ("filter", c_int32),
         ("predict_s", c_double),
+        ("all_fingers", c_int32),
+        ("threads", c_int32),
     ]
 
 
@@ -98,6 +100,33 @@ class Info(ctypes.Structure):
         ("joint_count", c_uint32),
         ("simulation_rate_Hz", c_double),
         ("device_rate_Hz", c_double),
+        ("finger_count", c_uint32),
+        ("unused", c_uint32),
+    ]
+
+
+class Object(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("moves", c_int32),
+        ("has_joint", c_int32),
+        ("soft", c_int32),
+        ("joint", c_double),
+        ("velocity_m_per_s", c_double * 3),
+        ("angular_velocity_rad_per_s", c_double * 3),
+    ]
+
+
+class Event(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("kind", c_int32),
+        ("time_s", c_double),
+        ("impulse_N_s", c_double),
+        ("object", c_uint32),
+        ("other_object", c_int32),
+        ("other_finger", c_int32),
+        ("unused", c_int32),
     ]
 
 
@@ -223,6 +252,9 @@ for _name, _arguments in {
     "sf_rendering_step": [c_void_p, POINTER(Pose), c_double, c_void_p],
     "sf_rendering_step_matrix": [c_void_p, c_void_p, c_double, c_void_p],
     "sf_rendering_lost": [c_void_p, c_double, c_void_p],
+    "sf_rendering_step_fingers": [c_void_p, c_void_p, c_void_p, c_size_t, c_double],
+    "sf_rendering_select": [c_void_p, c_size_t],
+    "sf_rendering_command": [c_void_p, c_void_p],
     "sf_rendering_stop": [c_void_p],
     "sf_rendering_release": [c_void_p],
     "sf_rendering_take_message": [c_void_p, c_char_p, *_SIZES],
@@ -235,6 +267,12 @@ for _name, _arguments in {
     "sf_rendering_triangles": [c_void_p, c_void_p, *_SIZES],
     "sf_rendering_object_pose": [c_void_p, c_size_t, POINTER(Pose)],
     "sf_rendering_object_name": [c_void_p, c_size_t, c_char_p, *_SIZES],
+    "sf_rendering_object": [c_void_p, c_size_t, POINTER(Object)],
+    "sf_rendering_object_positions": [c_void_p, c_size_t, c_void_p, *_SIZES],
+    "sf_rendering_object_triangles": [c_void_p, c_size_t, c_void_p, *_SIZES],
+    "sf_rendering_take_event": [c_void_p, POINTER(Event)],
+    "sf_event_text": [c_int32],
+    "sf_rendering_finger_name": [c_void_p, c_size_t, c_char_p, *_SIZES],
     "sf_rendering_configuration_name": [c_void_p, c_size_t, c_char_p, *_SIZES],
     "sf_rendering_close_recording": [c_void_p, *_ERROR],
     "sf_table_destroy": [c_void_p],
@@ -263,6 +301,7 @@ for _name, _arguments in {
 for _name in ("sf_rendering_destroy", "sf_table_destroy", "sf_device_destroy"):
     getattr(library, _name).restype = None
 library.sf_version.restype = c_uint32
+library.sf_event_text.restype = c_char_p
 
 
 class ErrorText:

@@ -133,6 +133,16 @@ TEST_F(GuardWithoutMeans, SaysSoWhereItIsAnotherProgram) {
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "nobody is left to be waited for";
 }
 
+TEST_F(GuardWithoutMeans, KeepsNobodyWherePortsAreNotThere) {
+  GuardSetup absent = setup();
+  absent.line.port = "/dev/softfinger-no-such-port";
+  GuardProcess guard(SOFTFINGER_GUARD, device->home(), absent);
+  const std::ptrdiff_t before = open_descriptors();
+  EXPECT_THAT(guard.start(false), HasSubstr("no such port"));
+  EXPECT_EQ(open_descriptors(), before);
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "nobody is left to be waited for";
+}
+
 /// Signals (bit n - 1 of signal n) on a line of /proc/PID/status.
 std::uint64_t signals_on(const std::string& said, const std::string& line) {
   const std::size_t at = said.find(line + ":\t");

@@ -19,6 +19,7 @@ static unsafe class LibraryTest
             case "run": return Check.Status(() => Run(file, more, arguments[3]));
             case "device": return Check.Status(() => OfDevice(file));
             case "rendering": return Check.Status(() => OfRendering(file, more, arguments[3]));
+            case "several": return Check.Status(() => Several(file));
             case "refuse": return Check.Status(() => Refuse(file, more));
             case "without": return Check.Status(() => Without(file));
             default: throw new ArgumentException(arguments[0]);
@@ -38,6 +39,47 @@ static unsafe class LibraryTest
     {
         Print(name, pose.X_m, pose.Y_m, pose.Z_m);
         Print(name, pose.Qw, pose.Qx, pose.Qy, pose.Qz);
+    }
+
+    /// <summary>Index and thumb close on the cup, as in C.</summary>
+    static void Several(string scene)
+    {
+        using (var rendering = new Rendering(scene, new RenderingOptions { AllFingers = true, Threads = 2 }))
+        {
+            Check.Equal(rendering.Info.FingerCount, 2, "fingers");
+            Check.Equal(rendering.FingerName(0) + " " + rendering.FingerName(1), "index thumb", "names");
+            double half = Math.Sqrt(0.5);
+            Pose? index = null, thumb = null;
+            for (int i = 0; i <= 400; ++i)
+            {
+                double time_s = i / 400.0, x = 46e-3 - 11e-3 * Math.Min(1.0, 1.25 * time_s);
+                index = new Pose(x, 0, 52e-3, half, 0, half, 0);
+                thumb = new Pose(-x, 0, 52e-3, 0, half, 0, -half);
+                rendering.StepAll(new[] { index, thumb }, time_s);
+            }
+            var forces_N = new double[2];
+            for (int finger = 0; finger < 2; ++finger)
+            {
+                rendering.Select(finger);
+                forces_N[finger] = rendering.Contact().NormalForce_N;
+                Check.Equal(rendering.NewestCommand().State, DeviceState.Rendering, "state");
+                Check.Equal(rendering.Positions().Length, 3 * rendering.Info.SampleCount, "samples");
+            }
+            Check.That(Math.Min(forces_N[0], forces_N[1]) > 0.2 && Math.Max(forces_N[0], forces_N[1]) < 5, $"held by {forces_N[0]} and {forces_N[1]} N");
+            ObjectMotion cup = rendering.MotionOf(0);
+            Check.That(cup.Moves && !cup.IsSoft && cup.Joint == null && !rendering.MotionOf(1).Moves, "cup and table");
+            Check.Equal(rendering.ObjectPositions(0).Length + rendering.ObjectTriangles(0).Length, 0, "it keeps its shape");
+            int met = 0;
+            for (ObjectEvent told = rendering.TakeEvent(); told != null; told = rendering.TakeEvent())
+            {
+                if (told.Kind != ObjectEventKind.Impact || told.OtherFinger == null) continue;
+                met += 1 + told.OtherFinger.Value;
+                Check.That(told.Object == 0 && told.Impulse_N_s > 0 && told.Time_s > 0 && told.Time_s < 1, "impact");
+            }
+            Check.Equal(met, 3, "each finger meets it once");
+            for (int i = 1; i <= 300; ++i) rendering.StepAll(new[] { index, null }, 1 + i / 1000.0);
+            Check.Equal(rendering.NewestCommand().State, DeviceState.Retracting, "the thumb is lost");
+        }
     }
 
     /// <summary>As steps.c does.</summary>

@@ -47,6 +47,9 @@ class Library(unittest.TestCase):
         self.assertEqual(len(our_sizes), 12)
         self.assertTrue(all(a <= b for a, b in zip(our_sizes, their_sizes, strict=True)), (our_sizes, their_sizes))
 
+    def test_all_fingers_of_a_scene_hold_what_moves(self):
+        self.passes("several", ROOT / "scenes/cup.toml")
+
     def test_presses_are_those_of_the_command_line(self):
         ours = self.passes("press", FINGER)
         flags = (["--steps", "3", "--to-mm", "1"],

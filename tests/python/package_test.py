@@ -175,6 +175,45 @@ class SameBits(unittest.TestCase):
         self.assertEqual(match.iterations, found["iterations"])
         self.assertEqual(match.termination, found["termination"])
 
+    def test_all_fingers_of_a_scene_hold_what_moves(self):
+        """Index and thumb squeeze the sponge, as matrices and as numbers; the bits are those of the command line."""
+        scene, run = ROOT / "scenes/sponge.toml", self.folder / "run.sqlite"
+        command_line("run", scene, "--headless", "--as-fast-as-possible", "--duration-s", "0.7", "--record", run)
+        recording = sf.Recording(run)
+        with contextlib.closing(sqlite3.connect(run)) as database:
+            rows = database.execute("SELECT x_m, y_m, z_m, qw, qx, qy, qz FROM steps ORDER BY step, finger").fetchall()
+        poses = np.array(rows).reshape(-1, 2, 7)
+        with sf.Rendering(scene, all_fingers=True, threads=2) as rendering:
+            self.assertEqual([finger.name for finger in rendering.fingers], ["index", "thumb"])
+            for step, pair in enumerate(poses):
+                commands = rendering.step_all(list(pair), step / 1000)
+            self.assertEqual([command.state for command in commands], ["rendering", "rendering"])
+            index, thumb = (finger.snapshot() for finger in rendering.fingers)
+            forces = recording.steps["normal_force_N"].reshape(-1, 2)[-1]
+            self.assertGreater(forces.min(), 0.1)
+            np.testing.assert_allclose([index.normal_force, thumb.normal_force], forces, rtol=1e-11)
+            self.assertEqual(rendering.fingers[1].configuration_names, ["pitch_deg", "roll_deg", "travel_mm"])
+            sponge, table = rendering.object(0), rendering.object(1)
+            self.assertTrue(sponge.moves and sponge.soft and sponge.joint is None and not table.moves)
+            surface, triangles = rendering.object_positions(0), rendering.object_triangles(0)
+            self.assertEqual(triangles.max() + 1, len(surface))
+            np.testing.assert_allclose(surface.mean(0)[:2], sponge.X_WO[:2, 3], atol=2e-3)
+            self.assertEqual(rendering.object_positions(1).shape, (0, 3))
+            met = {event.other: event for event in rendering.events() if event.kind == "impact"}
+            self.assertLessEqual({"index", "thumb"}, set(met))
+            self.assertEqual(met["index"].object, "sponge")
+            self.assertEqual(rendering.events(), [])
+            # The thumb is lost: its device retracts.
+            for step in range(300):
+                commands = rendering.step_all([sf.matrix_of(poses[-1, 0, :3], poses[-1, 0, 3:]), None], 0.701 + step / 1000)
+            self.assertEqual([command.state for command in commands], ["rendering", "retracting"])
+            with self.assertRaisesRegex(sf.InputError, "there must be 2 poses, there are 1"):
+                rendering.step_all([np.eye(4)], 2)
+            with self.assertRaisesRegex(sf.InputError, "several fingers"):
+                rendering.step(np.eye(4), 2)
+            with self.assertRaisesRegex(sf.InputError, "quaternion"):
+                rendering.step_all([np.zeros((4, 4)), None], 2)
+
 
 class Refusals(unittest.TestCase):
     def test_a_wrong_file_is_told_by_its_place(self):

@@ -26,6 +26,8 @@ namespace Softfinger
             public int record_state;
             public int filter;
             public double predict_s;
+            public int all_fingers;
+            public int threads;
         }
 
         [StructLayout(LayoutKind.Sequential)]
@@ -89,6 +91,33 @@ namespace Softfinger
             public uint joint_count;
             public double simulation_rate_Hz;
             public double device_rate_Hz;
+            public uint finger_count;
+            public uint unused;
+        }
+
+        [StructLayout(LayoutKind.Sequential)]
+        public struct Object
+        {
+            public uint size;
+            public int moves;
+            public int has_joint;
+            public int soft;
+            public double joint;
+            public fixed double velocity_m_per_s[3];
+            public fixed double angular_velocity_rad_per_s[3];
+        }
+
+        [StructLayout(LayoutKind.Sequential)]
+        public struct Event
+        {
+            public uint size;
+            public int kind;
+            public double time_s;
+            public double impulse_N_s;
+            public uint @object;
+            public int other_object;
+            public int other_finger;
+            public int unused;
         }
 
         [StructLayout(LayoutKind.Sequential)]
@@ -186,6 +215,14 @@ namespace Softfinger
         [DllImport(Library)] public static extern int sf_rendering_message(RenderingHandle rendering, byte[] text, UIntPtr capacity);
         [DllImport(Library)] public static extern int sf_rendering_step(RenderingHandle rendering, Pose* X_WFt, double time_s, Command* command);
         [DllImport(Library)] public static extern int sf_rendering_lost(RenderingHandle rendering, double time_s, Command* command);
+        [DllImport(Library)] public static extern int sf_rendering_step_fingers(RenderingHandle rendering, Pose* X_WFt, int* tracked, UIntPtr count, double time_s);
+        [DllImport(Library)] public static extern int sf_rendering_select(RenderingHandle rendering, UIntPtr finger);
+        [DllImport(Library)] public static extern int sf_rendering_command(RenderingHandle rendering, Command* command);
+        [DllImport(Library)] public static extern int sf_rendering_object(RenderingHandle rendering, UIntPtr index, Object* told);
+        [DllImport(Library)] public static extern int sf_rendering_object_positions(RenderingHandle rendering, UIntPtr index, double* xyz_W_m, UIntPtr capacity, out UIntPtr count);
+        [DllImport(Library)] public static extern int sf_rendering_object_triangles(RenderingHandle rendering, UIntPtr index, uint* corners, UIntPtr capacity, out UIntPtr count);
+        [DllImport(Library)] public static extern int sf_rendering_take_event(RenderingHandle rendering, Event* told);
+        [DllImport(Library)] public static extern int sf_rendering_finger_name(RenderingHandle rendering, UIntPtr finger, byte* name, UIntPtr capacity, out UIntPtr count);
         [DllImport(Library)] public static extern int sf_rendering_stop(RenderingHandle rendering);
         [DllImport(Library)] public static extern int sf_rendering_release(RenderingHandle rendering);
         [DllImport(Library)] public static extern int sf_rendering_take_message(RenderingHandle rendering, byte* text, UIntPtr capacity, out UIntPtr count);

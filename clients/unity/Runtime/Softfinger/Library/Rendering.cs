@@ -9,7 +9,13 @@ namespace Softfinger
         /// <summary>Name of a finger of the scene; the first by default.</summary>
         public string Finger { get; set; }
 
-        /// <summary>A device file instead of the scene's.</summary>
+        /// <summary>All fingers of the scene, in its order, whatever Finger says: they touch the same objects, and can hold them.</summary>
+        public bool AllFingers { get; set; }
+
+        /// <summary>That step several fingers side by side; 0: one.</summary>
+        public int Threads { get; set; }
+
+        /// <summary>A device file instead of the scene's; with AllFingers NAME=FILE.</summary>
         public string Device { get; set; }
 
         /// <summary>Commands are sent, by softfinger-guard, a process of its own: whatever becomes of this one, the device is retracted. Else they are only formed.</summary>
@@ -74,6 +80,8 @@ namespace Softfinger
                     record_state = options.RecordState ? 1 : 0,
                     filter = options.Filter ? 1 : 0,
                     predict_s = options.Predict_s,
+                    all_fingers = options.AllFingers ? 1 : 0,
+                    threads = options.Threads,
                 };
                 IntPtr made = IntPtr.Zero;
                 byte[] error = Native.NewError();
@@ -85,7 +93,7 @@ namespace Softfinger
             Info = ReadInfo();
         }
 
-        /// <summary>Names of the fingers of a scene file, in its order. They share nothing: make a Rendering for each.</summary>
+        /// <summary>Names of the fingers of a scene file, in its order. See RenderingOptions for one of them or all.</summary>
         public static IReadOnlyList<string> FingersOf(string scene)
         {
             Native.Need();
@@ -131,7 +139,43 @@ namespace Softfinger
             }
         }
 
-        /// <summary>Tracking is lost: the device holds, after 200 ms it retracts.</summary>
+        /// <summary>The same for all fingers of the scene, in its order; null: tracking of that one is lost.</summary>
+        public void StepAll(IReadOnlyList<Pose?> X_WFt, double time_s)
+        {
+            if (X_WFt == null || X_WFt.Count != Info.FingerCount) throw new InputError($"X_WFt: {Info.FingerCount} poses are wanted");
+            Native.Pose* poses = stackalloc Native.Pose[X_WFt.Count];
+            int* tracked = stackalloc int[X_WFt.Count];
+            for (int i = 0; i < X_WFt.Count; ++i)
+            {
+                poses[i] = NativePose.Of(X_WFt[i] ?? Pose.Identity);
+                tracked[i] = X_WFt[i].HasValue ? 1 : 0;
+            }
+            Native.Check(Native.sf_rendering_step_fingers(handle, poses, tracked, Native.Size(X_WFt.Count), time_s), handle);
+        }
+
+        /// <summary>From here on what tells of a finger or its device, Info too, tells of this one; at first of number 0.</summary>
+        public void Select(int finger)
+        {
+            Native.Check(Native.sf_rendering_select(handle, Native.Size(finger)), handle);
+            Info = ReadInfo();
+        }
+
+        public string FingerName(int finger) => Native.Text(
+            (byte* to, UIntPtr capacity, out UIntPtr count) => Native.sf_rendering_finger_name(handle, Native.Size(finger), to, capacity, out count), check);
+
+        /// <summary>The newest command.</summary>
+        public Command NewestCommand()
+        {
+            var into = new Command();
+            fixed (Native.Command* to = &command)
+            {
+                Native.Check(Native.sf_rendering_command(handle, to), handle);
+                into.Take(to);
+            }
+            return into;
+        }
+
+        /// <summary>Tracking is lost, of all fingers: the device holds, after 200 ms it retracts.</summary>
         public Command Lost(double time_s)
         {
             var into = new Command();
@@ -162,8 +206,8 @@ namespace Softfinger
             return text.Length == 0 ? null : text;
         }
 
-        /// <summary>What does not change.</summary>
-        public RenderingInfo Info { get; }
+        /// <summary>What does not change; of several fingers of the one selected.</summary>
+        public RenderingInfo Info { get; private set; }
 
         /// <summary>Sums of the finger's contact after the last step.</summary>
         public ContactSums Contact()
@@ -236,6 +280,41 @@ namespace Softfinger
             Native.Pose pose = NativePose.Empty;
             Native.Check(Native.sf_rendering_object_pose(handle, Native.Size(index), &pose), handle);
             return NativePose.Read(pose);
+        }
+
+        public ObjectMotion MotionOf(int index)
+        {
+            var told = new Native.Object { size = (uint)sizeof(Native.Object) };
+            Native.Check(Native.sf_rendering_object(handle, Native.Size(index), &told), handle);
+            return new ObjectMotion(&told);
+        }
+
+        /// <summary>The surface of something soft as it is deformed: x, y, z of each point in W, m; empty of what keeps its shape.</summary>
+        public double[] ObjectPositions(int index)
+        {
+            UIntPtr count;
+            Native.Check(Native.sf_rendering_object_positions(handle, Native.Size(index), null, UIntPtr.Zero, out count), handle);
+            var xyz_W_m = new double[3 * (int)count];
+            fixed (double* to = xyz_W_m) Native.Check(Native.sf_rendering_object_positions(handle, Native.Size(index), to, count, out count), handle);
+            return xyz_W_m;
+        }
+
+        /// <summary>Three points of that surface a triangle, counter-clockwise from outside.</summary>
+        public int[] ObjectTriangles(int index)
+        {
+            UIntPtr count;
+            Native.Check(Native.sf_rendering_object_triangles(handle, Native.Size(index), null, UIntPtr.Zero, out count), handle);
+            var corners = new int[3 * (int)count];
+            fixed (int* to = corners) Native.Check(Native.sf_rendering_object_triangles(handle, Native.Size(index), (uint*)to, count, out count), handle);
+            return corners;
+        }
+
+        /// <summary>The next event of objects that move, each told once; null: nothing more now. Of more than 256 that wait the oldest are forgotten.</summary>
+        public ObjectEvent TakeEvent()
+        {
+            var told = new Native.Event { size = (uint)sizeof(Native.Event) };
+            Native.Check(Native.sf_rendering_take_event(handle, &told), handle);
+            return told.kind == 0 ? null : new ObjectEvent(told);
         }
 
         public string ObjectName(int index) => Native.Text(

@@ -155,6 +155,8 @@ namespace Softfinger
         /// <summary>0: no device.</summary>
         public readonly double DeviceRate_Hz;
 
+        public readonly int FingerCount;
+
         internal RenderingInfo(Native.Info from)
         {
             SampleCount = (int)from.sample_count;
@@ -164,6 +166,82 @@ namespace Softfinger
             JointCount = (int)from.joint_count;
             SimulationRate_Hz = from.simulation_rate_Hz;
             DeviceRate_Hz = from.device_rate_Hz;
+            FingerCount = (int)from.finger_count;
+        }
+    }
+
+    /// <summary>An object after the last step.</summary>
+    public struct ObjectMotion
+    {
+        /// <summary>By the forces on it, as a whole or in part; else what follows is zero.</summary>
+        public readonly bool Moves;
+
+        /// <summary>It deforms: see Rendering.ObjectPositions.</summary>
+        public readonly bool IsSoft;
+
+        /// <summary>Of a slider, m, or a hinge, rad; null: it has neither.</summary>
+        public readonly double? Joint;
+
+        /// <summary>Of its centre of mass, in W.</summary>
+        public readonly Vector Velocity_m_per_s;
+
+        public readonly Vector AngularVelocity_rad_per_s;
+
+        internal unsafe ObjectMotion(Native.Object* from)
+        {
+            Moves = from->moves != 0;
+            IsSoft = from->soft != 0;
+            Joint = from->has_joint != 0 ? from->joint : (double?)null;
+            Velocity_m_per_s = new Vector(from->velocity_m_per_s);
+            AngularVelocity_rad_per_s = new Vector(from->angular_velocity_rad_per_s);
+        }
+    }
+
+    public enum ObjectEventKind
+    {
+        None,
+
+        /// <summary>Two that did not touch for 20 ms or more begin to.</summary>
+        Impact,
+
+        /// <summary>They have not touched for 20 ms.</summary>
+        Release,
+
+        /// <summary>A slider passes the top of its force curve inwards, or its valley outwards.</summary>
+        Click,
+
+        /// <summary>The nearest rest position of a knob is another.</summary>
+        Detent,
+
+        /// <summary>A joint meets its limit after 20 ms away from it.</summary>
+        Limit,
+    }
+
+    /// <summary>What happened to an object that moves.</summary>
+    public sealed class ObjectEvent
+    {
+        public ObjectEventKind Kind { get; }
+
+        /// <summary>On the caller's clock.</summary>
+        public double Time_s { get; }
+
+        /// <summary>Of the normal force over the first 10 ms, or along a joint; NaN: none.</summary>
+        public double Impulse_N_s { get; }
+
+        /// <summary>Its number; so of the others, null: none.</summary>
+        public int Object { get; }
+
+        public int? OtherObject { get; }
+        public int? OtherFinger { get; }
+
+        internal ObjectEvent(Native.Event from)
+        {
+            Kind = (ObjectEventKind)from.kind;
+            Time_s = from.time_s;
+            Impulse_N_s = from.impulse_N_s;
+            Object = (int)from.@object;
+            OtherObject = from.other_object >= 0 ? from.other_object : (int?)null;
+            OtherFinger = from.other_finger >= 0 ? from.other_finger : (int?)null;
         }
     }
 }
