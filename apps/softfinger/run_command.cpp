@@ -233,6 +233,9 @@ void add_run_command(CLI::App& app) {
                     "live: do not press a second finger with the device's surface for the page");
   command->add_option("--threads", options.threads,
                       "that step several fingers side by side, or one with a large mesh");
+  command->add_option("--events", options.events,
+                      "osc:HOST:PORT: what happens to objects that move (impact, release, click, "
+                      "detent, limit) is sent there at once");
   command->add_option("--simd", flags->simd,
                       fmt::format("instruction set: {}", listed(names_of(kInstructionSets), "or")));
   command->add_flag("--json", flags->json, "one JSON object on stdout");

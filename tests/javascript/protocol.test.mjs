@@ -104,11 +104,11 @@ test("Scene has the keys of the page, and its version", () => {
 
 test("Shape: each kind has its keys, and those together are the page's", () => {
   const shapes = client.scene.objects.map(({ shape }) => shape);
-  assert.deepEqual(shapes.map(({ kind }) => kind), ["plane", "sphere", "box", "cylinder", "mesh", "soft"]);
+  assert.deepEqual(shapes.map(({ kind }) => kind), ["plane", "sphere", "box", "cylinder", "mesh", "sphere", "soft"]);
   assert.deepEqual(sorted(new Set(shapes.flatMap(Object.keys))), sorted(keys("Shape")));
   assert.deepEqual(shapes[2], { kind: "box", size_mm: [4, 5, 6], edge_radius_mm: 0.5 });
   assert.equal(shapes[4].positions_mm.length % 3, 0);
-  assert.deepEqual(Object.keys(shapes[5]), Object.keys(shapes[4]));
+  assert.deepEqual(Object.keys(shapes[6]), Object.keys(shapes[4]));
 });
 
 test("Snapshot, FingerSnapshot and Twin lie as the page has their bytes", async () => {
@@ -121,12 +121,12 @@ test("Snapshot, FingerSnapshot and Twin lie as the page has their bytes", async 
 });
 
 test("SoftObject lies as the page has its bytes, and gives way", async () => {
-  const rest = client.scene.objects[5].shape.positions_mm;
+  const rest = client.scene.objects[6].shape.positions_mm;
   const sunk = ({ soft_objects: [{ positions_mm }] }) => Math.max(...positions_mm.map((at, i) => Math.abs(at - rest[i])));
   await snapshot((one) => one.soft_objects.length > 0 && sunk(one) > 0.1, "a sponge that sinks by its weight");
   const { fields, parsed } = await sameFrame();
   assert.equal(fields.soft_objects, 1);
-  assert.equal(parsed.soft_objects[0].object, 5);
+  assert.equal(parsed.soft_objects[0].object, 6);
   assert.equal(parsed.soft_objects[0].positions_mm.length, rest.length);
   assert.ok(sunk(parsed) < 5, "by more than its weight");
 });
@@ -177,6 +177,25 @@ function sameFinger(finger, frame, start) {
   sameFields(finger.twin, twin.fields, "Twin");
   return twin.end;
 }
+
+test("Events tell once of a marble that falls on the table", async () => {
+  const impacts = [];
+  const hits = ({ kind, object, other }) => kind === "impact" && object === "table" && other === "marble";
+  const off = client.on("events", ({ events }) => impacts.push(...events.filter(hits)));
+  client.restart();
+  const told = await until("events", ({ events }) => events.some(hits), "an impact");
+  sameKeys(told, "Events");
+  assert.equal(told.generation, client.scene.generation);
+  for (const event of told.events) sameKeys(event, "Event");
+  const [impact] = impacts;
+  // It falls 25 mm, and stays: its momentum, and its weight over 10 ms.
+  const speed = Math.sqrt(2 * 9.81 * 0.025);
+  assert.ok(Math.abs(impact.time_s - speed / 9.81) < 3e-3, `at ${impact.time_s} s`);
+  assert.ok(Math.abs(impact.impulse_N_s - 0.005 * (speed + 0.0981)) < 3e-4, `${impact.impulse_N_s} N s`);
+  await snapshot(({ time_s }) => time_s > 0.5, "a marble at rest");
+  assert.equal(impacts.length, 1);
+  off();
+});
 
 test("pause stops simulated time, resume lets it go on", async () => {
   client.pause();

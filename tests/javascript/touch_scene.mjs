@@ -39,6 +39,7 @@ const touch = (folder, port) => [
   object("block", "box", "size_mm = [4.0, 5.0, 6.0]\nedge_radius_mm = 0.5", 500),
   object("rod", "cylinder", "radius_mm = 3.0\nlength_mm = 20.0\nedge_radius_mm = 0.2", 600),
   object("needle", "mesh", `file = "${root}/objects/needle.stl"\nunit = "mm"`, 700),
+  object("marble", "sphere", "radius_mm = 5.0\nmotion = \"dynamic\"\nmass_g = 5.0", 900, 30),
   // It rests on the plane, and sinks into itself by its weight.
   object("sponge", "soft", `file = "${root}/objects/sponge.msh"\nunit = "mm"\n${kFoam}`, 800, 10),
 ].join("");

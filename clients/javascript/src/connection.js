@@ -10,7 +10,7 @@ const kMostWaiting = 2048; // bytes
 const kOpen = 1; // WebSocket.OPEN
 const kRefused = 1008; // of RFC 6455: a policy that what was sent violates
 
-const kKinds = ["scene", "snapshot", "registration", "notifications", "loading", "state"];
+const kKinds = ["scene", "snapshot", "registration", "notifications", "loading", "events", "state"];
 
 export class Connection {
   /** @type {string} */
@@ -139,7 +139,8 @@ export class Connection {
     const message = JSON.parse(data);
     if (message.type === "scene") return this.#receiveScene(message);
     // What is new to this client is for others.
-    if (["registration", "notifications", "loading"].includes(message.type)) this.#tell(message.type, message);
+    if (message.type === "events" && message.generation !== this.#current?.generation) return;
+    if (["registration", "notifications", "loading", "events"].includes(message.type)) this.#tell(message.type, message);
   }
 
   /** @param {Scene} scene */
@@ -188,7 +189,7 @@ export class Connection {
 
   /** @param {string} kind @param {...any} what */
   #tell(kind, ...what) {
-    if (kind !== "notifications") this.#newest.set(kind, what);
+    if (kind !== "notifications" && kind !== "events") this.#newest.set(kind, what);
     for (const listener of [...this.#listenersOf(kind)]) listener(...what);
   }
 

@@ -1,4 +1,4 @@
-import type { Loading, Notifications, Registration, Request, Scene, Snapshot } from "./messages.js";
+import type { Events, Loading, Notifications, Registration, Request, Scene, Snapshot } from "./messages.js";
 
 export * from "./messages.js";
 
@@ -11,6 +11,8 @@ export interface Listened {
   registration: Registration;
   notifications: Notifications;
   loading: Loading;
+  /** What happened to objects that move, each once. */
+  events: Events;
   state: "connecting" | "live" | "lost" | "closed";
 }
 
@@ -40,7 +42,7 @@ export class Client {
 
   /**
    * Calls `listener` with each message from now on, and at once with the newest where one still counts (all but
-   * notifications). With "state" comes why, one line: of "lost", and of "closed" where the program speaks another
+   * notifications and events). With "state" comes why, one line: of "lost", and of "closed" where the program speaks another
    * version of the protocol. Returns what ends it.
    */
   on<Kind extends Exclude<keyof Listened, "state">>(kind: Kind, listener: (message: Listened[Kind]) => void): () => void;

@@ -114,6 +114,19 @@ export interface Notifications {
   lines: string[];
 }
 
+/** What happened to objects of a scene that move by forces. */
+export interface Events {
+  type: "events";
+  generation: number; // of the scene
+  events: {
+    time_s: number; // simulated
+    kind: "impact" | "release" | "click" | "detent" | "limit";
+    object: string; // its name
+    other: string | null; // an object's or a finger's
+    impulse_N_s: number | null;
+  }[];
+}
+
 /** Position (mm) and unit quaternion x, y, z, w. */
 export type PoseArray = Float32Array;
 

@@ -188,6 +188,15 @@ struct RegistrationState {
   std::string message;       ///< what was found, or why nothing was saved
 };
 
+/// Something that happened to an object that moves by forces, see docs/files.md, events.csv.
+struct LiveEvent {
+  double time = 0.0;      ///< s, simulated
+  std::string_view kind;  ///< one of kEventKinds
+  std::string object;
+  std::string other;  ///< an object's or a finger's name; empty: none
+  double impulse = std::numeric_limits<double>::quiet_NaN();  ///< N s; NaN: none
+};
+
 /// The live loop as the viewer sees it. Called from the viewer's one thread; never blocks the loop.
 class LiveFeed {
  public:
@@ -205,6 +214,8 @@ class LiveFeed {
   [[nodiscard]] virtual std::string loading() { return {}; }
   /// What a person should know, one line, each once.
   [[nodiscard]] virtual std::optional<std::string> take_message() { return std::nullopt; }
+  /// Of the scene that latest() is of, each once.
+  [[nodiscard]] virtual std::optional<LiveEvent> take_event() { return std::nullopt; }
   /// Idle for ever where none is offered.
   [[nodiscard]] virtual const RegistrationState& registration() const {
     static const RegistrationState kIdle;

@@ -294,6 +294,17 @@ std::optional<std::string> LiveSession::take_message() {
   return message;
 }
 
+std::optional<LiveEvent> LiveSession::take_event() {
+  const std::optional<EventRecord> event = viewed_->take_event();
+  if (!event) return std::nullopt;
+  const std::vector<std::string> names = names_in_events(viewed_->setup());
+  const auto name = [&](std::int64_t number) {
+    return number < 0 ? std::string() : names[static_cast<std::size_t>(number)];
+  };
+  return LiveEvent{event->time, kEventKinds[static_cast<std::size_t>(event->kind)],
+                   name(event->object), name(event->other), event->impulse};
+}
+
 const RegistrationState& LiveSession::registration() const { return registration_.state(); }
 
 // Devices retract, and stay so when all is done until somebody releases them: the finger is on a

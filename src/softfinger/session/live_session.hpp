@@ -59,6 +59,7 @@ class LiveSession final : public LiveFeed {
   [[nodiscard]] std::string loading() override;
   /// What RunObserver::message gets.
   [[nodiscard]] std::optional<std::string> take_message() override;
+  [[nodiscard]] std::optional<LiveEvent> take_event() override;
   [[nodiscard]] const RegistrationState& registration() const override;
 
  private:

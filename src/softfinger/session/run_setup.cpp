@@ -193,6 +193,13 @@ FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,
   return options;
 }
 
+std::vector<std::string> names_in_events(const RunSetup& setup) {
+  std::vector<std::string> names;
+  for (const VirtualObject& object : setup.scene.objects) names.push_back(object.name);
+  for (const SceneFinger& finger : setup.scene.fingers) names.push_back(finger.name);
+  return names;
+}
+
 RecordingInfo recording_info(const RunSetup& setup) {
   RecordingInfo info;
   info.program_version = SOFTFINGER_VERSION;

@@ -56,6 +56,7 @@ struct RunOptions : SetupOptions {
   const StopSignals* stop_signals = nullptr;
   std::optional<std::filesystem::path> recording;
   bool record_state = false;
+  std::optional<std::string> events;  ///< where events of objects are sent to, see EventSender
 };
 
 /// A scene with all it names loaded; what a run, a replay and the library start from.
@@ -92,6 +93,9 @@ struct RunSetup {
 /// Whether a registration of this finger has a person to be of and a tracked body: `script` and
 /// `page` move the finger itself.
 [[nodiscard]] bool is_registrable(const RunSetup& setup, std::size_t finger);
+
+/// Of objects, then of fingers, as events number them.
+[[nodiscard]] std::vector<std::string> names_in_events(const RunSetup& setup);
 
 /// What a recording says of this setup; reads the files once more.
 [[nodiscard]] RecordingInfo recording_info(const RunSetup& setup);

@@ -51,6 +51,9 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
   for (const auto& finger : fingers_) {
     finger->open(*setup_, options, mode == Mode::kLive, count == 1 ? team_.get() : nullptr);
   }
+  if (options.events) {
+    events_sent_ = std::make_unique<EventSender>(*options.events, names_in_events(*setup_));
+  }
   const Scene& scene = setup_->scene;
   scene_.emplace(scene.objects, scene.gravity, rate_, team_.get());
   for (const auto& finger : fingers_) scene_->add(*finger->chain);
@@ -234,7 +237,7 @@ void SceneRun::simulate() {
     if (step == 1 && hooks_.on_loop_thread) hooks_.on_loop_thread();
   }
   scene_->finish();
-  record_events();
+  tell_events();
   // A run that is stopped before its end, for another scene, has not finished its script.
   if (mode_ == Mode::kLive) publish_snapshot(step, total_steps_ && step >= *total_steps_);
   ended_.store(true);
@@ -249,7 +252,7 @@ void SceneRun::simulate_step(std::int64_t step) {
   }
   scene_->step(step, tracked_);
   record_objects();
-  record_events();
+  tell_events();
   for (const auto& finger : fingers_) conclude_step(*finger, step);
 }
 
@@ -258,9 +261,23 @@ void SceneRun::record_objects() {
   for (const ObjectRecord& record : scene_->objects()) recording_->push(record);
 }
 
-void SceneRun::record_events() {
-  if (!recording_) return;
-  for (const EventRecord& record : scene_->events()) recording_->push(record);
+void SceneRun::tell_events() {
+  for (const EventRecord& record : scene_->events()) {
+    if (recording_) recording_->push(record);
+    if (events_sent_) events_sent_->send(record);
+    EventRecord* const told = mode_ == Mode::kLive ? events_told_.claim() : nullptr;
+    if (told == nullptr) continue;
+    *told = record;
+    events_told_.publish();
+  }
+}
+
+std::optional<EventRecord> SceneRun::take_event() {
+  const EventRecord* const oldest = events_told_.front();
+  if (oldest == nullptr) return std::nullopt;
+  const EventRecord event = *oldest;
+  events_told_.release();
+  return event;
 }
 
 void SceneRun::conclude_step(RunFinger& finger, std::int64_t step) {

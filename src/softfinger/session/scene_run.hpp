@@ -11,11 +11,13 @@
 
 #include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/recording/recording_writer.hpp"
+#include "softfinger/session/event_sender.hpp"
 #include "softfinger/session/run_finger.hpp"
 #include "softfinger/session/run_messages.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/session/run_summary.hpp"
 #include "softfinger/session/snapshot_publisher.hpp"
+#include "softfinger/threads/ring_buffer.hpp"
 
 namespace softfinger {
 
@@ -87,6 +89,8 @@ class SceneRun {
 
   /// Live only; one reader thread.
   [[nodiscard]] Mailbox<Snapshot>& snapshots() { return snapshots_->snapshots(); }
+  /// Live only; each once. One reader thread; of more than 256 that wait the newest are left out.
+  [[nodiscard]] std::optional<EventRecord> take_event();
   /// See RunMessages. One thread.
   [[nodiscard]] std::optional<std::string> take_message();
 
@@ -95,7 +99,7 @@ class SceneRun {
   void simulate();
   void simulate_step(std::int64_t step);
   void record_objects();
-  void record_events();
+  void tell_events();
   void conclude_step(RunFinger& finger, std::int64_t step);
   void tick_here(RunFinger& finger, const TickInput& input);
   void obey_signals() noexcept;
@@ -117,6 +121,8 @@ class SceneRun {
   std::filesystem::path recording_file_;  ///< empty: none
   bool record_state_ = false;
   std::unique_ptr<RecordingWriter> recording_;
+  std::unique_ptr<EventSender> events_sent_;  ///< null: to nobody
+  RingBuffer<EventRecord> events_told_{256};  ///< to the viewer
   std::unique_ptr<SnapshotPublisher> snapshots_;
   RunMessages messages_;
   std::int64_t snapshot_interval_;  ///< steps

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "softfinger/viewer/events_message.hpp"
 #include "softfinger/viewer/notification_message.hpp"
 #include "softfinger/viewer/own_address.hpp"
 #include "softfinger/viewer/registration_message.hpp"
@@ -112,6 +113,7 @@ struct Server::Implementation {
         hub.feed.latest().generation != hub.description->generation) {
       return;
     }
+    tell_events();
     untold = false;
     auto message = std::make_shared<std::vector<std::byte>>();
     message->reserve(message_size);
@@ -119,6 +121,15 @@ struct Server::Implementation {
     message_size = message->size();
     hub.snapshot = std::move(message);
     for_each_watcher([](WebSocketSession& session) { session.offer_snapshot(); });
+  }
+  /// Before the snapshot that follows them.
+  void tell_events() {
+    std::vector<LiveEvent> events;
+    while (auto event = hub.feed.take_event()) events.push_back(std::move(*event));
+    if (events.empty()) return;
+    const auto message =
+        std::make_shared<const std::string>(events_message(hub.description->generation, events));
+    for_each_watcher([&](WebSocketSession& session) { session.tell_events(message); });
   }
   void tell_registration() {
     const RegistrationState& state = hub.feed.registration();

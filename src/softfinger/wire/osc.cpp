@@ -133,7 +133,14 @@ bool is_osc_bundle(Bytes packet) {
 }
 
 std::size_t osc_message_size(std::string_view address, std::size_t numbers, OscNumber type) {
-  return padded(address.size()) + padded(1 + numbers) + numbers * size_of(type);
+  return osc_message_size(address, {}, numbers, type);
+}
+
+std::size_t osc_message_size(std::string_view address, std::span<const std::string_view> texts,
+                             std::size_t numbers, OscNumber type) {
+  std::size_t size = padded(address.size()) + padded(1 + texts.size() + numbers);
+  for (const std::string_view text : texts) size += padded(text.size());
+  return size + numbers * size_of(type);
 }
 
 void OscWriter::bundle() {
@@ -145,17 +152,24 @@ void OscWriter::bundle() {
 }
 
 void OscWriter::message(std::string_view address, std::span<const double> numbers, OscNumber type) {
+  message(address, {}, numbers, type);
+}
+
+void OscWriter::message(std::string_view address, std::span<const std::string_view> texts,
+                        std::span<const double> numbers, OscNumber type) {
   if (in_bundle_) {
-    put_word(static_cast<std::uint32_t>(osc_message_size(address, numbers.size(), type)));
+    put_word(static_cast<std::uint32_t>(osc_message_size(address, texts, numbers.size(), type)));
   }
   put_text(address);
-  const std::size_t letters = 1 + numbers.size();
+  const std::size_t letters = 1 + texts.size() + numbers.size();
   assert(size_ + padded(letters) <= out_.size());
   const auto types = out_.subspan(size_, padded(letters));
   std::fill(types.begin(), types.end(), std::uint8_t{0});
   types[0] = ',';
-  std::fill_n(types.begin() + 1, numbers.size(), type == OscNumber::kFloat32 ? 'f' : 'd');
+  const auto end_of_texts = std::fill_n(types.begin() + 1, texts.size(), 's');
+  std::fill_n(end_of_texts, numbers.size(), type == OscNumber::kFloat32 ? 'f' : 'd');
   size_ += types.size();
+  for (const std::string_view text : texts) put_text(text);
   for (const double number : numbers) {
     if (type == OscNumber::kFloat32) {
       put_word(std::bit_cast<std::uint32_t>(static_cast<float>(number)));

@@ -34,6 +34,10 @@ enum class OscNumber { kFloat32, kFloat64 };
 /// Bytes of a message with so many numbers.
 [[nodiscard]] std::size_t osc_message_size(std::string_view address, std::size_t numbers,
                                            OscNumber type);
+/// The same with texts before them.
+[[nodiscard]] std::size_t osc_message_size(std::string_view address,
+                                           std::span<const std::string_view> texts,
+                                           std::size_t numbers, OscNumber type);
 /// Bytes of a bundle of nothing, and what each message in a bundle needs beside its own.
 inline constexpr std::size_t kOscBundleStart = 16;
 inline constexpr std::size_t kOscElementStart = 4;
@@ -46,6 +50,9 @@ class OscWriter {
   /// Before the first message: it and all others are elements of a bundle, to be taken at once.
   void bundle();
   void message(std::string_view address, std::span<const double> numbers, OscNumber type);
+  /// Texts, which have no zero in them, then numbers.
+  void message(std::string_view address, std::span<const std::string_view> texts,
+               std::span<const double> numbers, OscNumber type);
   /// Bytes written.
   [[nodiscard]] std::size_t size() const { return size_; }
 

@@ -25,6 +25,7 @@ constexpr double kMostMessagesPerSecond = 600.0;
 constexpr double kMostMessagesAtOnce = 4000.0;
 /// That wait for a slow page.
 constexpr std::size_t kMostNotifications = 32;
+constexpr std::size_t kMostEvents = 64;
 
 }  // namespace
 
@@ -54,6 +55,7 @@ void WebSocketSession::accept(const HttpRequest& request) {
 void WebSocketSession::offer_scene() {
   next_scene_ = hub_.scene;
   next_snapshot_ = nullptr;  // of the scene before
+  next_events_.clear();
   write();
 }
 
@@ -79,14 +81,20 @@ void WebSocketSession::notify(PageHub::Text message) {
   write();
 }
 
+void WebSocketSession::tell_events(PageHub::Text message) {
+  if (next_events_.size() < kMostEvents) next_events_.push_back(std::move(message));
+  write();
+}
+
 void WebSocketSession::write() {
   if (writing_ || !open_) return;
   for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_loading_}) {
     if (*next) return send_text(std::exchange(*next, nullptr));
   }
-  if (!next_notifications_.empty()) {
-    PageHub::Text next = std::move(next_notifications_.front());
-    next_notifications_.pop_front();
+  for (auto* waiting : {&next_notifications_, &next_events_}) {
+    if (waiting->empty()) continue;
+    PageHub::Text next = std::move(waiting->front());
+    waiting->pop_front();
     return send_text(std::move(next));
   }
   if (!next_snapshot_) return;

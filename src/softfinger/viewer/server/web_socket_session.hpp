@@ -31,6 +31,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void offer_snapshot();
   /// What people are told. Waits for its turn, but for the last of very many.
   void notify(PageHub::Text message);
+  void tell_events(PageHub::Text message);
 
  private:
   void write();
@@ -51,6 +52,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   boost::beast::flat_buffer buffer_{PageHub::kMaxRequestBytes};
   PageHub::Text next_scene_, next_registration_, next_loading_;
   std::deque<PageHub::Text> next_notifications_;  ///< each is told once
+  std::deque<PageHub::Text> next_events_;         ///< likewise; they keep no notification waiting
   PageHub::Text text_in_flight_;
   PageHub::Bytes next_snapshot_, snapshot_in_flight_;
   bool open_ = false;

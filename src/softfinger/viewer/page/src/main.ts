@@ -4,6 +4,7 @@ import { type FingerSnapshot, open, type Scene, type Snapshot } from "softfinger
 import { DeviceMarks } from "./device_marks";
 import { DeviceView } from "./device_view";
 import { emulateHeadset } from "./emulated_headset";
+import { EventList } from "./event_list";
 import { FingerLabel } from "./finger_label";
 import { FingerView, place } from "./finger_view";
 import { Hand } from "./hand";
@@ -162,6 +163,7 @@ const panel = new Panel(marks, {
 
 const hand = new Hand(virtual, (request) => client.send(request));
 const notifications = new Notifications(element("notifications"));
+const events = new EventList(element("events"));
 const registration = new RegistrationDialog((request) => client.send(request));
 const room = new Room(stage.renderer, virtual);
 const headset = new Headset(room, (side, joints, time) => client.hand(side, joints, time));
@@ -181,6 +183,7 @@ client.on("snapshot", (snapshot) => {
 });
 client.on("registration", (state) => registration.update(state));
 client.on("notifications", ({ lines }) => lines.forEach((line) => notifications.add(line)));
+client.on("events", ({ events: happened }) => happened.forEach((event) => events.add(event)));
 client.on("loading", ({ scene: name }) => panel.showLoading(name));
 client.on("state", (state, why) => {
   panel.showConnection(state === "closed" ? "lost" : state);
