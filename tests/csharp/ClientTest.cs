@@ -23,6 +23,7 @@ static class ClientTest
             case "choose": return Check.Status(() => Choose(address));
             case "token": return Check.Status(() => Token(address, arguments[2]));
             case "refuse": return Check.Status(() => Refuse(address));
+            case "events": return Check.Status(() => Clicks(address));
             case "soft": return Check.Status(() => GivesWay(address));
             case "answer": return Check.Status(() => Answer(address, arguments[2]));
             case "spoil": return Check.Status(() => Spoil(address));
@@ -100,6 +101,24 @@ static class ClientTest
                 if (finger.Twin != null && finger.Twin.NormalForce_N > 0.01) twins += Touched(finger.Twin, samples);
                 Print(snapshot);
             }
+        }
+    }
+
+    /// <summary>A finger meets a button, which snaps: both come as they happen, each once.</summary>
+    static void Clicks(string address)
+    {
+        using (Client client = Connect(address))
+        {
+            var heard = new List<ObjectEvents.Event>();
+            Until<ObjectEvents>(client, told =>
+            {
+                Check.Equal(told.Generation, client.Scene.Generation, "generation");
+                heard.AddRange(told.Events);
+                return heard.Exists(one => one.Kind == "click");
+            });
+            ObjectEvents.Event impact = heard.Find(one => one.Kind == "impact"), click = heard.Find(one => one.Kind == "click");
+            Check.That(impact.Object == "button" && impact.Other == "index" && impact.Impulse_N_s > 0, $"{impact.Object} and {impact.Other}");
+            Check.That(click.Object == "button" && click.Other == null && click.Time_s > impact.Time_s, "click");
         }
     }
 

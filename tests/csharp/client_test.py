@@ -175,6 +175,10 @@ class Client(unittest.TestCase):
         with mono.softfinger(PROGRAM, ROOT / "scenes/sponge.toml", *PLATES) as address:
             self.passes("soft", address)
 
+    def test_events_of_objects_are_told(self):
+        with mono.softfinger(PROGRAM, ROOT / "scenes/button.toml", *PLATE) as address:
+            self.passes("events", address)
+
     def test_a_hand_moves_the_finger(self):
         with mono.softfinger(PROGRAM, PLANE, *PLATE, "--tracker", "webxr") as address:
             self.passes("hand", address)

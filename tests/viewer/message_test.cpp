@@ -9,6 +9,7 @@
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/recording/record_fields.hpp"
+#include "softfinger/viewer/events_message.hpp"
 #include "softfinger/viewer/page_request.hpp"
 #include "softfinger/viewer/scene_message.hpp"
 #include "softfinger/viewer/snapshot_message.hpp"
@@ -255,6 +256,20 @@ TEST(SceneMessage, BrokenTextDoesNotEndIt) {
   EXPECT_TRUE(nlohmann::json::accept(scene_message(scene)));
 }
 
+TEST(EventsMessage, HasWhatIsKnownOfEach) {
+  const std::vector<LiveEvent> events{
+      {1.25, "impact", "cup", "thumb", 0.5},
+      {2.0, "click", "but\xffton", "", std::numeric_limits<double>::quiet_NaN()}};
+  const auto json = nlohmann::json::parse(events_message(7, events));
+  EXPECT_EQ(json["type"], "events");
+  EXPECT_EQ(json["generation"], 7);
+  EXPECT_EQ(json["events"][0],
+            nlohmann::json::parse(R"({"time_s":1.25,"kind":"impact","object":"cup",)"
+                                  R"("other":"thumb","impulse_N_s":0.5})"));
+  EXPECT_TRUE(json["events"][1]["other"].is_null());
+  EXPECT_TRUE(json["events"][1]["impulse_N_s"].is_null());
+}
+
 template <typename T>
 T read_at(const std::vector<std::byte>& message, std::size_t offset) {
   T value;
@@ -413,8 +428,8 @@ TEST(SnapshotMessage, ATwinNotPressedIsLeftOut) {
   snapshot.fingers[0].twin.skin.in_contact.resize(3);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 52 + 3 * 28 + 28 + 32 + 20), 0U);
-  EXPECT_EQ(message.size(), 52U + 3 * 28 + 28 + 32 + 32 + 16);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 56 + 3 * 28 + 28 + 32 + 20), 0U);
+  EXPECT_EQ(message.size(), 56U + 3 * 28 + 28 + 32 + 32 + 16);
 }
 
 TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
@@ -426,7 +441,7 @@ TEST(SnapshotMessage, UnequalSamplesAreCutToTheShortest) {
   snapshot.fingers[0].skin.in_contact.resize(2);
   std::vector<std::byte> message;
   write_snapshot_message(snapshot, scene, message);
-  EXPECT_EQ(read_at<std::uint32_t>(message, 52 + 3 * 28 + 28 + 32), 2U);
+  EXPECT_EQ(read_at<std::uint32_t>(message, 56 + 3 * 28 + 28 + 32), 2U);
 }
 
 }  // namespace

@@ -167,6 +167,7 @@ namespace Softfinger
                 case "loading": return new Loading(json);
                 case "registration": return new Registration(json);
                 case "notifications": return new Notifications(json);
+                case "events": return new ObjectEvents(json);
                 default: return null;
             }
         }

@@ -2,7 +2,7 @@ using System.Collections.Generic;
 
 namespace Softfinger
 {
-    /// <summary>What a running softfinger sends: a Scene, Snapshot, Loading, Registration or Notifications.</summary>
+    /// <summary>What a running softfinger sends: a Scene, Snapshot, Loading, Registration, Notifications or ObjectEvents.</summary>
     public abstract class Message
     {
         internal Message() { }
@@ -23,6 +23,46 @@ namespace Softfinger
         public IReadOnlyList<string> Lines { get; }
 
         internal Notifications(Json json) => Lines = json["lines"].Array(line => line.Text());
+    }
+
+    /// <summary>What happened to objects of a scene that move by forces, each once.</summary>
+    public sealed class ObjectEvents : Message
+    {
+        public struct Event
+        {
+            /// <summary>Simulated.</summary>
+            public double Time_s;
+
+            /// <summary>impact, release, click, detent or limit.</summary>
+            public string Kind;
+
+            /// <summary>Its name.</summary>
+            public string Object;
+
+            /// <summary>An object's or a finger's; null: none.</summary>
+            public string Other;
+
+            /// <summary>NaN: none.</summary>
+            public double Impulse_N_s;
+        }
+
+        /// <summary>Of the scene; low bits of it are a snapshot's.</summary>
+        public long Generation { get; }
+
+        public IReadOnlyList<Event> Events { get; }
+
+        internal ObjectEvents(Json json)
+        {
+            Generation = json["generation"].Count();
+            Events = json["events"].Array(told => new Event
+            {
+                Time_s = told["time_s"].Number(),
+                Kind = told["kind"].Text(),
+                Object = told["object"].Text(),
+                Other = told["other"].IsNull ? null : told["other"].Text(),
+                Impulse_N_s = told["impulse_N_s"].IsNull ? double.NaN : told["impulse_N_s"].Number(),
+            });
+        }
     }
 
     /// <summary>How the registration of a tracked finger stands.</summary>
