@@ -11,7 +11,12 @@ find_package(OpenSSL 3 REQUIRED)
 find_package(assimp 5.2 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(muparser REQUIRED IMPORTED_TARGET muparser)
 pkg_search_module(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial hdf5)
+# Studies search with it, where it is there (LGPL or GPL 3, linked dynamically).
+find_package(pagmo QUIET)
+# And run on many processors with that.
+find_package(MPI 3 QUIET COMPONENTS C)
 if(SOFTFINGER_BUILD_APPS)
   find_package(CLI11 2.1 REQUIRED)
 endif()

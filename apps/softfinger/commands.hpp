@@ -19,3 +19,4 @@ void add_press_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
 void add_run_command(CLI::App& app);
 void add_scene_command(CLI::App& app);
+void add_study_command(CLI::App& app);

@@ -71,6 +71,7 @@ int main(int argc, char** argv) {
   add_device_command(app);
   add_finger_command(app);
   add_scene_command(app);
+  add_study_command(app);
   add_replay_command(app);
   add_export_command(app);
   add_condition_command(app);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,8 +15,8 @@ class ProgressBar {
  public:
   ~ProgressBar() { clear(); }
 
-  /// fraction in [0, 1].
-  void show(double fraction) {
+  /// fraction in [0, 1]; `words` after it.
+  void show(double fraction, const std::string& words = {}) {
     using std::chrono::steady_clock;
     const auto now = steady_clock::now();
     if (!terminal_ || now - start_ < std::chrono::seconds(1) ||
@@ -26,21 +26,23 @@ class ProgressBar {
     drawn_ = now;
     const auto filled =
         static_cast<std::size_t>(std::clamp(fraction, 0.0, 1.0) * static_cast<double>(kWidth));
-    fmt::print(stderr, "\r[{}{}] {:3.0f} %", std::string(filled, '='),
-               std::string(kWidth - filled, ' '), 100.0 * std::clamp(fraction, 0.0, 1.0));
+    const std::string line = fmt::format(
+        "[{}{}] {:3.0f} %{}{}", std::string(filled, '='), std::string(kWidth - filled, ' '),
+        100.0 * std::clamp(fraction, 0.0, 1.0), words.empty() ? "" : " ", words);
+    fmt::print(stderr, "\r{}", line);
     std::fflush(stderr);
-    shown_ = true;
+    shown_ = std::max(shown_, line.size());
   }
   /// Takes the bar away, e.g. before a line is printed.
   void clear() {
-    if (shown_) fmt::print(stderr, "\r{}\r", std::string(kWidth + 10, ' '));
-    shown_ = false;
+    if (shown_ > 0) fmt::print(stderr, "\r{}\r", std::string(shown_, ' '));
+    shown_ = 0;
   }
 
  private:
   static constexpr std::size_t kWidth = 50;
   bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  bool shown_ = false;
+  std::size_t shown_ = 0;  ///< characters
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point drawn_{};
 };

@@ -111,6 +111,23 @@ std::optional<std::string> ConfigTable::optional_text(std::string_view key) cons
   return node_->take_text(key, *value);
 }
 
+std::vector<std::string> ConfigTable::texts(std::string_view key) const {
+  node_->rule(key, true, {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}});
+  const std::string expected = "an array of texts in quotes";
+  const toml::node& value = node_->require(key, expected);
+  const toml::array* array = value.as_array();
+  if (array == nullptr || array->empty()) node_->fail_type(key, expected, value);
+  std::vector<std::string> texts;
+  Json json = Json::array();
+  for (const toml::node& element : *array) {
+    if (!element.is_string()) node_->fail_type(key, expected, value);
+    texts.push_back(element.as_string()->get());
+    json.push_back(texts.back());
+  }
+  node_->answer(key) = std::move(json);
+  return texts;
+}
+
 std::string ConfigTable::choice(std::string_view key,
                                 const std::vector<std::string>& choices) const {
   node_->rule(key, true, {{"enum", choices}});
@@ -186,6 +203,10 @@ Eigen::VectorXd ConfigTable::some_numbers(std::string_view key, int least, int m
 
 bool ConfigTable::has(std::string_view key) const {
   return node_->table != nullptr && node_->table->contains(key);
+}
+
+bool ConfigTable::has_table(std::string_view key) const {
+  return has(key) && node_->table->get(key)->is_table();
 }
 
 std::vector<std::string> ConfigTable::keys() const { return node_->keys_in_file_order(); }

@@ -54,6 +54,8 @@ class ConfigTable {
   std::string choice(std::string_view key, const std::vector<std::string>& choices) const;
   std::string choice(std::string_view key, const std::vector<std::string>& choices,
                      std::string_view fallback) const;
+  /// Array of at least one text, each in quotes.
+  std::vector<std::string> texts(std::string_view key) const;
   /// A path as text, relative to the file that names it; existence is not checked.
   std::filesystem::path path(std::string_view key) const;
   std::optional<std::filesystem::path> optional_path(std::string_view key) const;
@@ -70,6 +72,8 @@ class ConfigTable {
 
   /// Whether the file has the key (does not count as asking for it).
   [[nodiscard]] bool has(std::string_view key) const;
+  /// Whether it has it, as a table (does not count as asking either).
+  [[nodiscard]] bool has_table(std::string_view key) const;
   /// Names of all keys of this table, in file order.
   [[nodiscard]] std::vector<std::string> keys() const;
 

@@ -6,6 +6,7 @@
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/config_file.hpp"
+#include "softfinger/files/text_file.hpp"
 #include "softfinger/finger/finger_file.hpp"
 #include "softfinger/finger/finger_groups.hpp"
 #include "softfinger/geometry/msh_file.hpp"
@@ -33,7 +34,13 @@ void load_mesh(const ConfigTable& table, FingerModel& model) {
 
 std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file,
                                                      const FingerSize& person) {
-  const ConfigFile config(file);
+  return load(file, read_text_file(file, ConfigFile::kMaxSize), person);
+}
+
+std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file,
+                                                     const std::string& text,
+                                                     const FingerSize& person) {
+  const ConfigFile config(file, text);
   const ConfigTable root = config.root();
   auto model = std::make_shared<FingerModel>();
   model->file = file;

@@ -28,6 +28,10 @@ class FingerModel : public SoftSolid {
   /// InputError with file, line and key.
   [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file,
                                                                const FingerSize& person = {});
+  /// The same of a file's text at hand, which may differ from the file.
+  [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file,
+                                                               const std::string& text,
+                                                               const FingerSize& person = {});
 
   double bone_mass = 0.01;  ///< kg
   Coupling coupling;

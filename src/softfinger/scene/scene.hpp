@@ -41,5 +41,8 @@ struct Scene {
 /// may do without waypoints. Throws InputError with file, line and key.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file, bool trackers_given = false,
                                const LoadObserver& observer = {});
+/// The same of a file's text at hand, which may differ from the file.
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file, const std::string& text,
+                               bool trackers_given = false, const LoadObserver& observer = {});
 
 }  // namespace softfinger

@@ -10,6 +10,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/files/config_file.hpp"
+#include "softfinger/files/text_file.hpp"
 #include "softfinger/scene/object_file.hpp"
 #include "softfinger/scene/pose_keys.hpp"
 #include "softfinger/scene/scene.hpp"
@@ -149,7 +150,12 @@ bool is_finger_name(std::string_view name) {
 
 Scene load_scene(const std::filesystem::path& file, bool trackers_given,
                  const LoadObserver& observer) {
-  const ConfigFile config(file);
+  return load_scene(file, read_text_file(file, ConfigFile::kMaxSize), trackers_given, observer);
+}
+
+Scene load_scene(const std::filesystem::path& file, const std::string& text, bool trackers_given,
+                 const LoadObserver& observer) {
+  const ConfigFile config(file, text);
   ReadScene read = read_scene(config, trackers_given);
   read.scene.objects = complete(read.objects, observer);
   return std::move(read.scene);

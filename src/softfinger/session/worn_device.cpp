@@ -12,6 +12,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
+#include "softfinger/files/text_file.hpp"
 #include "softfinger/finger/bone.hpp"
 #include "softfinger/finger/rest_skin.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
@@ -95,9 +96,14 @@ double shift_for(const Device& device, std::span<const Vector3> skin, double cle
   return std::round(shift / kShiftStep) * kShiftStep;
 }
 
-[[noreturn]] void refuse(const fs::path& file, const char* table, const char* key,
-                         const std::string& why) {
-  const ConfigTable root = ConfigFile(file).root();
+/// The file as the device was read from it.
+ConfigTable root_of(const fs::path& file, const Device& device) {
+  return ConfigFile(file, device.settings().text).root();
+}
+
+[[noreturn]] void refuse(const fs::path& file, const Device& device, const char* table,
+                         const char* key, const std::string& why) {
+  const ConfigTable root = root_of(file, device);
   if (root.has(table)) root.table(table).fail(root.table(table).has(key) ? key : "", why);
   root.table_or_empty(table).fail(key, why);
 }
@@ -106,7 +112,7 @@ double shift_for(const Device& device, std::span<const Vector3> skin, double cle
 void check_bone(const fs::path& file, const Device& device, const FingerModel& finger) {
   const BoneEllipsoid bone = bone_ellipsoid(finger);
   const auto inside = [&](const char* table, const char* key, const char* what) {
-    refuse(file, table, key,
+    refuse(file, device, table, key,
            fmt::format("puts {} inside the bone of {}; the pad lies below it, towards -z", what,
                        finger.file.string()));
   };
@@ -120,7 +126,7 @@ void check_bone(const fs::path& file, const Device& device, const FingerModel& f
     within = within || bone.contains(piece.X_FS.translation);
   }
   if (!within) return;
-  if (ConfigFile(file).root().has("home")) inside("home", "", "the contacting surface");
+  if (root_of(file, device).has("home")) inside("home", "", "the contacting surface");
   inside("mount", "translation_mm", "the contacting surface at home");
 }
 
@@ -135,7 +141,7 @@ void check_rest(const fs::path& file, const Device& device, const FingerModel& f
         "finger, or the mount, or give [mount] clearance_mm",
         -at / mm, finger.file.string(), where);
     const bool moved = !q.isZero();
-    refuse(file, moved ? table : "mount", moved ? "" : "translation_mm", why);
+    refuse(file, device, moved ? table : "mount", moved ? "" : "translation_mm", why);
   };
   check(device.home(), "home", "at home");
   check(device.retracted(), "retract", "where it retracts to");
@@ -175,7 +181,7 @@ void check_reach(const fs::path& file, const Device& device, const FingerModel& 
                  RestingGap& gap) {
   const double least = nearest_in_reach(device, gap);
   if (least <= 0.0) return;
-  refuse(file, "mount", "translation_mm",
+  refuse(file, device, "mount", "translation_mm",
          fmt::format("keeps the device from touching: wherever it goes it stays {:.2f} mm off the "
                      "resting skin of {}; mount it nearer, or widen [limits]",
                      least / mm, finger.file.string()));
@@ -191,7 +197,7 @@ void check_advance(const fs::path& file, const Device& device, RestingGap& gap) 
   if (gap.at(further) - gap.at(nearer) >= 2.0 * kLeastApproach * kAdvance) return;
   const int axis = device.approach_axis();
   const std::string name = axis < 0 ? "" : device.axes()[static_cast<std::size_t>(axis)].name;
-  refuse(file, "matching", "approach",
+  refuse(file, device, "matching", "approach",
          fmt::format("{} does not bring the surface nearer to the finger where it grows; name a "
                      "coordinate that does, or turn its sign",
                      name));
@@ -208,52 +214,61 @@ void note_approach(const Device& device, RestingGap& gap, std::vector<DeviceNoti
                    approach / mm, home / mm)});
 }
 
-/// Null where the device file says nothing of force.
-std::shared_ptr<const TravelCeiling> ceiling_of(const fs::path& file,
-                                                const std::shared_ptr<const Device>& device,
-                                                const FingerModel& finger,
-                                                const std::stop_token& stop) {
-  if (!(device->settings().max_force > 0.0)) return nullptr;
-  try {
-    return std::make_shared<TravelCeiling>(
-        kept_force_ceiling(finger, device, device->settings().max_force, stop));
-  } catch (const InputError& error) {
-    ConfigFile(file).root().table("limits").fail("max_force_N", error.what());
-  }
-}
-
 /// A measured force corrects how far the device is advanced.
 void check_force_sensor(const fs::path& file, const Device& device) {
   if (!device.settings().force_sensor || device.advances()) return;
-  refuse(file, "force_sensor", "kind",
+  refuse(file, device, "force_sensor", "kind",
          "corrects nothing, no coordinate of this device is known to move its surface towards the "
          "finger; name it by [matching] approach, or leave the table out");
 }
 
 void check_objective(const fs::path& file, const Device& device) {
   const std::string why = why_not(objective_kind(device), device);
-  if (!why.empty()) refuse(file, "matching", "objective", why);
+  if (!why.empty()) refuse(file, device, "matching", "objective", why);
 }
 
 }  // namespace
 
 std::shared_ptr<const Device> mounted_on(const FingerModel& finger, const fs::path& file) {
-  std::shared_ptr<const Device> device = load_device(file);
+  return mounted_on(finger, file, read_text_file(file, ConfigFile::kMaxSize));
+}
+
+std::shared_ptr<const Device> mounted_on(const FingerModel& finger, const fs::path& file,
+                                         const std::string& text) {
+  std::shared_ptr<const Device> device = load_device(file, text, 0.0);
   const auto clearance = device->settings().clearance;
   if (!clearance) return device;
   const double shift = shift_for(*device, rest_skin_points(finger), *clearance);
   if (std::abs(shift) > kMostShift) {
-    refuse(file, "mount", "clearance_mm",
+    refuse(file, *device, "mount", "clearance_mm",
            fmt::format("would shift the mount by {:.2f} mm to fit {}, more than {:g} mm; put "
                        "translation_mm where the device belongs on such a finger",
                        shift / mm, finger.file.string(), kMostShift / mm));
   }
-  return shift == 0.0 ? device : load_device(file, shift);
+  return shift == 0.0 ? device : load_device(file, text, shift);
+}
+
+std::shared_ptr<const TravelCeiling> ceiling_on(const FingerModel& finger, const fs::path& file,
+                                                const std::shared_ptr<const Device>& device,
+                                                const std::stop_token& stop) {
+  if (!(device->settings().max_force > 0.0)) return nullptr;
+  try {
+    return std::make_shared<TravelCeiling>(
+        kept_force_ceiling(finger, device, device->settings().max_force, stop));
+  } catch (const InputError& error) {
+    root_of(file, *device).table("limits").fail("max_force_N", error.what());
+  }
 }
 
 WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::stop_token& stop) {
+  WornDevice worn = worn_on(finger, file, read_text_file(file, ConfigFile::kMaxSize));
+  worn.ceiling = ceiling_on(finger, file, worn.device, stop);
+  return worn;
+}
+
+WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::string& text) {
   const std::vector<Vector3> skin = rest_skin_points(finger);
-  WornDevice worn{.device = mounted_on(finger, file)};
+  WornDevice worn{.device = mounted_on(finger, file, text)};
   const Device& device = *worn.device;
   check_bone(file, device, finger);
   check_force_sensor(file, device);
@@ -263,7 +278,6 @@ WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::s
   check_rest(file, device, finger, gap);
   check_reach(file, device, finger, gap);
   note_approach(device, gap, worn.notices);
-  worn.ceiling = ceiling_of(file, worn.device, finger, stop);
   return worn;
 }
 

@@ -32,6 +32,10 @@ struct WornDevice {
 /// what load_device() refuses and for a shift that is larger.
 [[nodiscard]] std::shared_ptr<const Device> mounted_on(const FingerModel& finger,
                                                        const std::filesystem::path& file);
+/// The same of a file's text at hand, which may differ from the file.
+[[nodiscard]] std::shared_ptr<const Device> mounted_on(const FingerModel& finger,
+                                                       const std::filesystem::path& file,
+                                                       const std::string& text);
 
 /// The same, and looks whether it can be worn.
 /// Throws InputError, with file, line and key, also for what force_ceiling() refuses and for a
@@ -40,5 +44,13 @@ struct WornDevice {
 /// workspace, or advancing away from it. And when `stop` asks for an end.
 [[nodiscard]] WornDevice worn_on(const FingerModel& finger, const std::filesystem::path& file,
                                  const std::stop_token& stop = {});
+/// The same of a text at hand, and without the ceiling, which takes far longer than all the rest.
+[[nodiscard]] WornDevice worn_on(const FingerModel& finger, const std::filesystem::path& file,
+                                 const std::string& text);
+/// How far a device worn on this finger may be advanced; null: its file says nothing of force.
+/// Throws as worn_on() does for force_ceiling().
+[[nodiscard]] std::shared_ptr<const TravelCeiling> ceiling_on(
+    const FingerModel& finger, const std::filesystem::path& file,
+    const std::shared_ptr<const Device>& device, const std::stop_token& stop = {});
 
 }  // namespace softfinger

@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commands.hpp"
+#include "progress_bar.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/study/run_study.hpp"
+#include "softfinger/study/study_table.hpp"
+#include "stop_signal.hpp"
+
+namespace {
+
+using namespace softfinger;
+
+struct StudyFlags {
+  std::string study, out, shard;
+  bool json = false;
+};
+
+struct StudyTableFlags {
+  std::string folder, to;
+};
+
+Shard shard_of(const std::string& text) {
+  Shard shard;
+  char* end = nullptr;
+  const std::size_t slash = text.find('/');
+  if (slash != std::string::npos && slash > 0) {
+    shard.number = std::strtoull(text.c_str(), &end, 10);
+    const bool first = end == text.c_str() + slash;
+    shard.count = std::strtoull(text.c_str() + slash + 1, &end, 10);
+    const bool digits = text.find_first_not_of("0123456789/") == std::string::npos;
+    if (first && digits && *end == '\0' && shard.number >= 1 && shard.number <= shard.count &&
+        shard.count <= 1000000) {
+      return shard;
+    }
+  }
+  throw InputError(fmt::format("--shard {}: expected I/N, I from 1 to N, as in 3/64", text));
+}
+
+std::string summary_text(const StudySummary& summary, const StudyFlags& flags) {
+  const StudyProgress& at = summary.progress;
+  const std::string counts =
+      fmt::format("{} designs, {} not feasible; {} of {} evaluations were recorded before",
+                  at.designs, at.infeasible, at.recorded, at.cases);
+  switch (summary.end) {
+    case StudyEnd::kFinished:
+      return fmt::format("{}\n", counts);
+    case StudyEnd::kShardDone:
+      return fmt::format(
+          "shard {} is done; when all are, softfinger study without --shard takes "
+          "them together\n",
+          flags.shard);
+    case StudyEnd::kAwaitsOthers:
+      return fmt::format(
+          "shard {} has done its part of this generation; the next one needs the "
+          "other shards: run them, then this one again, or finish without --shard\n",
+          flags.shard);
+    case StudyEnd::kStopped:
+      break;
+  }
+  return {};
+}
+
+void run_study_command(const StudyFlags& flags) {
+  const std::unique_ptr<Ranks> ranks = ranks_of_this_job();
+  StudyOptions options{.out = flags.out};
+  if (!flags.shard.empty()) options.shard = shard_of(flags.shard);
+  ProgressBar bar;
+  StudyObserver observer;
+  observer.message = [&bar](const std::string& message) {
+    bar.clear();
+    fmt::print(stderr, "softfinger: {}\n", message);
+  };
+  observer.progress = [&bar](const StudyProgress& at) {
+    if (at.cases == 0) return;
+    bar.show(static_cast<double>(at.done) / static_cast<double>(at.cases),
+             fmt::format("{} of {} evaluations, {} designs, {} not feasible", at.done, at.cases,
+                         at.designs, at.infeasible));
+  };
+  const Study study = load_study(flags.study);
+  const StudySummary summary = run_study(study, options, *ranks, stop_on_signals(), observer);
+  bar.clear();
+  if (ranks->rank() > 0) return;
+  if (summary.end == StudyEnd::kStopped) {
+    throw OperationError(
+        fmt::format("stopped; {} of {} evaluations are recorded, and the same "
+                    "command goes on from there",
+                    summary.progress.done, summary.progress.cases));
+  }
+  fmt::print("{}", summary_text(summary, flags));
+  if (summary.end == StudyEnd::kFinished &&
+      summary.progress.infeasible == summary.progress.designs) {
+    throw OperationError(
+        fmt::format("{}: no design is feasible; the first: {}", flags.study, summary.first_reason));
+  }
+}
+
+/// Words of an error once, by the first of the ranks.
+void on_every_rank(const StudyFlags& flags) {
+  const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
+  if (rank == nullptr) rank = std::getenv("PMIX_RANK");
+  try {
+    run_study_command(flags);
+  } catch (const InputError&) {
+    if (rank == nullptr || std::string(rank) == "0") throw;
+    throw CLI::RuntimeError(2);
+  }
+}
+
+void export_command(const StudyTableFlags& flags) {
+  const StudyTable table = read_study_table(flags.folder);
+  export_study(table, flags.to);
+  if (!table.finished) {
+    fmt::print(stderr, "softfinger: the study is not finished; {} designs so far\n",
+               table.rows.size());
+  }
+}
+
+}  // namespace
+
+void add_study_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "study", "Many designs, worn by many people: evaluated, recorded, resumed; also by mpirun");
+  auto flags = std::make_shared<StudyFlags>();
+  command->require_subcommand(0, 1);
+  CLI::Option* study = command->add_option("STUDY", flags->study,
+                                           "study file (TOML): what varies, who wears it, "
+                                           "what is better");
+  command->add_option("--out", flags->out,
+                      "folder of the study, made if absent; goes on with what is there");
+  command->add_option("--shard", flags->shard,
+                      "I/N: one of N equal parts, for job arrays; all into one --out");
+  CLI::App* exporting = command->add_subcommand("export", "A row a design, as CSV");
+  auto to = std::make_shared<StudyTableFlags>();
+  exporting->add_option("DIR", to->folder, "what study --out made")->required();
+  exporting->add_option("--to", to->to, "CSV file, which must not be there yet")->required();
+  exporting->callback([to] { export_command(*to); });
+  command->callback([command, flags, study] {
+    if (!command->get_subcommands().empty()) return;
+    if (study->empty()) throw InputError("study: give a study file (TOML), or export");
+    if (flags->out.empty()) throw InputError("study: give --out, the folder of what comes out");
+    on_every_rank(*flags);
+  });
+}

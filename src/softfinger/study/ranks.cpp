@@ -1,0 +1,76 @@
+#include "softfinger/study/ranks.hpp"
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/files/shipped_file.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kModule = "softfinger-mpi.so";
+
+/// More than one task of Slurm's srun; a job of one is no parallel one.
+bool is_several(const char* variable) {
+  const char* text = std::getenv(variable);
+  return text != nullptr && std::atoi(text) > 1;
+}
+
+bool in_parallel_job() {
+  if (std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr) return true;
+  return (std::getenv("PMIX_RANK") != nullptr || std::getenv("SLURM_PROCID") != nullptr) &&
+         is_several("SLURM_STEP_NUM_TASKS");
+}
+
+/// Beside the program where that is built, else where it is installed.
+fs::path module_file() {
+  const fs::path own = own_folder();
+  std::error_code error;
+  for (const fs::path& folder : {own, own / ".." / SOFTFINGER_LIBRARY_FOLDER / "softfinger",
+                                 own / ".." / "lib/softfinger"}) {
+    if (fs::exists(folder / kModule, error)) return folder / kModule;
+  }
+  return {};
+}
+
+}  // namespace
+
+void OneRank::share(std::size_t count, const Work& work, const Take& take,
+                    const std::atomic<bool>& stop) {
+  for (std::size_t task = 0; task < count && !stop.load(); ++task) take(task, work(task));
+}
+
+std::unique_ptr<Ranks> ranks_of_this_job() {
+  if (!in_parallel_job()) return std::make_unique<OneRank>();
+  const fs::path file = module_file();
+  if (file.empty()) {
+    throw OperationError(
+        fmt::format("mpirun: this program has no {} beside it or in "
+                    "lib/softfinger; build it where libopenmpi-dev is installed, "
+                    "or use --shard",
+                    kModule));
+  }
+  // Loaded only here: who runs no parallel job needs no MPI, and no time to start it.
+  void* module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  void* make = module == nullptr ? nullptr : ::dlsym(module, "softfinger_make_mpi_ranks");
+  if (make == nullptr) {
+    throw OperationError(fmt::format("{}: cannot be loaded: {}", file.string(), ::dlerror()));
+  }
+  Ranks* ranks = reinterpret_cast<Ranks* (*)()>(make)();
+  if (ranks == nullptr) {
+    throw OperationError(
+        "mpirun: this MPI does not let more than one thread call it "
+        "(MPI_THREAD_MULTIPLE); use another, or --shard");
+  }
+  return std::unique_ptr<Ranks>(ranks);
+}
+
+}  // namespace softfinger

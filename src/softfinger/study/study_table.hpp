@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace softfinger {
+
+/// What the numbers of a study's designs are.
+struct StudyHeadings {
+  struct Parameter {
+    std::string key;
+    bool log = false;
+    bool tied = false;
+  };
+  struct Quantity {
+    std::string name;
+    std::string what;  ///< the measure or formula
+    bool objective = true;
+    bool maximise = false;
+  };
+  std::string title;  ///< the study file's name
+  std::string kind;   ///< of its design
+  std::vector<Parameter> parameters;
+  std::vector<Quantity> quantities;  ///< objectives first
+};
+
+/// A design and what it came to, in the units of the names.
+struct StudyRow {
+  std::int64_t number = 0;  ///< from 0, in the order of the design
+  std::vector<double> parameters;
+  std::vector<double> quantities;  ///< NaN where it is not feasible for want of it
+  std::string reason;              ///< empty: feasible
+
+  [[nodiscard]] bool feasible() const { return reason.empty(); }
+};
+
+struct StudyTable {
+  StudyHeadings headings;
+  std::vector<StudyRow> rows;  ///< by number; of a study that goes on some may be missing
+  bool finished = false;
+};
+
+/// Of a study's folder, also while the study goes on. Throws InputError where there is none, or
+/// shards alone.
+[[nodiscard]] StudyTable read_study_table(const std::filesystem::path& folder);
+
+/// Writes it as CSV: design, parameters, objectives, constraints, feasible, reason. Throws
+/// InputError where the file exists, OperationError where it cannot be written.
+void export_study(const StudyTable& table, const std::filesystem::path& file);
+
+}  // namespace softfinger
