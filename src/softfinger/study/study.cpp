@@ -75,7 +75,9 @@ void read_files(const ConfigTable& root, Study& study) {
                             finger.string(), scenes.front(), study.finger->path.string()));
     }
     if (!study.finger) {
-      study.finger = open_file(finger, finger.lexically_relative(directory).string());
+      study.finger = open_file(
+          finger,
+          finger.lexically_normal().lexically_proximate(directory.lexically_normal()).string());
     }
   }
 }
@@ -325,6 +327,20 @@ Over read_over(const ConfigTable& table, const char* key) {
   return row_named(kOvers, table.choice(key, names_of(kOvers), "mean"))->value;
 }
 
+std::string read_measure(const ConfigTable& table) {
+  std::string measure = table.text("measure");
+  const std::vector<std::string> words = measure_words();
+  if (std::ranges::find(words, measure) != words.end()) return measure;
+  const std::vector<std::string> near = names_near(measure, words);
+  table.fail(
+      "measure",
+      near.size() < words.size()
+          ? fmt::format("no measure is called '{}'; did you mean {}?", measure, listed(near, "or"))
+          : fmt::format("no measure is called '{}'; expected a number of evaluate --json "
+                        "that is not a time, such as stress_error or lagged.iou",
+                        measure));
+}
+
 Quantity read_quantity(const ConfigTable& table, const std::string& name, Study& study,
                        FileNumbers& numbers) {
   Quantity quantity;
@@ -341,7 +357,7 @@ Quantity read_quantity(const ConfigTable& table, const std::string& name, Study&
     }
     return quantity;
   }
-  quantity.measure = table.choice("measure", measure_words());
+  quantity.measure = read_measure(table);
   if (study.scenes.empty()) table.fail("measure", "needs a scene in which to measure it");
   quantity.over_people = read_over(table, "over_people");
   quantity.over_frames = read_over(table, "over_frames");

@@ -56,8 +56,10 @@ std::vector<StudyFact> study_facts(const Study& study) {
       if (named.empty() || !seen.insert(fs::weakly_canonical(named)).second) continue;
       std::ifstream stream(named, std::ios::binary);
       const std::string content{std::istreambuf_iterator<char>(stream), {}};
-      facts.push_back(
-          {named.lexically_proximate(study.file.parent_path()).string(), hash_text(content)});
+      facts.push_back({named.lexically_normal()
+                           .lexically_proximate(study.file.parent_path().lexically_normal())
+                           .string(),
+                       hash_text(content)});
     }
   };
   for (const StudyFile& scene : study.scenes) add_file(scene);

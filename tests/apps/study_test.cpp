@@ -1,0 +1,189 @@
+// `study` as its users call it: alone, by mpirun, in shards, killed and resumed.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "../support/child_process.hpp"
+#include "../support/temporary_directory.hpp"
+#include "program.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// A folder with a study whose designs take a few milliseconds each.
+class StudyCommand : public testing::Test {
+ protected:
+  StudyCommand() {
+    std::ofstream(folder_ / "study.toml") << R"toml(device = "thimble-3rrs"
+[vary]
+device.geometry.crank_mm = { min = 5, max = 15 }
+device.geometry.coupler_mm = { tie = "2 * device.geometry.crank_mm" }
+device.geometry.disk_radius_mm = { values = [6, 8, 10] }
+[objectives]
+size = { formula = "device.geometry.crank_mm + device.geometry.disk_radius_mm" }
+[design]
+kind = "lhs"
+size = 60
+)toml";
+  }
+  [[nodiscard]] std::string path(const char* name) const { return folder_ / name; }
+  [[nodiscard]] std::vector<std::string> into(const char* out) const {
+    return {"study", path("study.toml"), "--out", path(out)};
+  }
+  /// The table of a study's folder.
+  [[nodiscard]] std::string csv(const char* out) const {
+    const std::string file = path(out) + ".csv";
+    fs::remove(file);
+    const ProgramRun run = run_program({"study", "export", path(out), "--to", file});
+    EXPECT_EQ(run.status, 0) << run.errors;
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  [[nodiscard]] static std::string mpirun(int ranks) {
+    return fmt::format("exec mpirun --allow-run-as-root --oversubscribe -n {} \"$@\"", ranks);
+  }
+
+  TemporaryDirectory folder_;
+};
+
+bool has_mpi() {
+  const fs::path beside = fs::path(SOFTFINGER_PROGRAM).parent_path() / "softfinger-mpi.so";
+  return fs::exists(beside) && std::system("command -v mpirun >/dev/null") == 0;
+}
+
+TEST_F(StudyCommand, OneCommandAloneByMpirunAndInShardsGivesTheSameBytes) {
+  const ProgramRun alone = run_program(into("alone"));
+  EXPECT_EQ(alone.status, 0) << alone.errors;
+  EXPECT_THAT(alone.output, StartsWith("60 designs, "));
+  const std::string table = csv("alone");
+  EXPECT_THAT(table, HasSubstr("\n59,"));
+  EXPECT_THAT(table, HasSubstr(",false,\"thimble-3rrs:")) << "short cranks cannot be";
+  EXPECT_THAT(table, HasSubstr(",true,"));
+  for (int shard = 1; shard <= 3; ++shard) {
+    std::vector<std::string> words = into("shards");
+    words.insert(words.end(), {"--shard", fmt::format("{}/3", shard)});
+    const ProgramRun run = run_program(words);
+    EXPECT_EQ(run.status, 0) << run.errors;
+  }
+  const ProgramRun merged = run_program(into("shards"));
+  EXPECT_THAT(merged.output, HasSubstr("60 of 60 evaluations were recorded before"));
+  EXPECT_EQ(csv("shards"), table);
+  if (!has_mpi()) GTEST_SKIP() << "built without MPI";
+  for (const int ranks : {1, 2, 3}) {
+    const std::string out = fmt::format("ranks{}", ranks);
+    const ProgramRun run = run_in_shell(mpirun(ranks), into(out.c_str()));
+    EXPECT_EQ(run.status, 0) << run.errors;
+    EXPECT_THAT(run.output, StartsWith("60 designs, ")) << "of one rank alone";
+    EXPECT_EQ(csv(out.c_str()), table) << ranks;
+  }
+}
+
+/// Evaluations recorded so far.
+std::size_t recorded_in(const ProgramRun& run) {
+  const std::size_t begin = run.output.find("; ");
+  return begin == std::string::npos ? 0 : std::stoul(run.output.substr(begin + 2));
+}
+
+TEST_F(StudyCommand, WhateverIsKilledItGoesOn) {
+  static_cast<void>(run_program(into("alone")));
+  // At instants a few evaluations apart.
+  for (int k = 1; k <= 6; ++k) {
+    RunningProgram program(into("killed"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + 23 * k));
+    static_cast<void>(program.stop(SIGKILL));
+  }
+  const ProgramRun last = run_program(into("killed"));
+  EXPECT_EQ(last.status, 0) << last.errors;
+  EXPECT_GT(recorded_in(last), 0u) << last.output;
+  EXPECT_EQ(csv("killed"), csv("alone"));
+}
+
+TEST_F(StudyCommand, AnyRankMayBeKilled) {
+  if (!has_mpi()) GTEST_SKIP() << "built without MPI";
+  static_cast<void>(run_program(into("alone")));
+  for (const int which : {1, 0}) {
+    RunningProgram job(into("killed"), mpirun(2));
+    // The ranks are the children of mpirun; the first one found, or the last one started.
+    const pid_t first = child_of(job.process());
+    ASSERT_NE(first, 0);
+    const fs::path journal = path("killed") + std::string("/journal.sqlite");
+    for (int k = 0; k < 2000 && !fs::exists(journal); ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    pid_t rank = first;
+    if (which == 1) {
+      std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", job.process()));
+      for (pid_t each = 0; children >> each;) rank = each;
+    }
+    ::kill(rank, SIGKILL);
+    EXPECT_NE(job.stop(0).status, 0) << "a dead rank ends the job";
+  }
+  const ProgramRun last = run_in_shell(mpirun(2), into("killed"));
+  EXPECT_EQ(last.status, 0) << last.errors;
+  EXPECT_GT(recorded_in(last), 0u) << last.output;
+  EXPECT_EQ(csv("killed"), csv("alone"));
+}
+
+TEST_F(StudyCommand, AFullDiskIsOneLineAndLosesNothing) {
+  const ProgramRun full = run_in_shell("ulimit -f 24; exec \"$@\"", into("full"));
+  EXPECT_EQ(full.status, 1);
+  EXPECT_THAT(full.errors, HasSubstr("cannot be written (is there room on the disk?)"));
+  EXPECT_EQ(std::count(full.errors.begin(), full.errors.end(), '\n'), 1) << full.errors;
+  const ProgramRun again = run_program(into("full"));
+  EXPECT_EQ(again.status, 0) << again.errors;
+  EXPECT_EQ(again.errors, "");
+  static_cast<void>(run_program(into("alone")));
+  EXPECT_EQ(csv("full"), csv("alone"));
+}
+
+TEST_F(StudyCommand, RefusesWhatIsWrong) {
+  expect_refused(run_program({"study"}), {"give a study file"});
+  expect_refused(run_program({"study", path("study.toml")}), {"give --out"});
+  expect_refused(run_program({"study", path("none.toml"), "--out", path("x")}),
+                 {"none.toml: no such file"});
+  for (const char* shard : {"0/3", "4/3", "1", "1/", "a/b", "-1/3", "1/3x"}) {
+    std::vector<std::string> words = into("x");
+    words.emplace_back(fmt::format("--shard={}", shard));
+    expect_refused(run_program(words), {"expected I/N"});
+  }
+  expect_refused(run_program({"study", "export", path("none"), "--to", path("x.csv")}),
+                 {"has no journal.sqlite"});
+  EXPECT_FALSE(fs::exists(path("x")));
+}
+
+TEST_F(StudyCommand, SaysThatNoDesignIsFeasible) {
+  std::ofstream(folder_ / "study.toml", std::ios::app)
+      << "[constraints]\nsmall = { formula = \"device.geometry.crank_mm\", at_most = 1 }\n";
+  const ProgramRun run = run_program(into("none"));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.errors, HasSubstr("no design is feasible; the first: "));
+  EXPECT_THAT(csv("none"), HasSubstr("above 1"));
+}
+
+// Ctrl-C: what is done is kept, one line says how to go on.
+TEST_F(StudyCommand, EndsWhereItIsStopped) {
+  RunningProgram program(into("stopped"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  const ProgramRun run = program.stop(SIGINT);
+  if (run.status == 0) GTEST_SKIP() << "it was through before";
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.errors, HasSubstr("are recorded, and the same command goes on from there"));
+  EXPECT_EQ(run_program(into("stopped")).status, 0);
+}
+
+}  // namespace
+}  // namespace softfinger
