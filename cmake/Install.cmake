@@ -9,7 +9,7 @@ install(TARGETS ${softfinger_targets} EXPORT softfingerTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
 # What `cmake --install` takes from the build: without it, installing fails half way.
 add_custom_target(to_install DEPENDS ${softfinger_targets})
-foreach(program softfinger softfinger-guard)
+foreach(program softfinger softfinger-guard softfinger_mpi)
   if(TARGET ${program})
     add_dependencies(to_install ${program})
   endif()
@@ -35,10 +35,10 @@ install(FILES ${PROJECT_BINARY_DIR}/softfingerConfig.cmake
 # What a newcomer runs: fingers, devices, scenes and objects as files. The build tree shows them in the same place, so
 # that what it builds finds them by name as an installed program does.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/softfinger)
-foreach(folder fingers devices scenes objects)
+foreach(folder fingers devices scenes objects studies)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/softfinger/${folder} SYMBOLIC)
 endforeach()
-install(DIRECTORY fingers devices scenes objects DESTINATION ${CMAKE_INSTALL_DATADIR}/softfinger COMPONENT program
+install(DIRECTORY fingers devices scenes objects studies DESTINATION ${CMAKE_INSTALL_DATADIR}/softfinger COMPONENT program
   FILES_MATCHING PATTERN "*.toml" PATTERN "*.msh" PATTERN "*.ply" PATTERN "*.obj" PATTERN "*.stl")
 
 if(TARGET softfinger)

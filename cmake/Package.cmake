@@ -93,6 +93,14 @@ softfinger_package(development libsoftfinger-dev libdevel "tactile rendering for
 softfinger_package(python python3-softfinger python "tactile rendering for wearable fingertip haptics (Python 3)"
   "The package softfinger for Python: poses and results as numpy arrays.")
 
+if(TARGET softfinger_mpi)
+  softfinger_package(mpi softfinger-mpi science "tactile rendering for wearable fingertip haptics (studies by MPI)"
+    "What the program loads under mpirun, so that a study runs on many processors
+and machines.")
+  set(CPACK_COMPONENT_MPI_DEPENDS program)
+  set(CPACK_DEBIAN_MPI_PACKAGE_RECOMMENDS openmpi-bin)
+endif()
+
 # The library starts a guard for each device, and takes shipped files by name.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS softfinger)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${packages}/libsoftfinger0/triggers)
@@ -103,8 +111,8 @@ set(CPACK_COMPONENT_DEVELOPMENT_DEPENDS library)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 # As softfingerConfig.cmake finds them.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libassimp-dev, libeigen3-dev, libfmt-dev, libsqlite3-dev, libssl-dev, libtomlplusplus-dev, libxxhash-dev, pkg-config, zlib1g-dev")
-# softfinger::export alone.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS libhdf5-dev)
+# softfinger::export and softfinger::study alone.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libhdf5-dev, libmuparser-dev, libpagmo-dev")
 set(CPACK_COMPONENT_PYTHON_DEPENDS library)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)

@@ -59,6 +59,12 @@ std::vector<OptionRow> CommandRow::arguments() const { return those_of(*this, tr
 
 std::vector<OptionRow> CommandRow::flags() const { return those_of(*this, false); }
 
+bool CommandRow::works_itself() const {
+  return parts.empty() || std::ranges::any_of(options, [](const OptionRow& option) {
+           return option.name != "--help";
+         });
+}
+
 CommandRow command_table(const CLI::App& app) {
   CommandRow command{
       .name = app.get_name(), .help = app.get_description(), .options = {}, .parts = {}};

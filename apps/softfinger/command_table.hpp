@@ -30,6 +30,8 @@ struct CommandRow {
   /// Those told by their place, in order.
   [[nodiscard]] std::vector<OptionRow> arguments() const;
   [[nodiscard]] std::vector<OptionRow> flags() const;
+  /// Not only its parts do.
+  [[nodiscard]] bool works_itself() const;
 };
 
 [[nodiscard]] CommandRow command_table(const CLI::App& app);

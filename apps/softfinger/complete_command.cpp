@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,7 +53,8 @@ std::vector<Candidate> values_of(const OptionRow& option) {
   const std::string& value = option.argument ? option.name : option.value;
   std::vector<Candidate> candidates;
   for (const std::string& choice : option.choices) candidates.push_back({choice, ""});
-  for (const Shipped kind : {Shipped::kScene, Shipped::kDevice, Shipped::kFinger}) {
+  for (const Shipped kind :
+       {Shipped::kScene, Shipped::kDevice, Shipped::kFinger, Shipped::kStudy}) {
     if (value != value_name(kind)) continue;
     for (const std::string& name : softfinger::shipped_names(kind))
       candidates.push_back({name, ""});
@@ -78,10 +80,13 @@ std::vector<Candidate> flags_of(const Place& place) {
 std::vector<Candidate> candidates_at(const Place& place, std::string_view begun) {
   if (place.awaits != nullptr) return values_of(*place.awaits);
   if (begun.starts_with('-')) return flags_of(place);
-  if (!place.command->parts.empty()) return parts_of(*place.command);
+  std::vector<Candidate> candidates;
+  if (place.arguments == 0) candidates = parts_of(*place.command);
   const std::vector<OptionRow> arguments = place.command->arguments();
-  if (place.arguments < arguments.size()) return values_of(arguments[place.arguments]);
-  return {};
+  if (place.arguments < arguments.size()) {
+    std::ranges::move(values_of(arguments[place.arguments]), std::back_inserter(candidates));
+  }
+  return candidates;
 }
 
 std::vector<Candidate> completions(const CommandRow& program, std::vector<std::string> words) {

@@ -59,7 +59,7 @@ std::string explanation_of(const OptionRow& option) {
 
 void print_command(const std::string& name, const CommandRow& command) {
   for (const CommandRow& part : command.parts) print_command(name + " " + part.name, part);
-  if (!command.parts.empty()) return;
+  if (!command.works_itself()) return;
   fmt::print(".SS {}\n{}\n.PP\n{}.\n", plain(name), synopsis_of(name, command),
              plain(command.help));
   for (const bool argument : {true, false}) {

@@ -8,6 +8,7 @@
 constexpr const char* value_name(softfinger::Shipped kind) {
   return kind == softfinger::Shipped::kScene    ? "SCENE"
          : kind == softfinger::Shipped::kDevice ? "DEVICE"
+         : kind == softfinger::Shipped::kStudy  ? "STUDY"
                                                 : "FINGER";
 }
 

@@ -8,7 +8,9 @@
 
 #include "commands.hpp"
 #include "progress_bar.hpp"
+#include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/study/report/study_report.hpp"
 #include "softfinger/study/run_study.hpp"
 #include "softfinger/study/study_table.hpp"
 #include "stop_signal.hpp"
@@ -46,8 +48,8 @@ Shard shard_of(const std::string& text) {
 std::string summary_text(const StudySummary& summary, const StudyFlags& flags) {
   const StudyProgress& at = summary.progress;
   const std::string counts =
-      fmt::format("{} designs, {} not feasible; {} of {} evaluations were recorded before",
-                  at.designs, at.infeasible, at.recorded, at.cases);
+      fmt::format("{} designs, {} not feasible; {} of {} evaluations were known before", at.designs,
+                  at.infeasible, at.recorded, at.cases);
   switch (summary.end) {
     case StudyEnd::kFinished:
       return fmt::format("{}\n", counts);
@@ -116,6 +118,7 @@ void on_every_rank(const StudyFlags& flags) {
 void export_command(const StudyTableFlags& flags) {
   const StudyTable table = read_study_table(flags.folder);
   export_study(table, flags.to);
+  fmt::print("{} designs in {}\n", table.rows.size(), flags.to);
   if (!table.finished) {
     fmt::print(stderr, "softfinger: the study is not finished; {} designs so far\n",
                table.rows.size());
@@ -129,9 +132,11 @@ void add_study_command(CLI::App& app) {
       "study", "Many designs, worn by many people: evaluated, recorded, resumed; also by mpirun");
   auto flags = std::make_shared<StudyFlags>();
   command->require_subcommand(0, 1);
-  CLI::Option* study = command->add_option("STUDY", flags->study,
-                                           "study file (TOML): what varies, who wears it, "
-                                           "what is better");
+  CLI::Option* study = takes_shipped(
+      command->add_option("STUDY", flags->study,
+                          "study file (TOML): what varies, who wears it, what is better; or the "
+                          "name of a shipped one"),
+      Shipped::kStudy);
   command->add_option("--out", flags->out,
                       "folder of the study, made if absent; goes on with what is there");
   command->add_option("--shard", flags->shard,
@@ -141,6 +146,16 @@ void add_study_command(CLI::App& app) {
   exporting->add_option("DIR", to->folder, "what study --out made")->required();
   exporting->add_option("--to", to->to, "CSV file, which must not be there yet")->required();
   exporting->callback([to] { export_command(*to); });
+  CLI::App* plotting = command->add_subcommand(
+      "plot", "Front, effects, indices and best designs, as plots and one page");
+  auto page = std::make_shared<StudyTableFlags>();
+  plotting->add_option("DIR", page->folder, "what study --out made, or makes")->required();
+  plotting->add_option("--to", page->to, "folder for report.html and SVG files, made if absent")
+      ->required();
+  plotting->callback([page] {
+    write_study_report(read_study_table(page->folder), page->to);
+    fmt::print("{}\n", (std::filesystem::path(page->to) / "report.html").string());
+  });
   command->callback([command, flags, study] {
     if (!command->get_subcommands().empty()) return;
     if (study->empty()) throw InputError("study: give a study file (TOML), or export");

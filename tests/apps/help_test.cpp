@@ -17,8 +17,9 @@ using testing::HasSubstr;
 TEST(Help, ListsTheCommands) {
   std::set<std::string> names = commands_in(help_of({}));
   names.erase("help");
-  EXPECT_EQ(names, (std::set<std::string>{"run", "press", "match", "evaluate", "device", "finger",
-                                          "scene", "replay", "export", "condition", "emulate"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"run", "press", "match", "evaluate", "device", "finger", "scene",
+                                   "replay", "export", "condition", "emulate", "study"}));
 }
 
 TEST(Help, EveryCommandListedExists) {
@@ -35,7 +36,8 @@ TEST(Help, PartsOfCommands) {
   EXPECT_EQ(commands_in(help_of({"finger"})),
             (std::set<std::string>{"fit", "register", "schema", "show"}));
   EXPECT_EQ(commands_in(help_of({"scene"})), (std::set<std::string>{"check", "schema"}));
-  EXPECT_EQ(commands_in(help_of({"emulate"})), (std::set<std::string>{"natnet", "udp", "osc"}));
+  EXPECT_EQ(commands_in(help_of({"emulate", "study"})),
+            (std::set<std::string>{"natnet", "udp", "osc"}));
 }
 
 TEST(Help, AsACommand) {

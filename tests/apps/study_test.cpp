@@ -79,7 +79,7 @@ TEST_F(StudyCommand, OneCommandAloneByMpirunAndInShardsGivesTheSameBytes) {
     EXPECT_EQ(run.status, 0) << run.errors;
   }
   const ProgramRun merged = run_program(into("shards"));
-  EXPECT_THAT(merged.output, HasSubstr("60 of 60 evaluations were recorded before"));
+  EXPECT_THAT(merged.output, HasSubstr("60 of 60 evaluations were known before"));
   EXPECT_EQ(csv("shards"), table);
   if (!has_mpi()) GTEST_SKIP() << "built without MPI";
   for (const int ranks : {1, 2, 3}) {

@@ -49,6 +49,7 @@ ELSEWHERE = {
     ),
     ("README.md", "sudo apt install ./build/packages/*.deb"): ("changes the machine; tests/install does it in one of its own", None),
     ("docs/headsets.md", "adb reverse tcp:8080 tcp:8080"): ("a headset by cable", None),
+    ("docs/studies.md", "softfinger study studies/thimble.toml --out thimble-study"): ("minutes; README.md has a short one", None),
     ("docs/motors.md", "oscdump 9000"): ("liblo-tools, for those who have them", None),
     ("docs/motors.md", "sudo usermod -aG dialout $USER"): ("changes the machine", None),
     ("docs/trackers.md", "oscsend 127.0.0.1 9000 /finger/pose fffffff -0.0025 0 0.0257 1 0 0 0"): (
@@ -137,7 +138,7 @@ class Commands(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="softfinger-docs-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
-        for kind in ("fingers", "devices", "scenes", "objects"):
+        for kind in ("fingers", "devices", "scenes", "objects", "studies"):
             shutil.copytree(ROOT / kind, cls.folder / kind)
         (cls.folder / "secret.txt").write_text("a-secret-of-the-docs-test\n")
         (cls.folder / "secret.txt").chmod(0o600)

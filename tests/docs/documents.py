@@ -78,7 +78,9 @@ def leaf_commands(program):
     leaves = []
     for name in parts(program, ()):
         inner = parts(program, (name,))
-        leaves += [(name, part) for part in inner] or [(name,)]
+        leaves += [(name, part) for part in inner]
+        if not inner or flags(program, (name,)):
+            leaves.append((name,))
     return [leaf for leaf in leaves if leaf != ("help",)]
 
 

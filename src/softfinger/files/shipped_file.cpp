@@ -28,6 +28,8 @@ ShippedRow row_of(Shipped kind) {
       return {"a scene", "scenes"};
     case Shipped::kDevice:
       return {"a device", "devices"};
+    case Shipped::kStudy:
+      return {"a study", "studies"};
     case Shipped::kFinger:
       break;
   }

@@ -8,7 +8,7 @@
 namespace softfinger {
 
 /// What comes with softfinger, as files.
-enum class Shipped { kScene, kDevice, kFinger };
+enum class Shipped { kScene, kDevice, kFinger, kStudy };
 
 /// The file that a word means which somebody gave: a file of that name, else the shipped one.
 ///

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "softfinger/study/study_table.hpp"
+
+namespace softfinger {
+
+/// Writes report.html, one page that needs nothing beside it, and its plots as SVG files into
+/// `folder`, which is made if absent; what an earlier report left there is replaced. A front of
+/// objectives, or the best so far of one; what each parameter does; which of them matter; the best
+/// designs; why others cannot be. Throws OperationError where it cannot be written, InputError
+/// where no design is done yet.
+void write_study_report(const StudyTable& table, const std::filesystem::path& folder);
+
+}  // namespace softfinger
