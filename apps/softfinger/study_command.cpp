@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "commands.hpp"
 #include "progress_bar.hpp"
@@ -69,10 +71,25 @@ std::string summary_text(const StudySummary& summary, const StudyFlags& flags) {
   return {};
 }
 
+/// What every rank has to read; where one cannot, none goes on, and the first that cannot says why.
+Study load_on_every_rank(const std::string& file, Ranks& ranks) {
+  std::optional<Study> study;
+  std::exception_ptr thrown;
+  try {
+    study.emplace(load_study(file));
+  } catch (const InputError&) {
+    thrown = std::current_exception();
+  }
+  const bool first_has_it = ranks.broadcast(study ? "read" : "") == "read";
+  if (ranks.all(study.has_value())) return std::move(*study);
+  if (thrown && (ranks.rank() == 0 || first_has_it)) std::rethrow_exception(thrown);
+  throw CLI::RuntimeError(2);
+}
+
 void run_study_command(const StudyFlags& flags) {
-  const std::unique_ptr<Ranks> ranks = ranks_of_this_job();
   StudyOptions options{.out = flags.out};
   if (!flags.shard.empty()) options.shard = shard_of(flags.shard);
+  const std::unique_ptr<Ranks> ranks = ranks_of_this_job();
   ProgressBar bar;
   StudyObserver observer;
   observer.message = [&bar](const std::string& message) {
@@ -85,7 +102,7 @@ void run_study_command(const StudyFlags& flags) {
              fmt::format("{} of {} evaluations, {} designs, {} not feasible", at.done, at.cases,
                          at.designs, at.infeasible));
   };
-  const Study study = load_study(flags.study);
+  const Study study = load_on_every_rank(flags.study, *ranks);
   const StudySummary summary = run_study(study, options, *ranks, stop_on_signals(), observer);
   bar.clear();
   if (ranks->rank() > 0) return;
@@ -100,18 +117,6 @@ void run_study_command(const StudyFlags& flags) {
       summary.progress.infeasible == summary.progress.designs) {
     throw OperationError(
         fmt::format("{}: no design is feasible; the first: {}", flags.study, summary.first_reason));
-  }
-}
-
-/// Words of an error once, by the first of the ranks.
-void on_every_rank(const StudyFlags& flags) {
-  const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
-  if (rank == nullptr) rank = std::getenv("PMIX_RANK");
-  try {
-    run_study_command(flags);
-  } catch (const InputError&) {
-    if (rank == nullptr || std::string(rank) == "0") throw;
-    throw CLI::RuntimeError(2);
   }
 }
 
@@ -160,6 +165,6 @@ void add_study_command(CLI::App& app) {
     if (!command->get_subcommands().empty()) return;
     if (study->empty()) throw InputError("study: give a study file (TOML), or export");
     if (flags->out.empty()) throw InputError("study: give --out, the folder of what comes out");
-    on_every_rank(*flags);
+    run_study_command(*flags);
   });
 }

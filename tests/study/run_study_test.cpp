@@ -38,6 +38,7 @@ class MortalRank final : public Ranks {
   [[nodiscard]] int rank() const override { return 0; }
   [[nodiscard]] int size() const override { return 1; }
   std::string broadcast(const std::string& bytes) override { return bytes; }
+  bool all(bool here) override { return here; }
   void share(std::size_t count, const Work& work, const Take& take,
              const std::atomic<bool>&) override {
     for (std::size_t task = 0; task < count; ++task) {

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 
 #include "softfinger/base/error.hpp"
 
@@ -15,8 +15,8 @@ namespace softfinger {
 JournalLock::JournalLock(const std::filesystem::path& file, const std::filesystem::path& journal)
     : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
   if (descriptor_ < 0) {
-    throw OperationError(
-        fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+    throw OperationError(fmt::format("{}: cannot be written: {}", file.string(),
+                                     std::generic_category().message(errno)));
   }
   // Where the file system has no locks none is held.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;

@@ -18,16 +18,16 @@ namespace fs = std::filesystem;
 
 constexpr const char* kModule = "softfinger-mpi.so";
 
-/// More than one task of Slurm's srun; a job of one is no parallel one.
-bool is_several(const char* variable) {
-  const char* text = std::getenv(variable);
-  return text != nullptr && std::atoi(text) > 1;
+/// Empty: not set.
+std::string_view environment(const char* variable) {
+  const char* text = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe)
+  return text == nullptr ? std::string_view() : text;
 }
 
+/// Started by Open MPI's mpirun, or as one of several tasks by Slurm's srun.
 bool in_parallel_job() {
-  if (std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr) return true;
-  return (std::getenv("PMIX_RANK") != nullptr || std::getenv("SLURM_PROCID") != nullptr) &&
-         is_several("SLURM_STEP_NUM_TASKS");
+  const std::string_view tasks = environment("SLURM_STEP_NUM_TASKS");
+  return !environment("OMPI_COMM_WORLD_SIZE").empty() || (!tasks.empty() && tasks != "1");
 }
 
 /// Beside the program where that is built, else where it is installed.
@@ -62,7 +62,8 @@ std::unique_ptr<Ranks> ranks_of_this_job() {
   void* module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
   void* make = module == nullptr ? nullptr : ::dlsym(module, "softfinger_make_mpi_ranks");
   if (make == nullptr) {
-    throw OperationError(fmt::format("{}: cannot be loaded: {}", file.string(), ::dlerror()));
+    throw OperationError(
+        fmt::format("{}: cannot be loaded; are Open MPI's libraries here?", file.string()));
   }
   Ranks* ranks = reinterpret_cast<Ranks* (*)()>(make)();
   if (ranks == nullptr) {

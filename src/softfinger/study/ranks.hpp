@@ -24,6 +24,8 @@ class Ranks {
   [[nodiscard]] virtual int size() const = 0;
   /// What rank 0 gives, to all.
   virtual std::string broadcast(const std::string& bytes) = 0;
+  /// Whether it is so on every rank.
+  virtual bool all(bool here) = 0;
   /// Each of `count` tasks is done once by whoever is free next, in their order; a rank goes on to
   /// another when its result was taken, so that a kill loses at most one of each. Ends where all
   /// are taken, or `stop` became true on some rank, or `work` or `take` threw, which is thrown
@@ -38,6 +40,7 @@ class OneRank final : public Ranks {
   [[nodiscard]] int rank() const override { return 0; }
   [[nodiscard]] int size() const override { return 1; }
   std::string broadcast(const std::string& bytes) override { return bytes; }
+  bool all(bool here) override { return here; }
   void share(std::size_t count, const Work& work, const Take& take,
              const std::atomic<bool>& stop) override;
 };

@@ -186,6 +186,7 @@ bool is_leaf(const ConfigTable& table) {
 /// What a grid makes of a range.
 std::vector<double> even_steps(const Parameter& range, int count) {
   std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     values.push_back(range.at(static_cast<double>(i) / static_cast<double>(count - 1)));
   }

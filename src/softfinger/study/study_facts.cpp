@@ -34,7 +34,7 @@ fs::path named_by(std::string_view word, const fs::path& directory) {
   std::error_code error;
   for (const std::string_view part : {word, word.substr(word.find(':') + 1)}) {
     if (part.empty() || part.size() > 1000 || part.ends_with(".toml")) continue;
-    const fs::path file = directory / part;
+    fs::path file = directory / part;
     if (fs::is_regular_file(file, error)) return file;
   }
   return {};

@@ -68,6 +68,15 @@ class MpiRanks final : public Ranks {
     return result;
   }
 
+  bool all(bool here) override {
+    const int mine = here ? 1 : 0;
+    int every = 0;
+    MPI_Request request{};
+    MPI_Iallreduce(&mine, &every, 1, MPI_INT, MPI_LAND, MPI_COMM_WORLD, &request);
+    wait_for(request);
+    return every != 0;
+  }
+
   void share(std::size_t count, const Work& work, const Take& take,
              const std::atomic<bool>& stop) override {
     if (rank_ == 0) exchange(0);

@@ -42,6 +42,7 @@ std::vector<std::size_t> front_of(const StudyTable& table) {
     if (std::ranges::none_of(front, better)) front.push_back(design);
   }
   std::vector<std::size_t> rows;
+  rows.reserve(front.size());
   for (const auto& [objectives, row] : front) rows.push_back(row);
   return rows;
 }

@@ -78,6 +78,7 @@ std::vector<FirstOrderIndex> first_order_indices(const StudyTable& table, std::s
   std::vector<FirstOrderIndex> indices;
   for (std::size_t k = 0; k < table.headings.parameters.size(); ++k) {
     std::vector<double> values;
+    values.reserve(rows.size());
     for (const StudyRow* row : rows) values.push_back(row->parameters[k]);
     const std::vector<std::size_t> share = shares_along(values, shares);
     std::vector<std::size_t> designs(rows.size());

@@ -30,6 +30,7 @@ constexpr std::size_t kMeans = 12;  // along a parameter
 std::vector<double> parameter_of(const StudyTable& table, const std::vector<std::size_t>& rows,
                                  std::size_t k) {
   std::vector<double> values;
+  values.reserve(rows.size());
   for (const std::size_t row : rows) values.push_back(table.rows[row].parameters[k]);
   return values;
 }
@@ -37,6 +38,7 @@ std::vector<double> parameter_of(const StudyTable& table, const std::vector<std:
 std::vector<double> quantity_of(const StudyTable& table, const std::vector<std::size_t>& rows,
                                 std::size_t k) {
   std::vector<double> values;
+  values.reserve(rows.size());
   for (const std::size_t row : rows) values.push_back(table.rows[row].quantities[k]);
   return values;
 }
@@ -252,6 +254,7 @@ class Report {
     if (kinds.empty()) return;
     heading("Designs that are not feasible", "How many, and the first one's reason.");
     std::vector<std::pair<std::size_t, std::string>> sorted;
+    sorted.reserve(kinds.size());
     for (const auto& [kind, reason] : kinds) sorted.push_back(reason);
     std::ranges::stable_sort(sorted, std::greater<>(), &std::pair<std::size_t, std::string>::first);
     if (sorted.size() > kMostReasons) sorted.resize(kMostReasons);
