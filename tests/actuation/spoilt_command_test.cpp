@@ -41,6 +41,12 @@ INSTANTIATE_TEST_SUITE_P(
                              wanted.number = 1;
                              wanted.seal = wanted.seal_of_this();
                            }},
+                    Spoilt{"TheLastOneAgain",
+                           [last = std::uint64_t{0}](LineChannel::Wanted& wanted) mutable {
+                             if (last == 0) last = wanted.number - 1;
+                             wanted.number = last;
+                             wanted.seal = wanted.seal_of_this();
+                           }},
                     Spoilt{"Size",
                            [](LineChannel::Wanted& wanted) {
                              // As a stray write would, past Eigen's own checks.

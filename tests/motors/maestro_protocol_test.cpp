@@ -132,6 +132,7 @@ TEST(MaestroProtocol, FindsItsWayAfterBrokenCommands) {
            {0x9F, 0x02, 0x17, 0, 0, 0, 0},
            {0xAA},
            {0xAA, 0x0C},
+           {0xAA, 0x0C, 0x04, 0x01, 0x70},
        }) {
     const auto before = decoder.malformed_bytes();
     EXPECT_TRUE(decode(decoder, broken).empty());

@@ -78,7 +78,7 @@ std::shared_ptr<const FingerModel> draw_finger(Draw& draw, std::string& what) {
   const double depth = draw.between(0.9, 1.1) * *natural.depth;
   what +=
       fmt::format("{} of {:.2f} x {:.2f} x {:.2f} mm", name, length / mm, breadth / mm, depth / mm);
-  return FingerModel::load(file, {length, breadth, depth});
+  return FingerModel::load(file, FingerSize{length, breadth, depth});
 }
 
 VirtualObject draw_object(Draw& draw, Thing thing, std::string& what) {
