@@ -1,8 +1,8 @@
 // What softfinger bears: fingers driven as no hand could (exploration.hpp), and the live loop at
-// its pace while everything around it fails (live_soak.hpp). Status 1 where one of both is not
-// sound.
+// its pace while everything around it fails (live_soak.hpp), and fingers among objects that they
+// throw and squeeze (rough_play.hpp). Status 1 where one of these is not sound.
 //
-//   softfinger_soak [--steps N] [--seed N] [--live-s S] [--only exploration|live]
+//   softfinger_soak [--steps N] [--seed N] [--live-s S] [--only exploration|play|live]
 #include <fmt/core.h>
 
 #include <charconv>
@@ -12,6 +12,7 @@
 
 #include "exploration.hpp"
 #include "live_soak.hpp"
+#include "rough_play.hpp"
 #include "softfinger/base/error.hpp"
 
 namespace softfinger {
@@ -22,6 +23,7 @@ struct SoakOptions {
   long seed = 1;
   long live_s = 10;  ///< for each fault
   bool explore = true;
+  bool play = true;
   bool live = true;
 };
 
@@ -49,13 +51,14 @@ SoakOptions options_of(std::span<char*> arguments) {
       options.seed = whole_number(flag, value);
     } else if (flag == "--live-s") {
       options.live_s = whole_number(flag, value, kLeastLive_s);
-    } else if (flag == "--only" && (value == "exploration" || value == "live")) {
+    } else if (flag == "--only" && (value == "exploration" || value == "play" || value == "live")) {
       options.explore = value == "exploration";
+      options.play = value == "play";
       options.live = value == "live";
     } else {
       throw InputError(
           fmt::format("unknown option {} {} (there are --steps N, --seed N, --live-s S and --only "
-                      "exploration|live)",
+                      "exploration|play|live)",
                       flag, value));
     }
   }
@@ -67,6 +70,9 @@ int soak(std::span<char*> arguments) {
   bool sound = true;
   if (options.explore) {
     sound = explore_violently(options.steps, static_cast<std::uint64_t>(options.seed)) && sound;
+  }
+  if (options.play) {
+    sound = play_roughly(options.steps, static_cast<std::uint64_t>(options.seed)) && sound;
   }
   if (options.live) sound = soak_live(static_cast<double>(options.live_s)) && sound;
   fmt::print("{}\n", sound ? "sound" : "NOT SOUND");

@@ -46,24 +46,18 @@ FingerModel half_ball(int n) {
   for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
     if (model.mesh.triangle_surface[t] != 0) continue;
     std::array<int, 3> triangle{};
-    std::array<Vector3, 3> corner;
     for (std::size_t k = 0; k < 3; ++k) {
       const int node = model.mesh.triangles[t][k];
-      corner[k] = model.mesh.nodes[static_cast<std::size_t>(node)];
       int& sample = sample_of[static_cast<std::size_t>(node)];
       if (sample < 0) {
         sample = static_cast<int>(model.sample_nodes.size());
         model.sample_nodes.push_back(node);
-        model.sample_rest_areas.push_back(0.0);
       }
       triangle[k] = sample;
     }
-    const double third = (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm() / 6.0;
-    for (const int sample : triangle) {
-      model.sample_rest_areas[static_cast<std::size_t>(sample)] += third;
-    }
     model.skin_triangles.push_back(triangle);
   }
+  model.measure();
   return model;
 }
 

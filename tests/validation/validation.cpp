@@ -8,6 +8,10 @@
 #include "../support/free_flight.hpp"
 #include "elastic_checks.hpp"
 #include "hertz.hpp"
+#include "motion_checks.hpp"
+#ifdef SOFTFINGER_MUJOCO
+#include "mujoco_checks.hpp"
+#endif
 #include "softfinger/base/units.hpp"
 
 namespace {
@@ -92,6 +96,49 @@ Json free_flight_json() {
   return rows;
 }
 
+Json to_json(const validation::Drift& drift) {
+  return {{"force_N", drift.force}, {"drift_m", drift.drift}};
+}
+
+Json to_json(const validation::Incline& incline) {
+  return {{"angle_error_deg", incline.angle_error / deg},
+          {"acceleration_error", incline.acceleration_error},
+          {"creep_m_per_s", incline.creep}};
+}
+
+Json motion_json() {
+  const validation::MotionFigures f = validation::motion_figures();
+  const validation::Drift held = validation::held_capsule({}, false);
+  Json json{{"held", to_json(held)},
+            {"shaken", to_json(validation::held_capsule({}, true))},
+            {"incline", to_json(validation::incline())},
+            {"hold_margin", f.hold_margin},
+            {"momentum_error", f.momentum_error},
+            {"pendulum_lost", f.pendulum_lost},
+            {"energy_gained_J", f.energy_gained},
+            {"energy_lost_J", f.energy_lost},
+            {"rest_penetration_m", f.rest_penetration},
+            {"button_force_N", f.button_force},
+            {"button_travel_mm", f.button_travel / mm},
+            {"stiff_soft_force", f.stiff_soft_force},
+            {"unconverged", f.unconverged},
+            {"steps", f.steps},
+            {"mujoco", nullptr}};
+#ifdef SOFTFINGER_MUJOCO
+  using validation::MujocoContact;
+  Json rows = Json::array();
+  for (const auto& [name, contact] : {std::pair{"defaults", MujocoContact::kUsual},
+                                      std::pair{"impratio 100", MujocoContact::kStiffFriction},
+                                      std::pair{"20 noslip passes", MujocoContact::kNoslip}}) {
+    rows.push_back({{"name", name},
+                    {"held", to_json(validation::mujoco_held_capsule({}, held.force, contact))},
+                    {"incline", to_json(validation::mujoco_incline(contact))}});
+  }
+  json["mujoco"] = {{"version", validation::mujoco_version()}, {"contacts", rows}};
+#endif
+  return json;
+}
+
 }  // namespace
 
 int main() {
@@ -99,6 +146,7 @@ int main() {
                  {"invariance", invariance_json()},
                  {"cantilever", cantilever_json()},
                  {"hertz", hertz_json()},
-                 {"free_flight", free_flight_json()}};
+                 {"free_flight", free_flight_json()},
+                 {"motion", motion_json()}};
   fmt::print("{}\n", all.dump());
 }
