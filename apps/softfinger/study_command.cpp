@@ -12,6 +12,8 @@
 #include "progress_bar.hpp"
 #include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/study/contacts/contact_file.hpp"
+#include "softfinger/study/contacts/run_contacts.hpp"
 #include "softfinger/study/report/study_report.hpp"
 #include "softfinger/study/run_study.hpp"
 #include "softfinger/study/study_table.hpp"
@@ -72,11 +74,12 @@ std::string summary_text(const StudySummary& summary, const StudyFlags& flags) {
 }
 
 /// What every rank has to read; where one cannot, none goes on, and the first that cannot says why.
-Study load_on_every_rank(const std::string& file, Ranks& ranks) {
-  std::optional<Study> study;
+template <typename Load>
+auto load_on_every_rank(const Load& load, Ranks& ranks) {
+  std::optional<decltype(load())> study;
   std::exception_ptr thrown;
   try {
-    study.emplace(load_study(file));
+    study.emplace(load());
   } catch (const InputError&) {
     thrown = std::current_exception();
   }
@@ -102,8 +105,17 @@ void run_study_command(const StudyFlags& flags) {
              fmt::format("{} of {} evaluations, {} designs, {} not feasible", at.done, at.cases,
                          at.designs, at.infeasible));
   };
-  const Study study = load_on_every_rank(flags.study, *ranks);
-  const StudySummary summary = run_study(study, options, *ranks, stop_on_signals(), observer);
+  const bool of_contacts =
+      load_on_every_rank([&flags] { return is_contact_study(flags.study); }, *ranks);
+  StudySummary summary;
+  if (of_contacts) {
+    const ContactStudy study =
+        load_on_every_rank([&flags] { return load_contact_study(flags.study); }, *ranks);
+    summary = run_contacts(study, options, *ranks, stop_on_signals(), observer);
+  } else {
+    const Study study = load_on_every_rank([&flags] { return load_study(flags.study); }, *ranks);
+    summary = run_study(study, options, *ranks, stop_on_signals(), observer);
+  }
   bar.clear();
   if (ranks->rank() > 0) return;
   if (summary.end == StudyEnd::kStopped) {
@@ -111,6 +123,11 @@ void run_study_command(const StudyFlags& flags) {
         fmt::format("stopped; {} of {} evaluations are recorded, and the same "
                     "command goes on from there",
                     summary.progress.done, summary.progress.cases));
+  }
+  if (of_contacts && summary.end == StudyEnd::kFinished) {
+    fmt::print("{} contacts; {} of {} presses were known before\n", summary.progress.designs,
+               summary.progress.recorded, summary.progress.cases);
+    return;
   }
   fmt::print("{}", summary_text(summary, flags));
   if (summary.end == StudyEnd::kFinished &&
@@ -121,6 +138,11 @@ void run_study_command(const StudyFlags& flags) {
 }
 
 void export_command(const StudyTableFlags& flags) {
+  if (std::filesystem::exists(std::filesystem::path(flags.folder) / kContactFileName)) {
+    export_contacts(flags.folder, flags.to);
+    fmt::print("contacts in {}\n", flags.to);
+    return;
+  }
   const StudyTable table = read_study_table(flags.folder);
   export_study(table, flags.to);
   fmt::print("{} designs in {}\n", table.rows.size(), flags.to);
@@ -146,10 +168,12 @@ void add_study_command(CLI::App& app) {
                       "folder of the study, made if absent; goes on with what is there");
   command->add_option("--shard", flags->shard,
                       "I/N: one of N equal parts, for job arrays; all into one --out");
-  CLI::App* exporting = command->add_subcommand("export", "A row a design, as CSV");
+  CLI::App* exporting =
+      command->add_subcommand("export", "A row a design, as CSV; contacts as HDF5");
   auto to = std::make_shared<StudyTableFlags>();
   exporting->add_option("DIR", to->folder, "what study --out made")->required();
-  exporting->add_option("--to", to->to, "CSV file, which must not be there yet")->required();
+  exporting->add_option("--to", to->to, "FILE.csv, or FILE.h5 of contacts; must not be there yet")
+      ->required();
   exporting->callback([to] { export_command(*to); });
   CLI::App* plotting = command->add_subcommand(
       "plot", "Front, effects, indices and best designs, as plots and one page");

@@ -174,6 +174,24 @@ TEST_F(StudyCommand, SaysThatNoDesignIsFeasible) {
   EXPECT_THAT(csv("none"), HasSubstr("above 1"));
 }
 
+TEST_F(StudyCommand, WritesContactsThatPythonReads) {
+  std::ofstream(folder_ / "contacts.toml") << "finger = \"index\"\n[contacts]\ncontacts_a_press = "
+                                              "4\ndepth_mm = { min = 0.3, max = 0.6 }\n"
+                                              "[design]\nkind = \"contacts\"\nsize = 40\n";
+  const ProgramRun run = run_program({"study", path("contacts.toml"), "--out", path("contacts")});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_THAT(run.output, StartsWith("40 contacts; 0 of 10 presses"));
+  const std::string file = path("contacts.h5");
+  EXPECT_EQ(run_program({"study", "export", path("contacts"), "--to", file}).status, 0);
+  const std::string example = fmt::format(
+      "/usr/bin/python3 {}/examples/contacts/load_contacts.py {}", SOFTFINGER_SOURCE_DIR, file);
+  if (std::system("/usr/bin/python3 -c 'import h5py' 2>/dev/null") != 0) GTEST_SKIP() << "no h5py";
+  const ProgramRun loaded = run_in_shell(example, {});
+  EXPECT_EQ(loaded.status, 0) << loaded.errors;
+  EXPECT_THAT(loaded.output, StartsWith("Labelled contacts of a soft finger pad by softfinger"));
+  EXPECT_THAT(loaded.output, HasSubstr("contacts, "));
+}
+
 // Ctrl-C: what is done is kept, one line says how to go on.
 TEST_F(StudyCommand, EndsWhereItIsStopped) {
   RunningProgram program(into("stopped"));

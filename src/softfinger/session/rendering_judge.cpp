@@ -18,7 +18,8 @@ constexpr double kBare = 0.05;
 
 RenderingJudge::RenderingJudge(std::shared_ptr<const FingerModel> model,
                                std::shared_ptr<const FingerModel> wearer,
-                               std::shared_ptr<const Device> device, const JudgedSides& sides)
+                               const std::shared_ptr<const Device>& device,
+                               const JudgedSides& sides)
     : model_(std::move(model)),
       wearer_(std::move(wearer)),
       comparison_(model_, wearer_,

@@ -25,8 +25,8 @@ class RenderingJudge {
  public:
   /// `wearer`: who has the device on; may be the model itself.
   RenderingJudge(std::shared_ptr<const FingerModel> model,
-                 std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device,
-                 const JudgedSides& sides = {});
+                 std::shared_ptr<const FingerModel> wearer,
+                 const std::shared_ptr<const Device>& device, const JudgedSides& sides = {});
 
   /// The device's last tick, which was about this virtual finger; adds a frame to `answer`.
   void judge(const VirtualFinger& finger, const DeviceLoop& device, Evaluation& answer);

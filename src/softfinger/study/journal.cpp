@@ -28,8 +28,6 @@ std::string_view bytes_of(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
-fs::path lock_of(const fs::path& journal) { return fs::path(journal).replace_extension(".lock"); }
-
 /// A name that is free, for a journal that is damaged.
 fs::path set_aside_name(const fs::path& journal) {
   for (int k = 1;; ++k) {
@@ -51,7 +49,7 @@ void rename_database(const fs::path& from, const fs::path& to) {
 void remove_database(const fs::path& file) {
   std::error_code error;
   for (const char* end : {"", "-wal", "-shm"}) fs::remove(file.string() + end, error);
-  fs::remove(lock_of(file), error);
+  fs::remove(JournalLock::file_of(file), error);
 }
 
 /// What one file holds, as far as it can be read.
@@ -88,43 +86,10 @@ Held held_in(const fs::path& file) {
   return held;
 }
 
-void refuse_other_facts(const fs::path& file, const std::map<std::string, std::string>& then,
-                        const std::vector<StudyFact>& now) {
-  for (const StudyFact& fact : now) {
-    const auto known = then.find(fact.what);
-    if (known != then.end() && known->second == fact.value) continue;
-    if (fact.what == "the program") {
-      throw InputError(fmt::format(
-          "{}: was begun by another build of the program ({}, this is {}), which may compute other "
-          "numbers; go on with that one, or give another --out",
-          file.string(), known == then.end() ? "unknown" : known->second, fact.value));
-    }
-    if (fact.what == "the instruction set") {
-      throw InputError(
-          fmt::format("{}: was begun with the instruction set {}, and this processor has {}; go on "
-                      "where it was "
-                      "begun, or give another --out",
-                      file.string(), known == then.end() ? "unknown" : known->second, fact.value));
-    }
-    throw InputError(
-        fmt::format("{}: was begun with another content of {}; put that back, or give "
-                    "another --out",
-                    file.string(), fact.what));
-  }
-  for (const auto& [what, value] : then) {
-    if (std::ranges::find(now, what, &StudyFact::what) == now.end()) {
-      throw InputError(
-          fmt::format("{}: was begun with {}, which is no longer part of the study; "
-                      "put that back, or give another --out",
-                      file.string(), what));
-    }
-  }
-}
-
 }  // namespace
 
 struct Journal::Files {
-  explicit Files(const fs::path& file) : lock(lock_of(file), file) {}
+  explicit Files(const fs::path& file) : lock(file) {}
 
   JournalLock lock;
   std::optional<SqliteDatabase> database;
@@ -216,7 +181,7 @@ void Journal::begin(const std::vector<StudyFact>& facts, const StudyHeadings& he
 void Journal::merge_shards() {
   for (const fs::path& file : shard_files(folder_)) {
     {
-      const JournalLock lock(lock_of(file), file);
+      const JournalLock lock(file);
       Held held = held_in(file);
       if (!held.facts.empty()) refuse_other_facts(file, held.facts, facts_);
       if (held.damaged) {

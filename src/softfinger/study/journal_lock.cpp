@@ -12,10 +12,10 @@
 
 namespace softfinger {
 
-JournalLock::JournalLock(const std::filesystem::path& file, const std::filesystem::path& journal)
-    : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+JournalLock::JournalLock(const std::filesystem::path& journal)
+    : descriptor_(::open(file_of(journal).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
   if (descriptor_ < 0) {
-    throw OperationError(fmt::format("{}: cannot be written: {}", file.string(),
+    throw OperationError(fmt::format("{}: cannot be written: {}", file_of(journal).string(),
                                      std::generic_category().message(errno)));
   }
   // Where the file system has no locks none is held.

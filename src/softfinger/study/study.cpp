@@ -15,6 +15,7 @@
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/files/text_file.hpp"
 #include "softfinger/scene/scene.hpp"
+#include "softfinger/study/named_file.hpp"
 
 namespace softfinger {
 namespace {
@@ -36,18 +37,6 @@ constexpr std::array kLeafKeys{"min", "max", "log", "count", "values", "tie"};
 
 StudyFile open_file(const fs::path& path, const std::string& written) {
   return {path, written, TomlText(path, read_text_file(path, ConfigFile::kMaxSize))};
-}
-
-/// A path relative to the study, or the name of a shipped file.
-StudyFile named_file(const ConfigTable& table, const char* key, Shipped kind,
-                     const fs::path& directory, const std::string& word) {
-  const fs::path beside = directory / word;
-  std::error_code error;
-  try {
-    return open_file(fs::exists(beside, error) ? beside : file_or_shipped(kind, word), word);
-  } catch (const InputError& refusal) {
-    table.fail(key, refusal.what());
-  }
 }
 
 /// The study's files, read.
@@ -458,6 +447,17 @@ void check_plan(const ConfigTable& root, Study& study) {
 }
 
 }  // namespace
+
+StudyFile named_file(const ConfigTable& table, const char* key, Shipped kind,
+                     const fs::path& directory, const std::string& word) {
+  const fs::path beside = directory / word;
+  std::error_code error;
+  try {
+    return open_file(fs::exists(beside, error) ? beside : file_or_shipped(kind, word), word);
+  } catch (const InputError& refusal) {
+    table.fail(key, refusal.what());
+  }
+}
 
 std::vector<const Quantity*> Study::quantities() const {
   std::vector<const Quantity*> all;

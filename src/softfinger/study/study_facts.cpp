@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "softfinger/base/code_hash.hpp"
+#include "softfinger/base/error.hpp"
 #include "softfinger/base/hash.hpp"
 #include "softfinger/base/instruction_set.hpp"
 
@@ -43,10 +44,19 @@ fs::path named_by(std::string_view word, const fs::path& directory) {
 }  // namespace
 
 std::vector<StudyFact> study_facts(const Study& study) {
+  std::vector<const StudyFile*> files;
+  for (const StudyFile& scene : study.scenes) files.push_back(&scene);
+  if (study.finger) files.push_back(&*study.finger);
+  files.push_back(&study.device);
+  return study_facts(study.file, study.text, files);
+}
+
+std::vector<StudyFact> study_facts(const fs::path& study, const std::string& text,
+                                   const std::vector<const StudyFile*>& files) {
   std::vector<StudyFact> facts{
       {"the program", fmt::format("{} {:016x}", SOFTFINGER_VERSION, code_hash())},
       {"the instruction set", std::string(name_of(active_instruction_set()))},
-      {study.file.filename().string(), hash_text(study.text)},
+      {study.filename().string(), hash_text(text)},
   };
   std::set<fs::path> seen;
   const auto add_file = [&](const StudyFile& file) {
@@ -57,15 +67,46 @@ std::vector<StudyFact> study_facts(const Study& study) {
       std::ifstream stream(named, std::ios::binary);
       const std::string content{std::istreambuf_iterator<char>(stream), {}};
       facts.push_back({named.lexically_normal()
-                           .lexically_proximate(study.file.parent_path().lexically_normal())
+                           .lexically_proximate(study.parent_path().lexically_normal())
                            .string(),
                        hash_text(content)});
     }
   };
-  for (const StudyFile& scene : study.scenes) add_file(scene);
-  if (study.finger) add_file(*study.finger);
-  add_file(study.device);
+  for (const StudyFile* file : files) add_file(*file);
   return facts;
+}
+
+void refuse_other_facts(const fs::path& where, const std::map<std::string, std::string>& then,
+                        const std::vector<StudyFact>& now) {
+  for (const StudyFact& fact : now) {
+    const auto known = then.find(fact.what);
+    if (known != then.end() && known->second == fact.value) continue;
+    if (fact.what == "the program") {
+      throw InputError(fmt::format(
+          "{}: was begun by another build of the program ({}, this is {}), which may compute other "
+          "numbers; go on with that one, or give another --out",
+          where.string(), known == then.end() ? "unknown" : known->second, fact.value));
+    }
+    if (fact.what == "the instruction set") {
+      throw InputError(
+          fmt::format("{}: was begun with the instruction set {}, and this processor has {}; go on "
+                      "where it was "
+                      "begun, or give another --out",
+                      where.string(), known == then.end() ? "unknown" : known->second, fact.value));
+    }
+    throw InputError(
+        fmt::format("{}: was begun with another content of {}; put that back, or give "
+                    "another --out",
+                    where.string(), fact.what));
+  }
+  for (const auto& [what, value] : then) {
+    if (std::ranges::find(now, what, &StudyFact::what) == now.end()) {
+      throw InputError(
+          fmt::format("{}: was begun with {}, which is no longer part of the study; "
+                      "put that back, or give another --out",
+                      where.string(), what));
+    }
+  }
 }
 
 std::uint64_t hash_of(const std::vector<StudyFact>& facts) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,15 @@ struct StudyFact {
 /// All that the outcome of a case follows from besides the case: this program, its instruction
 /// set, the study, and every file that it or a file of its names, down to meshes.
 [[nodiscard]] std::vector<StudyFact> study_facts(const Study& study);
+
+/// The same of a study file of another kind, and the files it names.
+[[nodiscard]] std::vector<StudyFact> study_facts(const std::filesystem::path& study,
+                                                 const std::string& text,
+                                                 const std::vector<const StudyFile*>& files);
+/// Throws InputError, which names what differs, where what `where` holds followed from others.
+void refuse_other_facts(const std::filesystem::path& where,
+                        const std::map<std::string, std::string>& then,
+                        const std::vector<StudyFact>& now);
 
 /// One number for all of them.
 [[nodiscard]] std::uint64_t hash_of(const std::vector<StudyFact>& facts);

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "softfinger/study/contacts/contact_press.hpp"
+#include "softfinger/study/study_facts.hpp"
+
+namespace softfinger {
+
+inline constexpr const char* kContactFileName = "contacts.h5";
+
+/// The contacts of a study as an HDF5 file, a row a contact, and with it how far the study is. All
+/// of it has its place from the start, so that a press goes where it belongs, whoever made it and
+/// when, and whatever ends the program what is written stays. One thread at a time. Throws
+/// OperationError where it cannot be written.
+class ContactFile {
+ public:
+  /// Opens or makes it. Throws InputError where it is of another study, file or program, and names
+  /// that, or is no such file.
+  ContactFile(const std::filesystem::path& file, const ContactStudy& study,
+              const ContactPress& press, const std::vector<StudyFact>& facts);
+  ~ContactFile();
+  ContactFile(const ContactFile&) = delete;
+  ContactFile& operator=(const ContactFile&) = delete;
+
+  [[nodiscard]] bool has(std::size_t press) const;
+  [[nodiscard]] std::size_t done() const;
+  void write(std::size_t press, const PressedContacts& contacts);
+  [[nodiscard]] PressedContacts read(std::size_t press);
+  void close();
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger
