@@ -26,7 +26,8 @@ using testing::StartsWith;
 /// A folder with a study whose designs take a few milliseconds each.
 class StudyCommand : public testing::Test {
  protected:
-  StudyCommand() {
+  StudyCommand() { write(60); }
+  void write(int designs) const {
     std::ofstream(folder_ / "study.toml") << R"toml(device = "thimble-3rrs"
 [vary]
 device.geometry.crank_mm = { min = 5, max = 15 }
@@ -36,8 +37,8 @@ device.geometry.disk_radius_mm = { values = [6, 8, 10] }
 size = { formula = "device.geometry.crank_mm + device.geometry.disk_radius_mm" }
 [design]
 kind = "lhs"
-size = 60
-)toml";
+)toml"
+                                          << "size = " << designs << "\n";
   }
   [[nodiscard]] std::string path(const char* name) const { return folder_ / name; }
   [[nodiscard]] std::vector<std::string> into(const char* out) const {
@@ -99,9 +100,13 @@ std::size_t recorded_in(const ProgramRun& run) {
 
 TEST_F(StudyCommand, WhateverIsKilledItGoesOn) {
   static_cast<void>(run_program(into("alone")));
-  // At instants a few evaluations apart.
+  // At instants a few evaluations apart, once it has begun.
+  const fs::path journal = path("killed") + std::string("/journal.sqlite");
   for (int k = 1; k <= 6; ++k) {
     RunningProgram program(into("killed"));
+    for (int i = 0; i < 2000 && !fs::exists(journal); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(20 + 23 * k));
     static_cast<void>(program.stop(SIGKILL));
   }
@@ -113,17 +118,20 @@ TEST_F(StudyCommand, WhateverIsKilledItGoesOn) {
 
 TEST_F(StudyCommand, AnyRankMayBeKilled) {
   if (!has_mpi()) GTEST_SKIP() << "built without MPI";
+  write(200);
   static_cast<void>(run_program(into("alone")));
   for (const int which : {1, 0}) {
     RunningProgram job(into("killed"), mpirun(2));
     // The ranks are the children of mpirun; the first one found, or the last one started.
     const pid_t first = child_of(job.process());
     ASSERT_NE(first, 0);
-    const fs::path journal = path("killed") + std::string("/journal.sqlite");
-    for (int k = 0; k < 2000 && !fs::exists(journal); ++k) {
+    // Until some are recorded.
+    const fs::path log = path("killed") + std::string("/journal.sqlite-wal");
+    std::error_code error;
+    for (int k = 0; k < 4000 && (!fs::exists(log, error) || fs::file_size(log, error) < 150'000);
+         ++k) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(40));
     pid_t rank = first;
     if (which == 1) {
       std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", job.process()));
@@ -136,6 +144,17 @@ TEST_F(StudyCommand, AnyRankMayBeKilled) {
   EXPECT_EQ(last.status, 0) << last.errors;
   EXPECT_GT(recorded_in(last), 0u) << last.output;
   EXPECT_EQ(csv("killed"), csv("alone"));
+}
+
+TEST_F(StudyCommand, WhatNoRankCanReadIsOneLine) {
+  if (!has_mpi()) GTEST_SKIP() << "built without MPI";
+  const ProgramRun run =
+      run_in_shell(mpirun(3), {"study", path("none.toml"), "--out", path("none")});
+  EXPECT_EQ(run.status, 2);
+  const std::string line = "none.toml: no such file";
+  const std::size_t first = run.errors.find(line);
+  ASSERT_NE(first, std::string::npos) << run.errors;
+  EXPECT_EQ(run.errors.find(line, first + 1), std::string::npos) << run.errors;
 }
 
 TEST_F(StudyCommand, AFullDiskIsOneLineAndLosesNothing) {

@@ -212,8 +212,15 @@ TEST(RunStudy, TwoRunsDoNotWriteOneJournal) {
 // What a study measures is what `evaluate` says of that design.
 TEST(RunStudy, MeasuresWhatEvaluateDoes) {
   StudyPlace place;
+  const fs::path scene = place.write(
+      "scene.toml", fmt::format("[[finger]]\nname = \"index\"\nmodel = \"{}/fingers/index.toml\"\n"
+                                "[[finger.waypoint]]\ntime_s = 0.0\nposition_mm = [0.0, 0.0, 9.0]\n"
+                                "[[finger.waypoint]]\ntime_s = 0.3\nposition_mm = [0.0, 0.0, 6.0]\n"
+                                "[[finger.waypoint]]\ntime_s = 0.6\nposition_mm = [0.5, 0.0, 6.2]\n"
+                                "[[object]]\nshape = \"plane\"\n",
+                                SOFTFINGER_SOURCE_DIR));
   const StudyTable table = place.run_all(R"toml(
-scene = "plane"
+scene = "scene.toml"
 device = "thimble-3rrs"
 [vary]
 device.geometry.disk_radius_mm = { values = [8] }
@@ -233,12 +240,13 @@ kind = "grid"
 )toml");
   ASSERT_EQ(table.rows.size(), 1u);
   EvaluationOptions options;
-  options.run.scene = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes/plane.toml";
+  options.run.scene = scene;
   options.run.devices = {fs::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml"};
   const std::atomic<bool> stop{false};
   const Evaluation evaluation = evaluate(options, stop);
   const RenderingMeasures mean = evaluation.commanded.mean();
   const std::vector<double>& q = table.rows[0].quantities;
+  ASSERT_GT(evaluation.commanded.frames(FrameKind::kBoth), 10);
   double worst = 0.0;
   for (const EvaluatedFrame& frame : evaluation.frames) {
     worst = std::max(worst, frame.commanded.normal_force_error);
