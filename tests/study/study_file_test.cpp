@@ -133,6 +133,7 @@ TEST(StudyFile, TellsWhatIsWrongWithDesigns) {
   EXPECT_THAT(designed("kind = \"nsga2\"\nsize = 8\ngenerations = 2"),
               HasSubstr("nsga2 wants two objectives or more"));
   EXPECT_THAT(designed("kind = \"nsga2\"\nsize = 10\ngenerations = 2"), HasSubstr("multiple of 4"));
+  EXPECT_THAT(designed("kind = \"gaco\"\nsize = 7\ngenerations = 2"), HasSubstr("8 or more"));
   EXPECT_EQ(designed("kind = \"gaco\"\nsize = 10\ngenerations = 2"), "");
 }
 

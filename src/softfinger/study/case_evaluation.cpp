@@ -104,6 +104,7 @@ CaseOutcome CaseEvaluation::evaluate_or_throw(const StudyCase& one) {
       throw InputError(fmt::format("{}: objective: {}", study_.file.filename().string(), why));
     }
   }
+  if (measures_.empty()) return outcome;  // formulas alone
   std::vector<std::vector<double>> values(measures_.size());
   for (const StudyFile& file : study_.scenes) {
     const std::string scene_text = text_of(VariedFile::kScene, file, one.design);

@@ -59,10 +59,10 @@ struct Held {
   bool damaged = false;
 };
 
-Held held_in(const fs::path& file) {
+Held held_in(const fs::path& file, SqliteDatabase::Mode mode) {
   Held held;
   try {
-    SqliteDatabase database(file, SqliteDatabase::Mode::kRollBack);
+    SqliteDatabase database(file, mode);
     SqliteStatement tables(database, "select 1 from sqlite_master");
     if (!tables.next()) return held;  // killed before it had begun
     SqliteStatement facts(database, "select what, value from fact");
@@ -121,7 +121,9 @@ Journal::Journal(const fs::path& folder, const std::optional<Shard>& shard,
   }
   files_ = std::make_unique<Files>(file_);
   if (fs::exists(file_, error)) read(file_, true);
-  if (shard) look_at_others();
+  if (const fs::path whole = folder / kJournalName; shard && fs::exists(whole, error)) {
+    read(whole, false);
+  }
   try {
     begin(facts, headings);
     if (!shard) merge_shards();
@@ -134,7 +136,8 @@ Journal::Journal(const fs::path& folder, const std::optional<Shard>& shard,
 Journal::~Journal() = default;
 
 void Journal::read(const fs::path& file, bool is_own) {
-  Held held = held_in(file);
+  // Another's may be written just now.
+  Held held = held_in(file, is_own ? SqliteDatabase::Mode::kRollBack : SqliteDatabase::Mode::kRead);
   if (!held.facts.empty()) refuse_other_facts(file, held.facts, facts_);
   for (auto& [key, outcome] : held.outcomes) known_[key] = std::move(outcome);
   if (!held.damaged) return;
@@ -182,7 +185,7 @@ void Journal::merge_shards() {
   for (const fs::path& file : shard_files(folder_)) {
     {
       const JournalLock lock(file);
-      Held held = held_in(file);
+      const Held held = held_in(file, SqliteDatabase::Mode::kRollBack);
       if (!held.facts.empty()) refuse_other_facts(file, held.facts, facts_);
       if (held.damaged) {
         say_(fmt::format("{}: is damaged; {} outcomes before the damage are taken", file.string(),
@@ -199,8 +202,6 @@ void Journal::merge_shards() {
 }
 
 void Journal::look_at_others() {
-  std::error_code error;
-  if (const fs::path whole = folder_ / kJournalName; fs::exists(whole, error)) read(whole, false);
   for (const fs::path& file : shard_files(folder_)) {
     if (file != file_) read(file, false);
   }

@@ -418,6 +418,9 @@ DesignPlan read_plan(const ConfigTable& table) {
   } else if (table.has("generations")) {
     table.fail("generations", fmt::format("is of a search, and {} is none", row.name));
   }
+  if (plan.kind == DesignKind::kGaco && plan.size < 8) {
+    table.fail("size", fmt::format("of gaco must be 8 or more, found {}", plan.size));
+  }
   if (plan.kind == DesignKind::kNsga2 && (plan.size < 8 || plan.size % 4 != 0)) {
     table.fail("size",
                fmt::format("of nsga2 must be 8 or more and a multiple of 4, found {}", plan.size));
