@@ -4,36 +4,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/files/text_file.hpp"
 #include "softfinger/scene/scene.hpp"
+#include "softfinger/study/file_numbers.hpp"
 #include "softfinger/study/named_file.hpp"
+#include "softfinger/study/vary_file.hpp"
 
 namespace softfinger {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
-constexpr std::array<NameRow<VariedFile>, 3> kVariedFiles{{
-    {VariedFile::kDevice, "device"},
-    {VariedFile::kFinger, "finger"},
-    {VariedFile::kScene, "scene"},
-}};
 constexpr int kMostDesigns = 10'000'000;
 constexpr int kMostGenerations = 100'000;
-constexpr std::size_t kMostValues = 10'000;
-
-/// What a [vary] table's leaf may say.
-constexpr std::array kLeafKeys{"min", "max", "log", "count", "values", "tie"};
 
 StudyFile open_file(const fs::path& path, const std::string& written) {
   return {path, written, TomlText(path, read_text_file(path, ConfigFile::kMaxSize))};
@@ -70,248 +58,6 @@ void read_files(const ConfigTable& root, Study& study) {
     }
   }
 }
-
-/// Numbers of a file as its reader has them, by their ways: those that it leaves out as well.
-void flatten(const std::string& way, const Json& value, std::map<std::string, double>& numbers) {
-  if (value.is_number()) numbers[way] = value.get<double>();
-  if (!value.is_structured()) return;
-  std::size_t index = 0;
-  for (auto entry = value.begin(); entry != value.end(); ++entry, ++index) {
-    const std::string key = value.is_object() ? entry.key() : std::to_string(index);
-    flatten(way.empty() ? key : fmt::format("{}.{}", way, key), *entry, numbers);
-  }
-}
-
-/// The numbers of a study's files by their keys, "device.geometry.crank_mm".
-class FileNumbers {
- public:
-  explicit FileNumbers(Study& study) : study_(study) {}
-
-  /// There is this number in each file it is about, from now on. Empty: there is none.
-  std::optional<double> find(VariedFile file, const std::string& way) {
-    std::optional<double> value;
-    for (StudyFile* each : files(file)) {
-      std::optional<double> here = each->text.number(way);
-      if (!here) {
-        const auto left_out = defaults(file).find(way);
-        if (left_out != defaults(file).end() && each->text.add(way, left_out->second)) {
-          here = left_out->second;
-        }
-      }
-      if (!here) return {};
-      if (!value) value = here;
-    }
-    return value;
-  }
-
-  [[nodiscard]] std::string nearest(VariedFile file, const std::string& way) {
-    std::vector<std::string> ways;
-    for (StudyFile* each : files(file)) {
-      const std::vector<std::string> own = each->text.ways();
-      ways.insert(ways.end(), own.begin(), own.end());
-    }
-    for (const auto& [left_out, value] : defaults(file)) ways.push_back(left_out);
-    return nearest_word(way, ways);
-  }
-
-  [[nodiscard]] std::vector<StudyFile*> files(VariedFile file) {
-    if (file == VariedFile::kDevice) return {&study_.device};
-    if (file == VariedFile::kFinger) {
-      return study_.finger ? std::vector<StudyFile*>{&*study_.finger} : std::vector<StudyFile*>{};
-    }
-    std::vector<StudyFile*> scenes;
-    for (StudyFile& scene : study_.scenes) scenes.push_back(&scene);
-    return scenes;
-  }
-
- private:
-  const std::map<std::string, double>& defaults(VariedFile file) {
-    auto& numbers = defaults_[static_cast<std::size_t>(file)];
-    if (numbers) return *numbers;
-    numbers.emplace();
-    std::string as_read = "{}";
-    if (file == VariedFile::kDevice) {
-      const auto device = load_device(study_.device.path, study_.device.text.text(), 0.0);
-      as_read = device->settings().as_read;
-    } else if (file == VariedFile::kFinger && study_.finger) {
-      as_read = FingerModel::load(study_.finger->path, study_.finger->text.text())->as_read;
-    }
-    flatten("", Json::parse(as_read), *numbers);
-    return *numbers;
-  }
-
-  Study& study_;
-  std::array<std::optional<std::map<std::string, double>>, 3> defaults_;
-};
-
-/// Splits "device.geometry.crank_mm" after the file's name; null where it begins with none.
-const NameRow<VariedFile>* file_of(std::string_view key, std::string& way) {
-  const std::size_t dot = key.find('.');
-  if (dot == std::string_view::npos) return nullptr;
-  way = key.substr(dot + 1);
-  return row_named(kVariedFiles, key.substr(0, dot));
-}
-
-/// What names in formulas stand for: parameters, and all other numbers of the files.
-Expression::Names names_in(const Study& study, FileNumbers& numbers) {
-  return [&study, &numbers](std::string_view name) -> std::optional<Expression::Meaning> {
-    for (std::size_t i = 0; i < study.parameters.size(); ++i) {
-      if (study.parameters[i].key == name) return Expression::Meaning{.variable = i};
-    }
-    std::string way;
-    const auto* file = file_of(name, way);
-    if (file == nullptr) return {};
-    const auto value = numbers.find(file->value, way);
-    if (!value) return {};
-    return Expression::Meaning{.constant = *value};
-  };
-}
-
-bool is_leaf(const ConfigTable& table) {
-  return std::ranges::any_of(
-      kLeafKeys, [&](const char* key) { return table.has(key) && !table.has_table(key); });
-}
-
-/// What a grid makes of a range.
-std::vector<double> even_steps(const Parameter& range, int count) {
-  std::vector<double> values;
-  values.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    values.push_back(range.at(static_cast<double>(i) / static_cast<double>(count - 1)));
-  }
-  return values;
-}
-
-Parameter read_leaf(const ConfigTable& table, const std::string& key, bool in_grid) {
-  Parameter parameter;
-  parameter.key = key;
-  const bool ranges = table.has("min") || table.has("max");
-  if (static_cast<int>(ranges) + static_cast<int>(table.has("values")) +
-          static_cast<int>(table.has("tie")) >
-      1) {
-    table.fail("", "takes one of min and max, values, or tie");
-  }
-  if (table.has("values")) {
-    const Eigen::VectorXd values = table.some_numbers("values", 1, kMostValues);
-    parameter.values.assign(values.begin(), values.end());
-    std::set<double> different(values.begin(), values.end());
-    if (different.size() != parameter.values.size()) table.fail("values", "has a value twice");
-    return parameter;
-  }
-  parameter.min = table.number("min");
-  parameter.max = table.number("max");
-  if (!(parameter.min < parameter.max)) {
-    table.fail("max", fmt::format("must be more than min, {:.6g}, found {:.6g}: the range is empty",
-                                  parameter.min, parameter.max));
-  }
-  parameter.log = table.boolean("log", false);
-  if (parameter.log && !(parameter.min > 0.0)) {
-    table.fail("min", "must be above 0 where log = true");
-  }
-  if (table.has("count") && !in_grid) {
-    table.fail("count", "is of a grid; other designs take any number in the range");
-  }
-  if (in_grid) {
-    if (!table.has("count")) {
-      table.fail("", "a grid needs values = [...], or how many even steps: count");
-    }
-    parameter.values = even_steps(parameter, table.integer("count", 2, kMostValues));
-  }
-  return parameter;
-}
-
-/// The parameters in the order of the file, ties without their formulas, which are returned.
-class VaryReader {
- public:
-  VaryReader(Study& study, FileNumbers& numbers) : study_(study), numbers_(numbers) {}
-
-  void read(const ConfigTable& vary) {
-    for (const std::string& name : vary.keys()) {
-      const auto* file = row_named(kVariedFiles, name);
-      if (file == nullptr) {
-        vary.fail(name,
-                  "expected a key of device, finger or scene, as in device.geometry.crank_mm");
-      }
-      descend(vary.table(name), name);
-    }
-    if (study_.parameters.empty()) vary.fail("", "names nothing to vary");
-    if (std::ranges::none_of(study_.parameters, &Parameter::is_free)) {
-      vary.fail("", "ties all and leaves nothing to vary");
-    }
-    for (const auto& [index, table] : ties_) tie(index, table);
-  }
-
- private:
-  void descend(const ConfigTable& table, const std::string& key) {
-    for (const std::string& name : table.keys()) {
-      const std::string below = fmt::format("{}.{}", key, name);
-      const ConfigTable child = table.table(name);
-      table.any_name(name);
-      if (is_leaf(child)) {
-        leaf(child, below);
-      } else if (child.keys().empty()) {
-        child.fail("", "needs min and max, values, or tie");
-      } else {
-        descend(child, below);
-      }
-    }
-  }
-
-  void leaf(const ConfigTable& table, const std::string& key) {
-    std::string way;
-    const auto* file = file_of(key, way);
-    if (numbers_.files(file->value).empty()) {
-      table.fail("", "there is no scene, and so nothing of that kind to vary");
-    }
-    if (!numbers_.find(file->value, way)) {
-      const std::string near = numbers_.nearest(file->value, way);
-      const StudyFile& where = *numbers_.files(file->value).front();
-      table.fail(
-          "", fmt::format("{} has no number of this key{}", where.written,
-                          near.empty() ? "; a key that has no default must be in the file "
-                                         "to be varied"
-                                       : fmt::format("; did you mean {}.{}?", file->name, near)));
-    }
-    for (const Parameter& other : study_.parameters) {
-      const auto same = [&](const StudyFile* each) { return each->text.is_same(other.way, way); };
-      if (other.file == file->value && std::ranges::any_of(numbers_.files(file->value), same)) {
-        table.fail("", fmt::format("is the same number as {}", other.key));
-      }
-    }
-    if (table.has("tie")) {
-      ties_.emplace_back(study_.parameters.size(), table);
-      study_.parameters.push_back({.key = key});
-      study_.parameters.back().tie =
-          std::make_shared<const Expression>("0", [](std::string_view) { return std::nullopt; });
-    } else {
-      study_.parameters.push_back(read_leaf(table, key, study_.plan.kind == DesignKind::kGrid));
-    }
-    study_.parameters.back().file = file->value;
-    study_.parameters.back().way = way;
-  }
-
-  /// May name what is free, and ties before it.
-  void tie(std::size_t index, const ConfigTable& table) {
-    const auto names = names_in(study_, numbers_);
-    const auto allowed = [&](std::string_view name) -> std::optional<Expression::Meaning> {
-      const auto meaning = names(name);
-      if (meaning && meaning->variable != Expression::Meaning::kNone &&
-          meaning->variable >= index && !study_.parameters[meaning->variable].is_free()) {
-        throw InputError(fmt::format("{} is tied itself, and not before", name));
-      }
-      return meaning;
-    };
-    try {
-      study_.parameters[index].tie = std::make_shared<const Expression>(table.text("tie"), allowed);
-    } catch (const InputError& error) {
-      table.fail("tie", error.what());
-    }
-  }
-
-  Study& study_;
-  FileNumbers& numbers_;
-  std::vector<std::pair<std::size_t, ConfigTable>> ties_;
-};
 
 Over read_over(const ConfigTable& table, const char* key) {
   return row_named(kOvers, table.choice(key, names_of(kOvers), "mean"))->value;
@@ -491,7 +237,7 @@ Study load_study(const fs::path& file) {
   }
   study.plan = read_plan(root.table("design"));
   FileNumbers numbers(study);
-  VaryReader(study, numbers).read(root.table("vary"));
+  read_vary(root.table("vary"), study, numbers);
   if (const auto population = root.optional_table("population")) {
     study.population = read_population(*population);
     if (study.scenes.empty() && study.population.size > 1) {
