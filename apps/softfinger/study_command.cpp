@@ -30,6 +30,7 @@ struct StudyFlags {
 
 struct StudyTableFlags {
   std::string folder, to;
+  std::optional<std::int64_t> design;
 };
 
 Shard shard_of(const std::string& text) {
@@ -144,6 +145,11 @@ void export_command(const StudyTableFlags& flags) {
     return;
   }
   const StudyTable table = read_study_table(flags.folder);
+  if (flags.design) {
+    export_device(table, *flags.design, flags.to);
+    fmt::print("design {} in {}\n", *flags.design, flags.to);
+    return;
+  }
   export_study(table, flags.to);
   fmt::print("{} designs in {}\n", table.rows.size(), flags.to);
   if (!table.finished) {
@@ -174,6 +180,8 @@ void add_study_command(CLI::App& app) {
   exporting->add_option("DIR", to->folder, "what study --out made")->required();
   exporting->add_option("--to", to->to, "FILE.csv, or FILE.h5 of contacts; must not be there yet")
       ->required();
+  exporting->add_option("--design", to->design,
+                        "the device file of this design instead, by its number in the table");
   exporting->callback([to] { export_command(*to); });
   CLI::App* plotting = command->add_subcommand(
       "plot", "Front, effects, indices and best designs, as plots and one page");

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
 #include "softfinger/session/evaluation.hpp"
 #include "softfinger/study/search.hpp"
 #include "study_place.hpp"
@@ -153,6 +154,22 @@ TEST(RunStudy, HoldsDesignsAgainstConstraints) {
   }
   EXPECT_GT(feasible, 0);
   EXPECT_LT(feasible, 40);
+}
+
+TEST(RunStudy, GivesTheDeviceFileOfADesign) {
+  StudyPlace place;
+  const StudyTable table = place.run_all(
+      "device = \"thimble-3rrs\"\n[vary]\n"
+      "device.geometry.crank_mm = { values = [12, 11.5] }\n"
+      "device.matching.turn_on_skin_deg_per_s = { values = [40] }\n"  // which the file leaves out
+      "[objectives]\nf = { formula = \"1\" }\n[design]\nkind = \"grid\"\n");
+  export_device(table, 1, place.at("design.toml"));
+  const auto device = load_device(place.at("design.toml"));
+  EXPECT_THAT(device->settings().as_read, HasSubstr("\"crank_mm\": 11.5"));
+  EXPECT_THAT(device->settings().as_read, HasSubstr("\"turn_on_skin_deg_per_s\": 40"));
+  EXPECT_THAT(place.read(place.at("design.toml")), HasSubstr("# Design 1 of study study"));
+  EXPECT_THROW(export_device(table, 1, place.at("design.toml")), InputError);
+  EXPECT_THROW(export_device(table, 2, place.at("other.toml")), InputError);
 }
 
 // What is recorded belongs to these files, this study and this program.

@@ -70,7 +70,9 @@ double beyond(const Quantity& constraint, double value, std::string& why) {
 
 StudyHeadings headings_of(const Study& study) {
   StudyHeadings headings{.title = study.file.stem().string(),
-                         .kind = std::string(row_of(kDesignKinds, study.plan.kind).name)};
+                         .kind = std::string(row_of(kDesignKinds, study.plan.kind).name),
+                         .device = study.device.written,
+                         .device_text = study.device.text.text()};
   for (const Parameter& parameter : study.parameters) {
     headings.parameters.push_back({parameter.key, parameter.log, !parameter.is_free()});
   }

@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <ostream>
 #include <string_view>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/files/toml_text.hpp"
+#include "softfinger/files/whole_file.hpp"
 #include "softfinger/recording/csv_writer.hpp"
 #include "softfinger/study/journal_file.hpp"
 
@@ -62,6 +66,7 @@ void write_headings(SqliteDatabase& database, const StudyHeadings& headings) {
   };
   add("title", headings.title, "", 0);
   add("kind", headings.kind, "", 0);
+  add("device", headings.device, headings.device_text, 0);
   for (const auto& parameter : headings.parameters) {
     add("parameter", parameter.key, "",
         (parameter.log ? kLogFlag : 0) | (parameter.tied ? kTiedFlag : 0));
@@ -81,6 +86,10 @@ StudyHeadings read_headings(SqliteDatabase& database) {
     const std::int64_t flags = rows.integer(3);
     if (role == "title") headings.title = name;
     if (role == "kind") headings.kind = name;
+    if (role == "device") {
+      headings.device = name;
+      headings.device_text = rows.text(2);
+    }
     if (role == "parameter") {
       headings.parameters.push_back({name, (flags & kLogFlag) != 0, (flags & kTiedFlag) != 0});
     }
@@ -133,6 +142,34 @@ void export_study(const StudyTable& table, const fs::path& file) {
     writer.end_row();
   }
   writer.close();
+}
+
+void export_device(const StudyTable& table, std::int64_t design, const fs::path& file) {
+  const auto row = std::ranges::find(table.rows, design, &StudyRow::number);
+  if (row == table.rows.end()) {
+    throw InputError(
+        fmt::format("there is no design {}; {} are done, from 0 on", design, table.rows.size()));
+  }
+  std::error_code error;
+  if (fs::exists(file, error)) throw InputError(fmt::format("{}: exists already", file.string()));
+  TomlText text(table.headings.device, table.headings.device_text);
+  constexpr std::string_view kDevice = "device.";
+  std::vector<std::pair<std::string, double>> numbers;
+  for (std::size_t k = 0; k < row->parameters.size(); ++k) {
+    const std::string& key = table.headings.parameters[k].key;
+    if (!key.starts_with(kDevice)) continue;
+    numbers.emplace_back(key.substr(kDevice.size()), row->parameters[k]);
+    static_cast<void>(text.add(numbers.back().first, row->parameters[k]));
+  }
+  const std::string changed = text.with(numbers);
+  if (!write_file_whole(file, [&](std::ostream& stream) {
+        stream << fmt::format("# Design {} of study {}, from {}.\n", design, table.headings.title,
+                              table.headings.device)
+               << changed;
+      })) {
+    throw OperationError(
+        fmt::format("{}: cannot be written (is there room on the disk?)", file.string()));
+  }
 }
 
 }  // namespace softfinger

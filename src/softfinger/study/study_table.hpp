@@ -22,8 +22,9 @@ struct StudyHeadings {
     bool objective = true;
     bool maximise = false;
   };
-  std::string title;  ///< the study file's name
-  std::string kind;   ///< of its design
+  std::string title;                ///< the study file's name
+  std::string kind;                 ///< of its design
+  std::string device, device_text;  ///< the device file as the study calls it, and its text
   std::vector<Parameter> parameters;
   std::vector<Quantity> quantities;  ///< objectives first
 };
@@ -51,5 +52,9 @@ struct StudyTable {
 /// Writes it as CSV: design, parameters, objectives, constraints, feasible, reason. Throws
 /// InputError where the file exists, OperationError where it cannot be written.
 void export_study(const StudyTable& table, const std::filesystem::path& file);
+
+/// Writes the device file of a design: the study's with its numbers in it. Throws InputError where
+/// there is no such design yet, or the file exists, OperationError where it cannot be written.
+void export_device(const StudyTable& table, std::int64_t design, const std::filesystem::path& file);
 
 }  // namespace softfinger
