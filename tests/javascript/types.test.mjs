@@ -22,7 +22,7 @@ function membersOf(name) {
 const sorted = (list) => [...list].sort();
 
 for (const name of ["Scene", "FingerDescription", "Workspace", "FollowedFinger", "Notice", "Objective", "DeviceState", "LatencyStage",
-  "Loading", "Registration", "Notifications"]) {
+  "Loading", "Registration", "Notifications", "Events"]) {
   test(`${name} has the keys of its section`, () => {
     const members = membersOf(name);
     assert.ok(members.length > 1);
@@ -32,6 +32,7 @@ for (const name of ["Scene", "FingerDescription", "Workspace", "FollowedFinger",
 
 test("members of members stand in the row of their list", () => {
   const inner = { Scene: ["objects"], FingerDescription: ["pieces"], Workspace: ["reaches", "tilt_layers"] };
+  assert.deepEqual([...declaration("interface Events").matchAll(/^ {4}(\w+):/gm)].map(([, key]) => key), keys("Event"));
   for (const [name, lists] of Object.entries(inner)) {
     for (const list of lists) {
       const [, fields] = new RegExp(`^ *${list}: \\{([^}]*)\\}`, "m").exec(declaration(`interface ${name}`));
@@ -44,7 +45,7 @@ test("members of members stand in the row of their list", () => {
 });
 
 test("Shape has the keys of every kind, and the kinds", () => {
-  const text = declaration("type Shape");
+  const text = declaration("type RigidShape") + declaration("type Shape");
   assert.deepEqual(sorted(keys("Shape")), sorted(new Set([...text.matchAll(/(\w+):/g)].map(([, key]) => key))));
   const kinds = [...text.matchAll(/kind: "(\w+)"/g)].map(([, kind]) => kind);
   assert.ok(kinds.length > 3);
@@ -65,6 +66,7 @@ test("Snapshot, FingerSnapshot and Twin have the fields of their bytes", () => {
   assert.deepEqual(sorted([...membersOf("FingerSnapshot"), ...skin, ...sums]),
     sorted([...membersByBytes("FingerSnapshot", counts), "objective", "twin"]));
   assert.deepEqual(sorted([...membersOf("Twin"), ...skin]), sorted(membersByBytes("Twin", [])));
+  assert.deepEqual(sorted(membersOf("SoftObjectSnapshot")), sorted(membersByBytes("SoftObject", ["points"])));
 });
 
 test("Request has the requests and keys of the page", () => {
