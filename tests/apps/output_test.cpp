@@ -52,6 +52,11 @@ class Commands : public testing::Test {
                                              "--duration-s", "0.1", "--record", recording});
     EXPECT_EQ(run.status, 0) << run.errors;
     EXPECT_EQ(run.errors, "");
+    place.write("study.toml",
+                "device = \"thimble-3rrs\"\n[vary]\ndevice.geometry.disk_radius_mm = "
+                "{ values = [8] }\n[objectives]\nradius = { formula = "
+                "\"device.geometry.disk_radius_mm\" }\n[design]\nkind = \"grid\"\n");
+    EXPECT_EQ(run_program({"study", place.path("study.toml"), "--out", studied}).status, 0);
   }
 
   Workplace place;
@@ -59,6 +64,7 @@ class Commands : public testing::Test {
   const std::string finger = place.path("fingers/index.toml");
   const std::string device = place.path("devices/thimble-3rrs.toml");
   const std::string recording = place.path("run.sqlite");
+  const std::string studied = place.path("studied");
   const Words quick_run{"run",          scene, "--headless", "--as-fast-as-possible",
                         "--duration-s", "0.05"};
   const Words fit{"finger",
@@ -105,6 +111,8 @@ TEST_F(Commands, OutputThatIsLostIsAFailure) {
       {{"scene", "check"}, {{"scene", "check", scene}, {"scene", "check", scene, "--json"}}},
       {{"replay"}, {{"replay", recording}, {"replay", recording, "--json"}}},
       {{"export"}, {}},  // prints nothing
+      {{"study", "export"}, {{"study", "export", studied, "--to", place.path("study.csv")}}},
+      {{"study", "plot"}, {{"study", "plot", studied, "--to", place.path("plots")}}},
       {{"condition"}, {{"condition", recording, "--filter"}}},
       {{"emulate", "natnet"}, {}},  // below: until Ctrl-C
       {{"emulate", "udp"}, {{"emulate", "udp", place.path("poses.csv"), "--port", "9"}}},

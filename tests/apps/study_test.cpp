@@ -214,7 +214,10 @@ TEST_F(StudyCommand, WritesContactsThatPythonReads) {
 // Ctrl-C: what is done is kept, one line says how to go on.
 TEST_F(StudyCommand, EndsWhereItIsStopped) {
   RunningProgram program(into("stopped"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  // It listens to signals before it writes anything.
+  for (int k = 0; k < 1000 && !std::filesystem::exists(path("stopped/journal.sqlite")); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   const ProgramRun run = program.stop(SIGINT);
   if (run.status == 0) GTEST_SKIP() << "it was through before";
   EXPECT_EQ(run.status, 1);
