@@ -11,6 +11,7 @@
 
 #include "calibrate_command.hpp"
 #include "commands.hpp"
+#include "device_fit_command.hpp"
 #include "device_json.hpp"
 #include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
@@ -217,6 +218,7 @@ void add_device_command(CLI::App& app) {
       ->delimiter(',');
   add_device_action(*command, "workspace", "How far it goes within all limits", flags, workspace);
   add_calibrate_action(*command);
+  add_device_fit_action(*command);
   CLI::App* describing = command->add_subcommand("schema", "JSON Schema of the files of a kind");
   describing->add_option("KIND", flags->device, "Kind or device file; without, of all kinds");
   describing->add_flag("--json", flags->json, "Changes nothing: it is JSON as it is");

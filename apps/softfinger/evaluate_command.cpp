@@ -94,8 +94,9 @@ void add_evaluate_command(CLI::App& app) {
                     "--wearer", flags->wearer,
                     "finger file of who wears the device; the simulated finger where not given"),
                 Shipped::kFinger);
-  command->add_option("--person", flags->person,
-                      "person file: sizes of the fingers, and where tracked bodies sit on them");
+  command->add_option(
+      "--person", flags->person,
+      "person file: sizes, skin and mounts of the fingers, where tracked bodies sit on them");
   command->add_option("--objective", flags->objective, objective_help())
       ->check(CLI::IsMember(objective_words()));
   command->add_option("--duration-s", flags->duration_s, "end after this time, s");

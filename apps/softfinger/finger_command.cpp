@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "finger_fit_command.hpp"
 #include "finger_register_command.hpp"
+#include "rounded.hpp"
 #include "shipped_option.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_file.hpp"
@@ -26,10 +27,9 @@ struct FingerShowFlags {
   bool json = false;
 };
 
-double rounded(double value) { return std::round(value * 1e6) / 1e6; }
-
 Json in_mm(const Vector3& metres) {
-  return {rounded(metres.x() / mm), rounded(metres.y() / mm), rounded(metres.z() / mm)};
+  return {micro_rounded(metres.x() / mm), micro_rounded(metres.y() / mm),
+          micro_rounded(metres.z() / mm)};
 }
 
 Json mesh_statistics(const FingerModel& model) {
@@ -57,8 +57,8 @@ Json mesh_statistics(const FingerModel& model) {
           {"surfaces", mesh.surface_names},
           {"skin_min_mm", in_mm(box.min())},
           {"skin_max_mm", in_mm(box.max())},
-          {"skin_area_mm2", rounded(area / mm2)},
-          {"volume_mm3", rounded(volume / (mm * mm2))}};
+          {"skin_area_mm2", micro_rounded(area / mm2)},
+          {"volume_mm3", micro_rounded(volume / (mm * mm2))}};
 }
 
 /// A file's keys as text, one a line under their tables.

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "progress_bar.hpp"
+#include "rounded.hpp"
 #include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -159,8 +160,6 @@ RegistrationProcedure guide(const std::string& spec) {
   bar.clear();
   return procedure;
 }
-
-double micro_rounded(double value) { return std::round(value * 1e6) / 1e6; }
 
 Json in_unit(const Vector3& vector, double unit) {
   return {micro_rounded(vector.x() / unit), micro_rounded(vector.y() / unit),

@@ -17,7 +17,7 @@ using namespace softfinger;
 
 struct ReplayFlags {
   ReplayOptions options;
-  std::optional<std::string> scene;
+  std::optional<std::string> scene, person;
   std::string simd;
   bool json = false;
 };
@@ -26,6 +26,7 @@ void run(ReplayFlags flags) {
   choose_instruction_set(flags.simd.empty() ? recorded_instruction_set(flags.options.recording)
                                             : flags.simd);
   if (flags.scene) flags.options.scene = *flags.scene;
+  if (flags.person) flags.options.person = *flags.person;
   ProgressBar bar;
   flags.options.load_observer = load_observer(bar);
   const ReplayResult result =
@@ -62,6 +63,8 @@ void add_replay_command(CLI::App& app) {
   takes_shipped(
       command->add_option("--scene", flags->scene, "run this scene instead of the recorded one"),
       Shipped::kScene);
+  command->add_option("--person", flags->person,
+                      "person file instead of the recorded one: sizes, skin and mounts of fingers");
   command->add_option("--simd", flags->simd,
                       "instruction set instead of the recorded one: baseline, avx2 or avx512");
   command->add_flag("--json", flags->json, "one JSON object on stdout");

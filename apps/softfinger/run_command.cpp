@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "commands.hpp"
+#include "guard_option.hpp"
 #include "port_option.hpp"
 #include "progress_bar.hpp"
 #include "shipped_option.hpp"
-#include "softfinger/actuation/guard_program.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
@@ -51,16 +51,6 @@ struct RunFlags {
   Certificate certificate;
   bool plain_http = false;
 };
-
-std::filesystem::path guard_program() {
-  const std::filesystem::path guard = find_guard_program();
-  if (guard.empty()) {
-    throw OperationError(
-        "softfinger-guard: is not there; it belongs beside softfinger and owns the ports of "
-        "devices");
-  }
-  return guard;
-}
 
 void check(const RunFlags& flags) {
   if (flags.duration_s && !(std::isfinite(*flags.duration_s) && *flags.duration_s > 0.0)) {
@@ -206,8 +196,9 @@ void add_run_command(CLI::App& app) {
           "finger file of whom an emulated force sensor, and the page's twin, are on; the "
           "simulated finger where not given"),
       Shipped::kFinger);
-  command->add_option("--person", flags->person,
-                      "person file: sizes of the fingers, and where tracked bodies sit on them");
+  command->add_option(
+      "--person", flags->person,
+      "person file: sizes, skin and mounts of the fingers, where tracked bodies sit on them");
   command->add_option("--record", flags->recording, "record into this new file");
   command->add_flag("--record-state", options.record_state,
                     "record all nodes and samples of every step as well");

@@ -16,6 +16,7 @@
 #include "softfinger/loop/travel_offset.hpp"
 #include "softfinger/matching/surface_following.hpp"
 #include "softfinger/objectives/twin_correction.hpp"
+#include "softfinger/sensing/force_sensor_emulator.hpp"
 
 namespace softfinger {
 namespace {
@@ -98,14 +99,16 @@ std::vector<double> force_errors(const std::vector<Frame>& frames,
                                  const std::shared_ptr<const Device>& device, const Wearer& wearer,
                                  bool measured, double noise) {
   TravelOffset offset(model, device);
-  EmulatedForceSensor plant(finger_of(*model, wearer), device, noise, 1);
+  EmulatedForceSensor plant(finger_of(*model, wearer), device);
+  FaultyForce says(noise, 1);
   ForceReading reading;
   std::vector<double> errors;
   for (std::size_t frame = 0; frame < frames.size(); ++frame) {
     const ContactSet& contact = frames[frame].contact;
     const double friction = contact.friction_coefficient;
     if (measured && frame > 0) offset.update(reading, friction, kElapsed);
-    reading = plant.measure(offset.corrected(frames[frame].wanted), friction, kElapsed);
+    reading.configuration = offset.corrected(frames[frame].wanted);
+    reading.normal_force = *says.reading(plant.press(reading.configuration, friction, kElapsed));
     if (frame >= 10 && contact.normal_force > 0.1) {
       errors.push_back(std::abs(plant.force() - contact.normal_force) / contact.normal_force);
     }

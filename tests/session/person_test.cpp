@@ -66,12 +66,52 @@ TEST_F(PersonFile, WhatIsNotOfTheChangedFingerStays) {
       "[index.registration]\ntranslation_mm = [1, 2, 3]\nrotation_vector_deg = [0.1, 0.2, 0.3]\n");
   person.at("index").X_BodyFt = Pose{};
   save_person(person);
-  EXPECT_THAT(read_text_file(file_, 10000),
-              HasSubstr("[middle.size]\nlength_mm = 26.1\nbreadth_mm = 17.3\n"
-                        "\n[index.size]\ndepth_mm = 13\n\n[index.registration]\n"
-                        "translation_mm = [0, 0, 0]\nrotation_vector_deg = [0, 0, 0]\n\n[ring]\n"));
+  EXPECT_EQ(read_text_file(file_, 10000),
+            "[middle.size]\nlength_mm = 26.1\nbreadth_mm = 17.3\n"
+            "[index.size]\ndepth_mm = 13\n[ring]\n"
+            "[index.registration]\ntranslation_mm = [0, 0, 0]\nrotation_vector_deg = [0, 0, 0]\n");
   // Nothing is left beside it.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file_.parent_path()), {}), 1);
+}
+
+TEST_F(PersonFile, CommentsAndLayoutStay) {
+  Person person = load(
+      "# Anna, right hand\n"
+      "[index.size]   # by calliper\n"
+      "length_mm = 25.0  # from the crease\n"
+      "# breadth_mm = 16.0\n"
+      "\n"
+      "[ middle . mount ]\n"
+      "translation_mm = [\n  1, # x\n  2,\n  3 ]  # the old strap\n"
+      "rotation_vector_deg = [0, 0, 0]\n");
+  person.at("index").size.length = 26.0 * mm;
+  person.at("index").size.depth = 13.5 * mm;
+  person.at("index").modulus_factor = 1.25;
+  person.at("middle").mount->translation.x() = 1.5 * mm;
+  person.at("thumb").mount = Pose{};
+  save_person(person);
+  EXPECT_EQ(read_text_file(file_, 10000),
+            "# Anna, right hand\n"
+            "[index.size]   # by calliper\n"
+            "length_mm = 26  # from the crease\n"
+            "# breadth_mm = 16.0\n"
+            "depth_mm = 13.5\n"
+            "\n[index.tissue]\nmodulus_factor = 1.25\n"
+            "\n"
+            "[ middle . mount ]\n"
+            "translation_mm = [1.5, 2, 3]  # the old strap\n"
+            "rotation_vector_deg = [0, 0, 0]\n"
+            "\n[thumb.mount]\ntranslation_mm = [0, 0, 0]\nrotation_vector_deg = [0, 0, 0]\n");
+}
+
+// A program's words for what is not written the usual way: all is written anew.
+TEST_F(PersonFile, NothingIsLostWhereTheFileIsWrittenAnotherWay) {
+  Person person = load("index = {size = {length_mm = 25.0}}\n[ring.size]\ndepth_mm = 12\n");
+  person.at("index").size.length = 26.0 * mm;
+  save_person(person);
+  const Person read = load_person(file_);
+  EXPECT_DOUBLE_EQ(read.find("index")->size.length.value(), 26.0 * mm);
+  EXPECT_DOUBLE_EQ(read.find("ring")->size.depth.value(), 12.0 * mm);
 }
 
 TEST_F(PersonFile, IsItsOwnersAloneAndNoPlantedLinkIsFollowed) {
@@ -93,6 +133,8 @@ TEST_F(PersonFile, WhatItDoesNotKnowIsRefusedByName) {
   EXPECT_THAT(refusal("[index.registration]\ntranslation_mm = [0, 0, 900]\n"
                       "rotation_vector_deg = [0, 0, 0]\n"),
               HasSubstr("translation_mm"));
+  EXPECT_THAT(refusal("[index.tissue]\nmodulus_factor = 0\n"), HasSubstr("modulus_factor"));
+  EXPECT_THAT(refusal("[index.mount]\ntranslation_mm = [0, 0, 25]\n"), HasSubstr("translation_mm"));
   EXPECT_THAT(refusal("index = 3\n"), HasSubstr("index"));
   EXPECT_THAT(refusal("[\"a b\"]\n"), HasSubstr("no name of a finger"));
   EXPECT_THROW((void)load_person(directory_ / "nobody.toml"), InputError);

@@ -13,6 +13,7 @@
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/motors/joint_limits.hpp"
 #include "softfinger/motors/transport_settings.hpp"
+#include "softfinger/sensing/force_sensor_settings.hpp"
 
 namespace softfinger {
 
@@ -56,12 +57,6 @@ struct MatchingSettings {
   EasingRates easing;
 };
 
-/// `[force_sensor]` of a device file: what tells the force on the wearer's finger.
-struct ForceSensorSettings {
-  std::string kind;    ///< "emulator"
-  double noise = 0.0;  ///< of the emulated sensor, standard deviation, N
-};
-
 /// What every kind of device has beside its geometry.
 struct DeviceSettings {
   std::string kind;
@@ -70,6 +65,9 @@ struct DeviceSettings {
   Pose X_FB;                ///< mount: neutral frame B' in F
   /// How far X_FB stands further out, against its z, than the file says, to fit a finger; m.
   double mount_shift = 0.0;
+  /// How X_FB stands otherwise on this wearer, as found on them: moved by the translation, turned
+  /// by the rotation about its own origin, both in F.
+  Pose mount_fit;
   /// Least gap to the resting skin of whoever wears it that the mount is shifted to, where the
   /// configuration is zero (at home where that is out of reach), m.
   std::optional<double> clearance;

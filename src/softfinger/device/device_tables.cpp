@@ -57,13 +57,6 @@ MatchingSettings read_matching(const ConfigTable& table) {
   return matching;
 }
 
-ForceSensorSettings read_force_sensor(const ConfigTable& table) {
-  ForceSensorSettings sensor;
-  sensor.kind = table.choice("kind", {"emulator"});
-  sensor.noise = table.number("noise_N", Range::at_least(0.0), 0.0);
-  return sensor;
-}
-
 MotorStatics read_statics(const ConfigTable& table, bool linear) {
   const auto number = [&](const char* turning, const char* sliding) {
     return table.optional_number(linear ? sliding : turning, Range::at_least(0.0)).value_or(0.0);
@@ -148,6 +141,8 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
   const ConfigTable mount = root.table_or_empty("mount");
   settings.X_FB = read_mount(mount);
   settings.X_FB.translation -= settings.mount_shift * settings.X_FB.rotation.col(2);
+  settings.X_FB.translation += settings.mount_fit.translation;
+  settings.X_FB.rotation = settings.mount_fit.rotation * settings.X_FB.rotation;
   settings.clearance = mount.optional_number("clearance_mm", Range::at_least(0.0));
   settings.home = read_configuration(root.table_or_empty("home"), settings);
   settings.retracted = read_configuration(root.table_or_empty("retract"), settings);

@@ -104,6 +104,16 @@ std::string ConfigTable::text(std::string_view key, std::string_view fallback) c
   return std::string(fallback);
 }
 
+std::string ConfigTable::text_or_integer(std::string_view key, int min, int max,
+                                         std::string_view fallback) const {
+  node_->rule(key, false, {{"anyOf", {{{"type", "string"}}, integer_schema(min, max)}}});
+  const toml::node* value = node_->find(key);
+  if (value != nullptr && value->is_integer()) {
+    return fmt::format("{}", node_->take_integer(key, *value, min, max));
+  }
+  return text(key, fallback);
+}
+
 std::optional<std::string> ConfigTable::optional_text(std::string_view key) const {
   node_->rule(key, false, {{"type", "string"}});
   const toml::node* value = node_->find(key);

@@ -50,6 +50,9 @@ class ConfigTable {
   std::string text(std::string_view key) const;
   std::string text(std::string_view key, std::string_view fallback) const;
   std::optional<std::string> optional_text(std::string_view key) const;
+  /// Text, or a whole number between min and max, which comes back as its digits.
+  std::string text_or_integer(std::string_view key, int min, int max,
+                              std::string_view fallback) const;
   /// Text that must be one of `choices`.
   std::string choice(std::string_view key, const std::vector<std::string>& choices) const;
   std::string choice(std::string_view key, const std::vector<std::string>& choices,

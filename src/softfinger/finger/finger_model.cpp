@@ -33,13 +33,15 @@ void load_mesh(const ConfigTable& table, FingerModel& model) {
 }  // namespace
 
 std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file,
-                                                     const FingerSize& person) {
-  return load(file, read_text_file(file, ConfigFile::kMaxSize), person);
+                                                     const FingerSize& person,
+                                                     double modulus_factor) {
+  return load(file, read_text_file(file, ConfigFile::kMaxSize), person, modulus_factor);
 }
 
 std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path& file,
                                                      const std::string& text,
-                                                     const FingerSize& person) {
+                                                     const FingerSize& person,
+                                                     double modulus_factor) {
   const ConfigFile config(file, text);
   const ConfigTable root = config.root();
   auto model = std::make_shared<FingerModel>();
@@ -57,6 +59,7 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
                   .breadth = person.breadth ? person.breadth : own.breadth,
                   .depth = person.depth ? person.depth : own.depth});
   model->measure();
+  for (Material& material : model->materials) material.youngs_modulus *= modulus_factor;
   root.finish();
   model->as_read = config.as_read();
   return model;

@@ -24,14 +24,16 @@ class FingerModel : public SoftSolid {
   /// A soft object, to be stepped as a finger whose bone is where it is put.
   explicit FingerModel(const SoftSolid& solid) : SoftSolid(solid) {}
 
-  /// Reads a finger file and its mesh; sizes given in `person` stand before the file's. Throws
-  /// InputError with file, line and key.
+  /// Reads a finger file and its mesh; sizes given in `person` stand before the file's, and Young's
+  /// moduli are `modulus_factor` times the file's. Throws InputError with file, line and key.
   [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file,
-                                                               const FingerSize& person = {});
+                                                               const FingerSize& person = {},
+                                                               double modulus_factor = 1.0);
   /// The same of a file's text at hand, which may differ from the file.
   [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file,
                                                                const std::string& text,
-                                                               const FingerSize& person = {});
+                                                               const FingerSize& person = {},
+                                                               double modulus_factor = 1.0);
 
   double bone_mass = 0.01;  ///< kg
   Coupling coupling;

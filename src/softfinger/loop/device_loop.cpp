@@ -28,12 +28,13 @@ DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>&
   leads_.refresh();
   record_.objective = number_of(*leads_.latest().kind);
   if (ForceLimiter::needed(*device)) limiter_ = std::make_unique<ForceLimiter>(*model, device);
-  if (const auto& sensor = device->settings().force_sensor) {
+  if (device->settings().force_sensor) {
     offset_ = std::make_unique<TravelOffset>(model, device);
     if (!options.replay) {
-      sensor_ = std::make_unique<EmulatedForceSensor>(
-          options.wearer ? options.wearer : model, device, sensor->noise,
-          kNoiseSeed + static_cast<std::uint64_t>(finger));
+      sensor_ = std::make_unique<MeasuredForce>(
+          options.wearer ? options.wearer : model, options.worn ? options.worn : device,
+          MeasuredForce::Options{.seed = kNoiseSeed + static_cast<std::uint64_t>(finger),
+                                 .live = !options.actuator.simulated_time});
     }
   }
   record_.finger = finger;

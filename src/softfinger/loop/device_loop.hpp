@@ -8,7 +8,7 @@
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/actuation/force_limiter.hpp"
 #include "softfinger/contact/contact_set.hpp"
-#include "softfinger/loop/emulated_force_sensor.hpp"
+#include "softfinger/loop/measured_force.hpp"
 #include "softfinger/loop/travel_offset.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/recording/record.hpp"
@@ -38,6 +38,8 @@ struct DeviceLoopOptions {
   const ObjectiveKind* objective = nullptr;  ///< null: the device file's
   /// Whom an emulated force sensor presses; null: the simulated finger.
   std::shared_ptr<const FingerModel> wearer = nullptr;
+  /// The device as it sits on the wearer, where that is not as on the model; null: the same.
+  std::shared_ptr<const Device> worn = nullptr;
   /// There is no sensor: replay_reading() says what one said.
   bool replay = false;
 };
@@ -78,11 +80,11 @@ class DeviceLoop {
   std::shared_ptr<const Device> device_;
   std::shared_ptr<const FingerModel> model_;
   Mailbox<Lead> leads_;
-  std::unique_ptr<TravelOffset> offset_;         ///< null: force is not measured
-  std::unique_ptr<ForceLimiter> limiter_;        ///< null: no limit that hangs on the way
-  std::unique_ptr<EmulatedForceSensor> sensor_;  ///< null: none
-  ForceReading reading_;                         ///< newest; no configuration: none yet
-  Configuration stands_;                         ///< where the device is, as far as known
+  std::unique_ptr<TravelOffset> offset_;   ///< null: force is not measured
+  std::unique_ptr<ForceLimiter> limiter_;  ///< null: no limit that hangs on the way
+  std::unique_ptr<MeasuredForce> sensor_;  ///< null: none
+  ForceReading reading_;                   ///< newest; no configuration: none yet
+  Configuration stands_;                   ///< where the device is, as far as known
   Actuator actuator_;
   TickRecord record_;
 };

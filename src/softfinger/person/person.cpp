@@ -10,6 +10,7 @@
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/text_file.hpp"
 #include "softfinger/files/whole_file.hpp"
+#include "softfinger/person/person_text.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"
 
@@ -22,15 +23,28 @@ constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostFingers = 64;
 constexpr Range kOffset_mm{.min = -500.0, .max = 500.0};
 constexpr Range kTurn_deg{.min = -360.0, .max = 360.0};
+constexpr Range kModulusFactor{.min = 0.05, .max = 20.0};
+constexpr Range kMount_mm{.min = -20.0, .max = 20.0};
+constexpr Range kMountTurn_deg{.min = -60.0, .max = 60.0};
+
+Pose read_pose(const ConfigTable& table, const Range& offset, const Range& turn) {
+  const Vector3 translation = table.numbers("translation_mm", 3, offset);
+  const Vector3 rotation = table.numbers("rotation_vector_deg", 3, turn);
+  return {exp_rotation(rotation), translation};
+}
 
 PersonFinger read_finger(const ConfigTable& table, const std::string& name) {
   PersonFinger finger;
   finger.name = name;
   if (const auto size = table.optional_table("size")) finger.size = read_finger_size(*size);
   if (const auto registration = table.optional_table("registration")) {
-    const Vector3 translation = registration->numbers("translation_mm", 3, kOffset_mm);
-    const Vector3 turn = registration->numbers("rotation_vector_deg", 3, kTurn_deg);
-    finger.X_BodyFt = Pose{exp_rotation(turn), translation};
+    finger.X_BodyFt = read_pose(*registration, kOffset_mm, kTurn_deg);
+  }
+  if (const auto tissue = table.optional_table("tissue")) {
+    finger.modulus_factor = tissue->optional_number("modulus_factor", kModulusFactor);
+  }
+  if (const auto mount = table.optional_table("mount")) {
+    finger.mount = read_pose(*mount, kMount_mm, kMountTurn_deg);
   }
   return finger;
 }
@@ -61,22 +75,81 @@ std::string numbers(const Vector3& value, double unit) {
                      number(value.z(), unit));
 }
 
-std::string text_of(const PersonFinger& finger) {
-  std::string text;
+/// A key of [finger.table] with its value as TOML.
+struct WrittenKey {
+  std::string table, key, value;
+  bool operator==(const WrittenKey&) const = default;
+};
+
+void add_pose(const std::string& table, const std::optional<Pose>& pose,
+              std::vector<WrittenKey>& keys) {
+  if (!pose) return;
+  keys.push_back({table, "translation_mm", numbers(pose->translation, mm)});
+  keys.push_back({table, "rotation_vector_deg", numbers(log_rotation(pose->rotation), deg)});
+}
+
+std::vector<WrittenKey> keys_of(const PersonFinger& finger) {
+  std::vector<WrittenKey> keys;
   const auto& [length, breadth, depth] = finger.size;
-  if (length || breadth || depth) {
-    text += fmt::format("\n[{}.size]\n", finger.name);
-    if (length) text += fmt::format("length_mm = {}\n", number(*length, mm));
-    if (breadth) text += fmt::format("breadth_mm = {}\n", number(*breadth, mm));
-    if (depth) text += fmt::format("depth_mm = {}\n", number(*depth, mm));
+  if (length) keys.push_back({"size", "length_mm", number(*length, mm)});
+  if (breadth) keys.push_back({"size", "breadth_mm", number(*breadth, mm)});
+  if (depth) keys.push_back({"size", "depth_mm", number(*depth, mm)});
+  add_pose("registration", finger.X_BodyFt, keys);
+  if (finger.modulus_factor) {
+    keys.push_back({"tissue", "modulus_factor", number(*finger.modulus_factor, 1.0)});
   }
-  if (finger.X_BodyFt) {
-    text += fmt::format("\n[{}.registration]\ntranslation_mm = {}\nrotation_vector_deg = {}\n",
-                        finger.name, numbers(finger.X_BodyFt->translation, mm),
-                        numbers(log_rotation(finger.X_BodyFt->rotation), deg));
+  add_pose("mount", finger.mount, keys);
+  return keys;
+}
+
+/// All of a person, in a file that says nothing else.
+std::string text_of(const Person& person) {
+  std::string text =
+      "# Fingers of one person: sizes, skin, how a device and a tracked body sit on them.\n";
+  for (const PersonFinger& finger : person.fingers) {
+    const std::vector<WrittenKey> keys = keys_of(finger);
+    // A table that said nothing stays as well.
+    if (keys.empty()) text += fmt::format("\n[{}]\n", finger.name);
+    std::string table;
+    for (const WrittenKey& key : keys) {
+      if (key.table != table) text += fmt::format("\n[{}.{}]\n", finger.name, key.table);
+      table = key.table;
+      text += fmt::format("{} = {}\n", key.key, key.value);
+    }
   }
-  // A table that said nothing stays as well.
-  return text.empty() ? fmt::format("\n[{}]\n", finger.name) : text;
+  return text;
+}
+
+/// Whether this text says all of that, in whatever words.
+bool says(const std::string& text, const Person& person) {
+  try {
+    const Person read = read_person(ConfigFile(person.file, text));
+    return read.fingers.size() == person.fingers.size() &&
+           std::ranges::all_of(person.fingers, [&](const PersonFinger& finger) {
+             const PersonFinger* found = read.find(finger.name);
+             return found != nullptr && keys_of(*found) == keys_of(finger);
+           });
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// The person's text with what is new in it, as little else changed as can be.
+std::string changed_text(const Person& person) {
+  if (person.text.empty()) return text_of(person);
+  const Person before = read_person(ConfigFile(person.file, person.text));
+  std::string text = person.text;
+  for (const PersonFinger& finger : person.fingers) {
+    const PersonFinger* known = before.find(finger.name);
+    const std::vector<WrittenKey> old =
+        known != nullptr ? keys_of(*known) : std::vector<WrittenKey>{};
+    for (const WrittenKey& key : keys_of(finger)) {
+      if (std::ranges::find(old, key) != old.end()) continue;
+      text = with_key(text, finger.name, key.table, key.key, key.value);
+    }
+  }
+  // Words that with_key() does not know, such as inline tables: then all is written anew.
+  return says(text, person) ? text : text_of(person);
 }
 
 }  // namespace
@@ -89,12 +162,16 @@ const PersonFinger* Person::find(std::string_view name) const {
 PersonFinger& Person::at(std::string_view name) {
   const auto found = std::ranges::find(fingers, name, &PersonFinger::name);
   if (found != fingers.end()) return *found;
-  return fingers.emplace_back(PersonFinger{.name = std::string(name), .size = {}, .X_BodyFt = {}});
+  PersonFinger& added = fingers.emplace_back();
+  added.name = name;
+  return added;
 }
 
 std::string person_schema() {
   const ConfigFile config("person.toml",
                           "[index.size]\n[index.registration]\ntranslation_mm = [0.0, 0.0, 0.0]\n"
+                          "rotation_vector_deg = [0.0, 0.0, 0.0]\n[index.tissue]\n[index.mount]\n"
+                          "translation_mm = [0.0, 0.0, 0.0]\n"
                           "rotation_vector_deg = [0.0, 0.0, 0.0]\n");
   static_cast<void>(read_person(config));
   return config.schema("softfinger person file");
@@ -117,8 +194,7 @@ Person load_person_if_any(const fs::path& file) {
 }
 
 void save_person(const Person& person) {
-  std::string text = "# Fingers of one person: sizes, and where the tracked body sits on them.\n";
-  for (const PersonFinger& finger : person.fingers) text += text_of(finger);
+  const std::string text = changed_text(person);
   // Through a link, so that what it names is replaced and not the link.
   std::error_code error;
   const fs::path target = fs::weakly_canonical(person.file, error);

@@ -13,8 +13,11 @@ namespace softfinger {
 
 /// What is known of one of a person's fingers.
 struct PersonFinger {
-  std::string name;              ///< as scenes call it
-  FingerSize size;               ///< stands before the finger file's
+  std::string name;                      ///< as scenes call it
+  FingerSize size;                       ///< stands before the finger file's
+  std::optional<double> modulus_factor;  ///< of the finger file's Young's moduli
+  /// How a device stands on it otherwise than its file says, see DeviceSettings::mount_fit.
+  std::optional<Pose> mount;
   std::optional<Pose> X_BodyFt;  ///< distal phalanx in the tracked body; empty: the same
 };
 
@@ -37,8 +40,8 @@ struct Person {
 /// The same; nothing known of any finger where there is no such file.
 [[nodiscard]] Person load_person_if_any(const std::filesystem::path& file);
 
-/// Writes all of `person` in place of its file, at once or not at all: what is not of a finger that
-/// was changed stays, comments do not. Throws OperationError.
+/// Writes what of `person` is not as its text has it in place of the file, at once or not at all:
+/// the rest of the file stays as it is written, comments too. Throws OperationError.
 void save_person(const Person& person);
 
 }  // namespace softfinger

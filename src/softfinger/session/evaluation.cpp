@@ -40,7 +40,7 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
       }
     }
     judges.emplace_back(setup->models[i], setup->wearer ? setup->wearer : setup->models[i],
-                        setup->devices[i]);
+                        setup->worn[i] ? setup->worn[i] : setup->devices[i]);
     answer.fingers.push_back(name);
     answer.linear_motors.push_back(setup->devices[i]->joint_limits().linear);
   }

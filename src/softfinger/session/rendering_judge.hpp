@@ -23,7 +23,7 @@ struct JudgedSides {
 /// it feels with the virtual contact.
 class RenderingJudge {
  public:
-  /// `wearer`: who has the device on; may be the model itself.
+  /// `wearer`: who has the device on, `device` as it sits there; may be the model itself.
   RenderingJudge(std::shared_ptr<const FingerModel> model,
                  std::shared_ptr<const FingerModel> wearer,
                  const std::shared_ptr<const Device>& device, const JudgedSides& sides = {});

@@ -135,6 +135,7 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
     files = std::make_unique<RecordedFiles>(info, options.recording);
     original = files->setup_options();
   }
+  if (options.person) original.person = options.person;
   original.load_observer = options.load_observer;
   std::shared_ptr<const RunSetup> setup = load_setup(original);
   // A program with a loop of its own runs and records one finger of a scene.

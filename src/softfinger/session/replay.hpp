@@ -15,6 +15,8 @@ struct ReplayOptions {
   std::filesystem::path recording;
   /// Run this scene with the recorded input; empty: the scene, fingers and devices as recorded.
   std::optional<std::filesystem::path> scene;
+  /// Person file instead of the recorded one.
+  std::optional<std::filesystem::path> person = {};
   LoadObserver load_observer;
 };
 

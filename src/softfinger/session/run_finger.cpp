@@ -18,9 +18,9 @@ void RunFinger::open(const RunSetup& setup, const RunOptions& options, bool is_l
   if (!is_live || !chain->has_device()) return;
   std::unique_ptr<LiveTwin> twin;
   if (options.twin && number == 0) {
-    twin = std::make_unique<LiveTwin>(setup.models[number],
-                                      setup.wearer ? setup.wearer : setup.models[number],
-                                      setup.devices[number]);
+    twin = std::make_unique<LiveTwin>(
+        setup.models[number], setup.wearer ? setup.wearer : setup.models[number],
+        setup.worn[number] ? setup.worn[number] : setup.devices[number]);
   }
   live = std::make_unique<LiveDevice>(*chain, *setup.models[number], std::move(twin));
 }

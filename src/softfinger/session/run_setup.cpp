@@ -118,6 +118,12 @@ bool follows_body(const SceneFinger& finger) {
   return row_of(kTrackers, parse_tracker_spec(finger.tracker).kind).of_body;
 }
 
+/// As far as it is known of a person; null: nothing.
+std::shared_ptr<const FingerModel> model_of(const fs::path& file, const PersonFinger* known) {
+  if (known == nullptr) return FingerModel::load(file);
+  return FingerModel::load(file, known->size, known->modulus_factor.value_or(1.0));
+}
+
 fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
 
 }  // namespace
@@ -143,12 +149,18 @@ std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
   for (const SceneFinger& finger : scene.fingers) {
     StopCheck::now(stop);
     const PersonFinger* known = setup->person ? setup->person->find(finger.name) : nullptr;
-    setup->models.push_back(
-        FingerModel::load(finger.model, known != nullptr ? known->size : FingerSize{}));
+    setup->models.push_back(model_of(finger.model, known));
     setup->registrations.push_back(known != nullptr && follows_body(finger) ? known->X_BodyFt
                                                                             : std::nullopt);
-    WornDevice worn =
-        finger.device ? worn_on(*setup->models.back(), *finger.device, stop) : WornDevice{};
+    WornDevice worn;
+    setup->worn.emplace_back();
+    if (finger.device && known != nullptr && known->mount) {
+      const auto nominal = FingerModel::load(finger.model);
+      worn = fitted_on(*setup->models.back(), *nominal, *finger.device, *known->mount, stop);
+      if (options.wearer) setup->worn.back() = mounted_on(*nominal, *finger.device);
+    } else if (finger.device) {
+      worn = worn_on(*setup->models.back(), *finger.device, stop);
+    }
     setup->devices.push_back(std::move(worn.device));
     setup->ceilings.push_back(std::move(worn.ceiling));
     setup->notices.push_back(std::move(worn.notices));
@@ -165,6 +177,7 @@ std::shared_ptr<const RunSetup> only_finger(const RunSetup& setup, std::size_t f
   alone->scene.fingers = {setup.scene.fingers[finger]};
   alone->models = {setup.models[finger]};
   alone->devices = {setup.devices[finger]};
+  alone->worn = {setup.worn[finger]};
   alone->ceilings = {setup.ceilings[finger]};
   alone->notices = {setup.notices[finger]};
   alone->registrations = {setup.registrations[finger]};
@@ -190,6 +203,7 @@ FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,
     options.device_loop.actuator.device_file = *file;
   }
   options.device_loop.wearer = setup.wearer;
+  options.device_loop.worn = setup.worn[finger];
   return options;
 }
 

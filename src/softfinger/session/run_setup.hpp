@@ -64,6 +64,9 @@ struct RunSetup {
   Scene scene;                                             ///< overrides applied
   std::vector<std::shared_ptr<const FingerModel>> models;  ///< one per finger
   std::vector<std::shared_ptr<const Device>> devices;      ///< one per finger; null: none
+  /// One per finger: its device as it sits on `wearer`, where what is known of a person says that
+  /// it sits otherwise on the model; null: the same.
+  std::vector<std::shared_ptr<const Device>> worn;
   /// One per finger: how far its device may be advanced; null: its force has no limit.
   std::vector<std::shared_ptr<const TravelCeiling>> ceilings;
   /// One per finger: what people must know of its device.

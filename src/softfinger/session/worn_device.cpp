@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <span>
+#include <utility>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -17,6 +18,7 @@
 #include "softfinger/finger/rest_skin.hpp"
 #include "softfinger/objectives/objective_kinds.hpp"
 #include "softfinger/session/kept_ceiling.hpp"
+#include "softfinger/twin/resting_gap.hpp"
 
 namespace softfinger {
 namespace {
@@ -32,51 +34,6 @@ constexpr double kSlack = 0.5 * mm;       // of the home gap, that an approach m
 constexpr double kTouching = -1e-6;       // m; a gap below this presses
 constexpr int kSteps = 80;                // of an advance from home
 constexpr int kDraws = 3000;              // of configurations, where no advance from home touches
-
-/// The device's solid and surface against resting skin.
-class RestingGap {
- public:
-  RestingGap(const Device& device, std::span<const Vector3> skin)
-      : device_(device), pieces_(static_cast<std::size_t>(device.solid_piece_count())) {
-    for (const Vector3& p : skin) {
-      x_.push_back(p.x());
-      y_.push_back(p.y());
-      z_.push_back(p.z());
-    }
-  }
-
-  /// Of the contacting surface, m; skin moved by `shift` along `axis_F`.
-  [[nodiscard]] double at(const Configuration& q, double shift = 0.0,
-                          const Vector3& axis_F = Vector3::Zero()) {
-    std::vector<double> x(x_);
-    std::vector<double> y(y_);
-    std::vector<double> z(z_);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      x[i] += shift * axis_F.x();
-      y[i] += shift * axis_F.y();
-      z[i] += shift * axis_F.z();
-    }
-    SurfaceSamples samples;
-    samples.x = x;
-    samples.y = y;
-    samples.z = z;
-    double least = device_.least_distance(q, samples);
-    device_.solid_pieces(q, pieces_);
-    for (const SolidPiece& piece : pieces_) {
-      const Pose X_SF = piece.X_FS.inverse();
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vector3 p_S = X_SF * Vector3(x[i], y[i], z[i]);
-        least = std::min(least, signed_distance(piece.shape, p_S).distance);
-      }
-    }
-    return least;
-  }
-
- private:
-  const Device& device_;
-  std::vector<SolidPiece> pieces_;
-  std::vector<double> x_, y_, z_;
-};
 
 /// How far the mount must go out, against its z, for a least gap of `clearance` where the
 /// configuration is zero, m.
@@ -227,6 +184,23 @@ void check_objective(const fs::path& file, const Device& device) {
   if (!why.empty()) refuse(file, device, "matching", "objective", why);
 }
 
+/// Looks whether it can be worn.
+WornDevice checked_on(const FingerModel& finger, const fs::path& file,
+                      std::shared_ptr<const Device> device) {
+  const std::vector<Vector3> skin = rest_skin_points(finger);
+  WornDevice worn{.device = std::move(device)};
+  const Device& on = *worn.device;
+  check_bone(file, on, finger);
+  check_force_sensor(file, on);
+  check_objective(file, on);
+  RestingGap gap(on, skin);
+  check_advance(file, on, gap);
+  check_rest(file, on, finger, gap);
+  check_reach(file, on, finger, gap);
+  note_approach(on, gap, worn.notices);
+  return worn;
+}
+
 }  // namespace
 
 std::shared_ptr<const Device> mounted_on(const FingerModel& finger, const fs::path& file) {
@@ -267,17 +241,14 @@ WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::s
 }
 
 WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::string& text) {
-  const std::vector<Vector3> skin = rest_skin_points(finger);
-  WornDevice worn{.device = mounted_on(finger, file, text)};
-  const Device& device = *worn.device;
-  check_bone(file, device, finger);
-  check_force_sensor(file, device);
-  check_objective(file, device);
-  RestingGap gap(device, skin);
-  check_advance(file, device, gap);
-  check_rest(file, device, finger, gap);
-  check_reach(file, device, finger, gap);
-  note_approach(device, gap, worn.notices);
+  return checked_on(finger, file, mounted_on(finger, file, text));
+}
+
+WornDevice fitted_on(const FingerModel& finger, const FingerModel& nominal, const fs::path& file,
+                     const Pose& mount_fit, const std::stop_token& stop) {
+  WornDevice worn =
+      checked_on(finger, file, remounted(file, *mounted_on(nominal, file), mount_fit));
+  worn.ceiling = ceiling_on(finger, file, worn.device, stop);
   return worn;
 }
 

@@ -53,4 +53,11 @@ struct WornDevice {
     const FingerModel& finger, const std::filesystem::path& file,
     const std::shared_ptr<const Device>& device, const std::stop_token& stop = {});
 
+/// The same of a device that sits on this wearer otherwise than its file says, as was found on them
+/// (DeviceSettings::mount_fit): `finger` with what was found of it, `nominal` as its file has it,
+/// to which the mount is shifted.
+[[nodiscard]] WornDevice fitted_on(const FingerModel& finger, const FingerModel& nominal,
+                                   const std::filesystem::path& file, const Pose& mount_fit,
+                                   const std::stop_token& stop = {});
+
 }  // namespace softfinger

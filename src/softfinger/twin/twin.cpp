@@ -1,11 +1,13 @@
 #include "softfinger/twin/twin.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/finger/finger_potential.hpp"
+#include "softfinger/finger/finger_size.hpp"
 #include "softfinger/finger/minimise_in_cone.hpp"
 #include "softfinger/twin/piece_motion.hpp"
 
@@ -23,6 +25,8 @@ constexpr double kFrictionTolerance = 1e-5;
 constexpr int kFrictionPasses = 20;
 /// Features are met as planes, where they were seen before the skin moved: it looks again.
 constexpr int kLooks = 2;
+/// Translations and rotations.
+constexpr int kMountMotions = 6;
 /// What of a derivative goes through friction's limits and planes is iterated for, to this part.
 constexpr double kDragTolerance = 1e-4;
 constexpr int kDragRounds = 12;
@@ -46,7 +50,7 @@ struct Twin::Implementation {
         history(potential.elastic().make_history()),
         anchors(kept_anchors),
         contact(make_contact_set(*wearer)),
-        shifts(static_cast<std::size_t>(device->degrees_of_freedom()),
+        shifts(static_cast<std::size_t>(device->degrees_of_freedom()) + kMountMotions,
                std::vector<double>(potential.gradient().size())),
         pushed(potential.gradient().size()),
         rubbed(pushed.size()) {
@@ -77,8 +81,10 @@ struct Twin::Implementation {
   std::vector<Vector3> foreseen;
   std::vector<FrictionAnchor> anchors;
   ContactSet contact;
-  std::vector<std::vector<double>> shifts;  ///< of the unknowns, by each component of q
-  std::vector<double> pushed, rubbed;       ///< scratch, by unknowns
+  std::array<PieceMotion, kMountMotions> mount_motions;
+  /// Of the unknowns, by each component of q and of the mount.
+  std::vector<std::vector<double>> shifts;
+  std::vector<double> pushed, rubbed;  ///< scratch, by unknowns
   struct TouchingPair {
     std::size_t point, piece;
     ContactPotential::PairResponse response;
@@ -96,6 +102,15 @@ struct Twin::Implementation {
   void keep();
   [[nodiscard]] bool forces_and_derivatives(TwinForces& forces);
   [[nodiscard]] bool load_and_derivative(DeviceLoad& load);
+  [[nodiscard]] bool force_by_mount(const Vector3& origin_F, Vector6& by_mount,
+                                    Eigen::VectorXd& by_q);
+  void take_place_of(const Implementation& at);
+  [[nodiscard]] Vector3 normal_force() const;
+  /// By component k of q or, from the degrees of freedom on, of the mount.
+  [[nodiscard]] const PieceMotion& motion(std::size_t piece, int k) const {
+    const int dof = device->degrees_of_freedom();
+    return k < dof ? motions(piece, k) : mount_motions[static_cast<std::size_t>(k - dof)];
+  }
   void find_touching(bool with_curvature);
   void drag_by(int k);
   void add_push(int k, bool rubbing, std::span<const double> shift, std::span<double> push) const;
@@ -240,14 +255,14 @@ void Twin::Implementation::find_touching(bool with_curvature) {
 Vector3 Twin::Implementation::relative_motion(const TouchingPair& touched, int k,
                                               std::span<const double> shift) const {
   return motion_of_point(touched.point, shift) -
-         motions(touched.piece, k)
+         motion(touched.piece, k)
              .at(potential.contact_positions()[touched.point], touched.response.outward);
 }
 
 /// By component k while the skin moves by `shift`.
 Twin::Implementation::ForceRates Twin::Implementation::force_rates(
     const TouchingPair& touched, int k, std::span<const double> shift) const {
-  const Vector3& spin = motions(touched.piece, k).spin;
+  const Vector3& spin = motion(touched.piece, k).spin;
   const ContactPotential::PairResponse& pair = touched.response;
   const Vector3 relative = relative_motion(touched, k, shift);
   // Both forces together are minus the gradient of the pair's energy.
@@ -268,7 +283,7 @@ void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double>
   const std::span<const Vector3> points = potential.contact_positions();
   for (const TouchingPair& touched : touching) {
     const ContactPotential::PairResponse& pair = touched.response;
-    const PieceMotion& motion = motions(touched.piece, k);
+    const PieceMotion& motion = this->motion(touched.piece, k);
     Vector3 force = Vector3::Zero();
     if (rubbing) {
       if (pair.following.isZero(0.0)) continue;
@@ -365,6 +380,64 @@ bool Twin::Implementation::forces_and_derivatives(TwinForces& forces) {
   return true;
 }
 
+bool Twin::Implementation::force_by_mount(const Vector3& origin_F, Vector6& by_mount,
+                                          Eigen::VectorXd& by_q) {
+  const int dof = device->degrees_of_freedom();
+  by_mount.setZero();
+  by_q.setZero(dof);
+  TwinForces forces;
+  if (!forces_and_derivatives(forces)) return false;
+  if (!(forces.normal.norm() > 0.0)) return true;
+  const Vector3 along = forces.normal.normalized();
+  by_q = forces.normal_by_q.transpose() * along;
+  for (int c = 0; c < kMountMotions; ++c) {
+    PieceMotion& moved = mount_motions[static_cast<std::size_t>(c)];
+    moved = {.origin = origin_F};
+    (c < 3 ? moved.velocity : moved.spin)[c % 3] = 1.0;
+    drag_by(dof + c);
+    for (const TouchingPair& pair : touching) {
+      const std::vector<double>& shift = shifts[static_cast<std::size_t>(dof + c)];
+      by_mount[c] += along.dot(force_rates(pair, dof + c, shift).normal);
+    }
+  }
+  return true;
+}
+
+/// Evaluates this twin where the other one's skin is, as much stretched from the one rest shape to
+/// the other.
+void Twin::Implementation::take_place_of(const Implementation& at) {
+  const Vector3 scale = size_ratio(*at.wearer, *wearer);
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    kept_positions[n] = at.kept_positions[n].cwiseProduct(scale);
+    positions[n] = at.positions[n].cwiseProduct(scale);
+  }
+  kept_anchors = at.kept_anchors;
+  kept_poses = at.kept_poses;
+  friction_coefficient = at.friction_coefficient;
+  elapsed = at.elapsed;
+  q = at.q;
+  shifts_known = false;
+  potential.forget_sightings();
+  potential.restore_features(at.kept_features);
+  place();
+  anchors = at.anchors;
+  begin(positions);
+  potential.start_from(positions, Pose{});
+}
+
+Vector3 Twin::Implementation::normal_force() const {
+  Vector3 sum = Vector3::Zero();
+  ContactPotential::PairResponse response;
+  for (std::size_t i = 0; i < potential.contact_positions().size(); ++i) {
+    for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+      if (potential.contact().pair_response(i, piece, false, response)) {
+        sum += response.normal_force;
+      }
+    }
+  }
+  return sum;
+}
+
 bool Twin::Implementation::load_and_derivative(DeviceLoad& load) {
   const int dof = device->degrees_of_freedom();
   load.load.setZero(dof);
@@ -446,6 +519,28 @@ bool Twin::force_and_derivative(Vector3& force, SurfaceJacobian& by_q) {
 
 bool Twin::load_and_derivative(DeviceLoad& load) {
   return implementation_->load_and_derivative(load);
+}
+
+bool Twin::force_by_mount(const Vector3& origin_F, Vector6& by_mount, Eigen::VectorXd& by_q) {
+  return implementation_->force_by_mount(origin_F, by_mount, by_q);
+}
+
+double Twin::force_difference(Twin& same, Twin& other) const {
+  const Implementation& self = *implementation_;
+  if (self.touching.empty()) return 0.0;
+  same.implementation_->take_place_of(self);
+  other.implementation_->take_place_of(self);
+  const std::span<const double> before = same.implementation_->potential.gradient();
+  const std::span<const double> after = other.implementation_->potential.gradient();
+  std::vector<double> shift(before.size());
+  for (std::size_t i = 0; i < shift.size(); ++i) shift[i] = before[i] - after[i];
+  self.potential.solve(shift);
+  const Vector3 now = self.normal_force();
+  Vector3 change = other.implementation_->normal_force() - same.implementation_->normal_force();
+  for (const Implementation::TouchingPair& pair : self.touching) {
+    change -= pair.response.normal_stiffness * self.motion_of_point(pair.point, shift);
+  }
+  return now.norm() > 0.0 ? change.dot(now.normalized()) : 0.0;
 }
 
 Vector3 Twin::node_motion(std::size_t node, int k) const {

@@ -10,6 +10,8 @@
 
 namespace softfinger {
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
 /// How one press of the twin ended.
 struct TwinSummary {
   int iterations = 0;
@@ -78,6 +80,17 @@ class Twin {
   /// The same as what the device has to bear. The derivative leaves out that the directions in
   /// which its points move turn with q, and is 0 where false comes back.
   [[nodiscard]] bool load_and_derivative(DeviceLoad& load);
+
+  /// How the normal force (its magnitude) grows as the whole device moves against the bone:
+  /// translations along F's axes, N/m, then rotations about `origin_F` (m), N/rad; and the
+  /// derivative by q, N by rad or m. As forces_and_derivatives() otherwise.
+  [[nodiscard]] bool force_by_mount(const Vector3& origin_F, Vector6& by_mount,
+                                    Eigen::VectorXd& by_q);
+  /// After force_by_mount(): how much greater the normal force of `other` than that of `same` would
+  /// be in equilibrium where this twin is, to first order, N. Twins of the same mesh and device, of
+  /// which `same` has this one's finger and `other` one that is hardly different in size and
+  /// moduli; both are put out of their states.
+  [[nodiscard]] double force_difference(Twin& same, Twin& other) const;
 
   /// How node `node` moves by component k of q, m by rad or m: after forces_and_derivatives(), zero
   /// where that found no contact.

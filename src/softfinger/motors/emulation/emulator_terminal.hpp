@@ -6,6 +6,7 @@
 
 #include "softfinger/motors/emulation/bus_emulator.hpp"
 #include "softfinger/motors/emulation/emulator_port.hpp"
+#include "softfinger/wire/pseudo_terminal.hpp"
 
 namespace softfinger {
 
@@ -18,7 +19,7 @@ class EmulatorTerminal : public EmulatorPort {
   ~EmulatorTerminal() override;
 
   /// Name to open, e.g. /dev/pts/3.
-  [[nodiscard]] const std::string& port() const override { return port_; }
+  [[nodiscard]] const std::string& port() const override { return terminal_.name(); }
   /// Unplugs it: the port is gone for whoever has it open. For good.
   void vanish();
 
@@ -26,9 +27,7 @@ class EmulatorTerminal : public EmulatorPort {
   void serve();
 
   BusEmulator& emulator_;
-  std::string port_;
-  int near_ = -1;  ///< the emulator's end
-  int far_ = -1;   ///< the program's end, held open so that the line outlives its users
+  PseudoTerminal terminal_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -1,0 +1,6 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+/// Adds `device fit` to the command `device`.
+void add_device_fit_action(CLI::App& device);

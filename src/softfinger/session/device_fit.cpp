@@ -1,0 +1,272 @@
+#include "softfinger/session/device_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "softfinger/actuation/actuator.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/files/config_file.hpp"
+#include "softfinger/files/shipped_file.hpp"
+#include "softfinger/finger/finger_size.hpp"
+#include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/session/worn_device.hpp"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDepth = 1.5 * mm;    // beyond the resting skin, that every press must reach
+constexpr double kCi95 = 1.959963985;  // standard deviations
+constexpr double kPressing = 0.05;     // N, that is called touching
+
+/// The device on the wearer, its sensor, and the presses.
+class Fitting {
+ public:
+  Fitting(const DeviceFitOptions& options, const WornDevice& worn,
+          std::shared_ptr<const FingerModel> wearer, const ForceSensorSettings& sensor)
+      : options_(options),
+        worn_(worn),
+        friction_(wearer->friction_coefficient),
+        rate_(device_rate(*worn.device)),
+        live_(is_live(sensor)),
+        sensor_(std::move(wearer), worn.device,
+                {.seed = options.seed, .live = live_, .settings = sensor}),
+        actuator_(worn.device, actuator_options()),
+        stands_(worn.device->home()) {
+    if (options.stop_signals != nullptr) {
+      stops_seen_ = options.stop_signals->stops.load();
+    }
+  }
+
+  /// Presses until that is done or fails; the device is retracted then.
+  void run(PressProcedure& procedure, const std::atomic<bool>& stop, const RunObserver& observer) {
+    const auto began = std::chrono::steady_clock::now();
+    const double period = 1.0 / rate_;
+    for (std::int64_t tick = 0; !procedure.done() && procedure.failure().empty(); ++tick) {
+      const double time = static_cast<double>(tick) * period;
+      if (interrupted(stop, observer)) break;
+      if (options_.fault != ForceSensorFault::kNone && time >= options_.fault_at) {
+        sensor_.fail(options_.fault);
+      }
+      const FormedCommand& command =
+          actuator_.command({.configuration = procedure.wanted(), .touching = touching_}, time);
+      if (live_) {
+        std::this_thread::sleep_until(began + std::chrono::duration<double>(time + period));
+      }
+      look(command);
+      const ForceReading& reading = sensor_.measure(stands_, friction_, period);
+      const bool fresh = reading.configuration.size() > 0;
+      touching_ = fresh && reading.normal_force > kPressing;
+      if (!std::isnan(sensor_.true_force())) {
+        greatest_true_ = std::max(greatest_true_, sensor_.true_force());
+      }
+      procedure.advance({.time = time + period,
+                         .stands = stands_,
+                         .fresh = fresh,
+                         .force = reading.normal_force,
+                         .readings = sensor_.new_readings()});
+      if (observer.progress) observer.progress(procedure.progress(), 1.0);
+    }
+    actuator_.finish();
+  }
+
+  [[nodiscard]] double rate() const { return rate_; }
+  [[nodiscard]] double greatest_true_force() const { return greatest_true_; }
+  [[nodiscard]] const std::string& interruption() const { return interruption_; }
+
+ private:
+  [[nodiscard]] bool is_live(const ForceSensorSettings& sensor) const {
+    const auto& transport = worn_.device->settings().transport;
+    const bool motors = transport && transport->port != "emulator";
+    return options_.real_time || motors || !sensor.is_emulated();
+  }
+
+  [[nodiscard]] ActuatorOptions actuator_options() const {
+    ActuatorOptions actuator;
+    actuator.device_file = options_.device;
+    actuator.simulated_time = !live_;
+    actuator.ceiling = worn_.ceiling;
+    if (live_) actuator.guard_program = options_.guard_program;
+    return actuator;
+  }
+
+  /// True: it has to end.
+  bool interrupted(const std::atomic<bool>& stop, const RunObserver& observer) {
+    if (options_.stop_signals != nullptr && options_.stop_signals->stops.load() != stops_seen_) {
+      actuator_.stop(StopCause::kSignal);
+    }
+    while (const auto event = actuator_.take_event()) {
+      if (*event == ActuatorEvent::kUnwatched || *event == ActuatorEvent::kPortConnected) {
+        if (observer.message) observer.message(actuator_.message(*event));
+        continue;
+      }
+      if (interruption_.empty()) interruption_ = actuator_.message(*event);
+    }
+    if (stop.load() && interruption_.empty()) interruption_ = "ended before it was done";
+    if (actuator_.stop_latch().is_stopped() && interruption_.empty()) {
+      interruption_ = "the device is stopped";
+    }
+    return !interruption_.empty();
+  }
+
+  /// Where the device is: as its servos say, else where it was sent.
+  void look(const FormedCommand& command) {
+    JointAngles joints;
+    if (!actuator_.read_servo_joints(joints)) {
+      stands_ = command.configuration;
+    } else if (Configuration q; worn_.device->forward_kinematics(joints, q)) {
+      stands_ = q;
+    }
+  }
+
+  const DeviceFitOptions& options_;
+  const WornDevice& worn_;
+  double friction_;
+  double rate_;
+  bool live_;
+  MeasuredForce sensor_;
+  Actuator actuator_;
+  Configuration stands_;
+  bool touching_ = false;
+  double greatest_true_ = 0.0;
+  std::uint32_t stops_seen_ = 0;
+  std::string interruption_;
+};
+
+ForceSensorSettings sensor_of(const DeviceFitOptions& options, const Device& device) {
+  std::optional<ForceSensorSettings> sensor = device.settings().force_sensor;
+  if (!sensor && options.sensor) {
+    sensor.emplace();
+    sensor->kind = *options.sensor;
+  }
+  if (sensor) {
+    if (options.sensor_noise) sensor->noise = *options.sensor_noise;
+    return *sensor;
+  }
+  ConfigFile(options.device)
+      .root()
+      .fail("force_sensor",
+            "missing; a device learns its wearer by the force that it measures, "
+            "give it a [force_sensor], or try one by --sensor");
+}
+
+/// What is known before: of a device that is put on again what was found; else sizes that were
+/// measured.
+TraitVector known_traits(const PersonFinger* person, const FingerModel& finger, bool again) {
+  TraitVector known = TraitVector::Zero();
+  if (person == nullptr) return known;
+  const FingerSize own = finger_size(finger);
+  const auto put = [&](WearerTrait trait, double value) {
+    const auto i = static_cast<Eigen::Index>(trait);
+    known[i] = value / kWearerTraitRows[static_cast<std::size_t>(trait)].deviation;
+  };
+  const auto put_size = [&](WearerTrait trait, const std::optional<double>& size, double of_file) {
+    if (size) put(trait, std::log(*size / of_file));
+  };
+  if (again || !person->mount) {
+    put_size(WearerTrait::kLength, person->size.length, *own.length);
+    put_size(WearerTrait::kBreadth, person->size.breadth, *own.breadth);
+    put_size(WearerTrait::kDepth, person->size.depth, *own.depth);
+  }
+  if (again) put(WearerTrait::kModulus, std::log(person->modulus_factor.value_or(1.0)));
+  return known;
+}
+
+void tell(const WearerEstimate& estimate, const TraitVector& known, const FingerModel& finger,
+          DeviceFit& fit) {
+  for (const WearerTraitRow& row : kWearerTraitRows) {
+    const auto i = static_cast<Eigen::Index>(row.value);
+    const double half = kCi95 * estimate.deviation[i];
+    fit.traits.push_back({row.value, trait_value(row.value, estimate.x[i], finger),
+                          trait_value(row.value, estimate.x[i] - half, finger),
+                          trait_value(row.value, estimate.x[i] + half, finger),
+                          trait_value(row.value, known[i], finger)});
+  }
+}
+
+void put(const WearerEstimate& estimate, const FingerModel& finger, PersonFinger& person) {
+  const WearerTraits traits = WearerTraits::of(estimate.x);
+  const FingerSize own = finger_size(finger);
+  person.size = {.length = *own.length * traits.size_factor.x(),
+                 .breadth = *own.breadth * traits.size_factor.y(),
+                 .depth = *own.depth * traits.size_factor.z()};
+  person.modulus_factor = traits.modulus_factor;
+  person.mount = traits.mount_fit();
+}
+
+}  // namespace
+
+DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& stop,
+                     const RunObserver& observer) {
+  const auto finger = FingerModel::load(options.finger);
+  const auto wearer = options.wearer ? FingerModel::load(*options.wearer) : finger;
+  // Before anybody is pressed.
+  Person person = load_person_if_any(options.person);
+  const PersonFinger* before = person.find(options.name);
+  if (options.again && (before == nullptr || !before->mount)) {
+    throw InputError(fmt::format("{}: finger {} was never fitted; leave --again out",
+                                 options.person.string(), options.name));
+  }
+  const WornDevice worn = worn_on(*finger, options.device);
+  const ForceSensorSettings sensor = sensor_of(options, *worn.device);
+  std::vector<PlannedPress> plan;
+  try {
+    plan = plan_presses(*worn.device, *finger, kDepth);
+  } catch (const InputError& error) {
+    throw OperationError(fmt::format("{}: {}", options.device.string(), error.what()));
+  }
+  if (options.again) {
+    std::erase_if(plan, [](const PlannedPress& press) { return press.spare; });
+  }
+
+  DeviceFit fit;
+  const TraitVector known = known_traits(before, *finger, options.again);
+  std::optional<PressProcedure> procedure;
+  {
+    Fitting fitting(options, worn, wearer, sensor);
+    procedure.emplace(*worn.device, plan, 1.0 / fitting.rate());
+    fitting.run(*procedure, stop, observer);
+    fit.failure = fitting.interruption().empty() ? procedure->failure() : fitting.interruption();
+    fit.greatest_force = std::max(procedure->greatest_force(), fitting.greatest_true_force());
+    if (fitting.greatest_true_force() > 0.0) fit.greatest_force = fitting.greatest_true_force();
+  }
+  fit.presses = static_cast<int>(procedure->presses().size());
+  fit.duration = procedure->duration();
+  fit.noise = procedure->noise();
+  if (!fit.failure.empty()) return fit;
+
+  PressModel model(finger, worn.device, options.device, 0.0);
+  try {
+    fit.estimate = estimate_wearer(model, procedure->presses(),
+                                   {.noise = procedure->noise(),
+                                    .mount_only = options.again,
+                                    .known = known,
+                                    .progress = [&](double /*fraction*/) { return !stop.load(); }});
+  } catch (const OperationError& error) {
+    fit.failure = error.what();
+    return fit;
+  }
+  tell(fit.estimate, known, *finger, fit);
+  if (!(fit.estimate.predicted_force_error <= kMostForetoldError)) {
+    fit.failure = fmt::format(
+        "the force of each press is {:.0f} % off what the others foretell, at most {:.0f} % would "
+        "do: the wearer did not hold still, or the finger is unlike {}",
+        100.0 * fit.estimate.predicted_force_error, 100.0 * kMostForetoldError,
+        options.finger.string());
+    return fit;
+  }
+  put(fit.estimate, *finger, person.at(options.name));
+  save_person(person);
+  fit.written = options.person;
+  return fit;
+}
+
+}  // namespace softfinger

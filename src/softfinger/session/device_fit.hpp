@@ -1,0 +1,70 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/loop/measured_force.hpp"
+#include "softfinger/person/person.hpp"
+#include "softfinger/session/live_session.hpp"
+#include "softfinger/session/stop_signals.hpp"
+#include "softfinger/wearer/press_procedure.hpp"
+#include "softfinger/wearer/wearer_estimate.hpp"
+
+namespace softfinger {
+
+/// Which device learns which wearer.
+struct DeviceFitOptions {
+  std::filesystem::path device, finger;
+  std::filesystem::path person;  ///< to write; kept, but for this finger
+  std::string name = "index";    ///< of the finger in it
+  /// Finger file of whom an emulated device is on; empty: `finger`.
+  std::optional<std::filesystem::path> wearer;
+  /// An emulated force sensor for a device file that has none.
+  std::optional<ForceSensorKind> sensor;
+  std::optional<double> sensor_noise;  ///< of an emulated sensor instead of the device file's, N
+  std::uint64_t seed = 1;              ///< of that noise
+  bool again = false;  ///< the person's finger is known, the device was put on again: mount alone
+  /// Everything by the clock on the wall, through port, guard process and wires, although all is
+  /// emulated.
+  bool real_time = false;
+  std::filesystem::path guard_program;
+  const StopSignals* stop_signals = nullptr;  ///< each stops the device, which ends it; null: none
+  /// What is wrong with an emulated sensor, from so many seconds on.
+  ForceSensorFault fault = ForceSensorFault::kNone;
+  double fault_at = 0.0;  ///< s
+};
+
+/// What a device has learned of its wearer.
+struct DeviceFit {
+  int presses = 0;
+  double duration = 0.0;        ///< of all presses, s of the device
+  double greatest_force = 0.0;  ///< measured, or of the emulated finger where that is more, N
+  double noise = 0.0;           ///< of the sensor, N
+  WearerEstimate estimate;
+  /// One trait, SI; a size in m, a modulus as a factor.
+  struct Told {
+    WearerTrait trait;
+    double value, ci95_low, ci95_high, prior;
+  };
+  std::vector<Told> traits;
+  std::filesystem::path written;  ///< empty: nothing was, see `failure`
+  std::string failure;            ///< in one line; empty: it succeeded
+};
+
+/// How wrong the force of a press may be that the others foretell: with more nothing is written.
+inline constexpr double kMostForetoldError = 0.2;
+
+/// Presses the wearer by itself, from tilt to tilt, through the same guards as a run, retracts, and
+/// writes what that tells of the finger into the person's file: sizes, modulus factor, mount. All
+/// of a device that is emulated goes in simulated time, as fast as it can. A stop, the end that
+/// `stop` asks for and every failure retract the device first. Throws InputError for files,
+/// OperationError where the person's file cannot be written.
+[[nodiscard]] DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& stop,
+                                   const RunObserver& observer = {});
+
+}  // namespace softfinger

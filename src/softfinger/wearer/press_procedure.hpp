@@ -1,0 +1,131 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "softfinger/device/device.hpp"
+#include "softfinger/wearer/press_plan.hpp"
+#include "softfinger/wearer/press_reading.hpp"
+
+namespace softfinger {
+
+/// What is known after one device tick.
+struct PressTick {
+  double time = 0.0;     ///< s
+  Configuration stands;  ///< where the device is
+  bool fresh = true;     ///< the sensor's newest reading counts
+  double force = 0.0;    ///< N: mean of what came since the last tick, or the newest
+  int readings = 1;      ///< how many that were
+};
+
+struct PressLimits {
+  double guard = 0.8;              ///< N measured, at which a press ends
+  double most = 1.0;               ///< N measured, at which the procedure ends
+  double touch = 0.05;             ///< N, at which a press begins
+  double approach = 3e-3;          ///< m/s
+  double press = 1e-3;             ///< m/s
+  double without_growth = 1.5e-3;  ///< m past touch without growth of force
+  double duration = 20.0;          ///< s, of all
+};
+
+/// Presses by itself: from tilt to tilt, nears the skin, presses on it until the force guard,
+/// leaves. No input or output: it is told what is known after each device tick and says where the
+/// device is to go for the next. Whoever leads the device retracts it when it is done and when it
+/// fails.
+class PressProcedure {
+ public:
+  /// `tick`: of the device, s.
+  PressProcedure(const Device& device, std::vector<PlannedPress> plan, double tick,
+                 PressLimits limits = {});
+
+  /// Where the device is to go.
+  [[nodiscard]] const Configuration& wanted() const { return wanted_; }
+  /// One tick has passed with that.
+  void advance(const PressTick& tick);
+
+  [[nodiscard]] bool done() const { return stage_ == Stage::kDone; }
+  /// Why it ended, in one line; empty while it has not failed.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
+  /// 0 to 1.
+  [[nodiscard]] double progress() const;
+
+  /// Readings of the presses that are done, zero taken off.
+  [[nodiscard]] const std::vector<PressRecord>& presses() const { return records_; }
+  /// Standard deviation of the sensor off the skin, of one tick, N.
+  [[nodiscard]] double noise() const { return noise_; }
+  /// What it says off the skin, N.
+  [[nodiscard]] double zero() const { return zero_; }
+  /// Greatest force, N.
+  [[nodiscard]] double greatest_force() const { return greatest_; }
+  [[nodiscard]] double duration() const { return now_ - began_; }
+
+ private:
+  enum class Stage : std::uint8_t { kZero, kMove, kApproach, kPress, kLeave, kSettle, kDone };
+  /// A reading and how far the device was advanced.
+  struct Seen {
+    double advance, force;
+  };
+
+  void fail(std::string why);
+  [[nodiscard]] bool watch(const PressTick& tick);
+  void zero(const PressTick& tick);
+  void move();
+  void approach(const PressTick& tick);
+  void press(const PressTick& tick);
+  void leave();
+  void settle();
+  void begin_press();
+  void end_press();
+  void next_press();
+  /// Moves `wanted_` towards q with this speed of the surface, m/s; true where it is there.
+  bool go(const Configuration& q, double speed);
+  [[nodiscard]] Configuration at(double advance) const;
+  [[nodiscard]] double advance_of(const Configuration& q) const;
+  [[nodiscard]] const PlannedPress& planned() const { return plan_[index_]; }
+  /// Mean of the last `count` readings, N.
+  [[nodiscard]] double recent(std::size_t count) const;
+  [[nodiscard]] double expected_touch() const { return planned().touch + offset_; }
+  /// Of the last readings by advance: force there, N, and slope, N/m.
+  struct Trend {
+    double force = 0.0, slope = 0.0;
+  };
+  [[nodiscard]] Trend trend() const;
+
+  const Device& device_;
+  std::vector<PlannedPress> plan_;
+  double tick_;
+  PressLimits limits_;
+  Configuration wanted_;
+  Stage stage_ = Stage::kZero;
+  std::string failure_;
+
+  double began_ = std::numeric_limits<double>::quiet_NaN();
+  double now_ = 0.0;
+  double stage_began_ = 0.0;
+  double zero_ = 0.0, noise_ = 0.0, greatest_ = 0.0;
+  double last_fresh_ = 0.0;
+  std::vector<double> zeros_;
+  int zero_readings_ = 0;
+  bool varies_ = false;  ///< not all readings so far are the same
+  double first_raw_ = std::numeric_limits<double>::quiet_NaN();
+
+  std::size_t index_ = 0;
+  std::size_t tried_ = 0;  ///< the press under way, in vain
+  double advance_ = 0.0;   ///< wanted, of the press under way, m
+  double start_ = 0.0;     ///< of it, off the skin
+  double touched_ = 0.0;   ///< where its skin was touched
+  double best_ = 0.0;      ///< greatest mean force of it so far, N
+  double best_at_ = 0.0;   ///< where that was
+  double offset_ = 0.0;    ///< of touches from those of the model, mean, m
+  int offsets_ = 0;
+  int pressing_ticks_ = 0;
+  double clear_;           ///< how far off the skin a press begins, m
+  std::deque<Seen> seen_;  ///< of the press under way, newest last
+  PressRecord record_;
+  std::vector<PressRecord> records_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "softfinger/device/configuration.hpp"
+
+namespace softfinger {
+
+/// One reading of a force sensor while a device is pressed on.
+struct PressReading {
+  Configuration q;     ///< where the device stood
+  double force = 0.0;  ///< N
+  double count = 1.0;  ///< how many readings it is the mean of
+};
+
+/// The readings of one press as the device advances: from one tilt, along one line of q.
+struct PressRecord {
+  Configuration start;  ///< off the skin
+  std::vector<PressReading> readings;
+};
+
+}  // namespace softfinger

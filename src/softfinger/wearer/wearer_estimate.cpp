@@ -1,0 +1,262 @@
+#include "softfinger/wearer/wearer_estimate.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+
+namespace softfinger {
+namespace {
+
+constexpr double kTouch = 0.1;  // N, of the first stage
+constexpr double kTouchNoise = 0.1 * mm;
+constexpr double kFurthest = 6.0 * mm;  // from the start of a press, where 0.1 N must be
+constexpr int kMostParts = 7;           // into which readings of a press are put together
+constexpr double kModelError = 0.03;    // of a force, that no traits explain
+constexpr double kForceFloor = 0.01;    // N, of the same
+constexpr int kTouchSteps = 8;
+constexpr int kForceSteps = 10;
+constexpr double kLeastGain = 1e-3;   // of the cost, that a step is worth
+constexpr double kLongestStep = 1.5;  // standard deviations, of any trait
+
+/// How far q is advanced from the press's start, m.
+double advance_of(const Device& device, const PressRecord& press, const Configuration& q) {
+  Configuration ahead = Configuration::Zero(q.size());
+  device.advance(1.0, ahead);
+  return (q - press.start).dot(ahead) / ahead.squaredNorm();
+}
+
+/// Neighbouring readings put together.
+PressRecord in_parts(const PressRecord& press) {
+  PressRecord parts{.start = press.start, .readings = {}};
+  const std::size_t count = press.readings.size();
+  const std::size_t most = std::min<std::size_t>(count, kMostParts);
+  for (std::size_t part = 0; part < most; ++part) {
+    PressReading mean{.q = Configuration::Zero(press.start.size()), .force = 0.0, .count = 0.0};
+    for (std::size_t i = part * count / most; i < (part + 1) * count / most; ++i) {
+      const PressReading& reading = press.readings[i];
+      mean.q += reading.count * reading.q;
+      mean.force += reading.count * reading.force;
+      mean.count += reading.count;
+    }
+    mean.q /= mean.count;
+    mean.force /= mean.count;
+    parts.readings.push_back(mean);
+  }
+  return parts;
+}
+
+/// Where the force first passes kTouch for good, m from the start.
+std::optional<double> touch_of(const Device& device, const PressRecord& press) {
+  const auto& readings = press.readings;
+  for (std::size_t i = readings.size(); i-- > 1;) {
+    const PressReading& before = readings[i - 1];
+    const PressReading& after = readings[i];
+    if (before.force > kTouch || after.force <= kTouch) continue;
+    const double part = (kTouch - before.force) / (after.force - before.force);
+    const double from = advance_of(device, press, before.q);
+    return from + part * (advance_of(device, press, after.q) - from);
+  }
+  if (!readings.empty() && readings.front().force > kTouch) {
+    return advance_of(device, press, readings.front().q);
+  }
+  return std::nullopt;
+}
+
+/// Residuals over their standard deviations, and their derivatives by the traits.
+struct Residuals {
+  Eigen::VectorXd r;
+  Eigen::Matrix<double, Eigen::Dynamic, kWearerTraits> by_trait;
+
+  [[nodiscard]] double cost(const TraitVector& from_known) const {
+    return r.squaredNorm() + from_known.squaredNorm();
+  }
+};
+
+class Estimation {
+ public:
+  Estimation(PressModel& model, std::span<const PressRecord> presses,
+             const WearerEstimateOptions& options)
+      : model_(model), options_(options) {
+    for (const PressRecord& press : presses) presses_.push_back(in_parts(press));
+    for (const PressRecord& press : presses_) touches_.push_back(touch_of(model.device(), press));
+    if (std::ranges::none_of(touches_, [](const auto& touch) { return touch.has_value(); })) {
+      throw OperationError("no press reached 0.1 N");
+    }
+    free_.setOnes();
+    if (options.mount_only) {
+      for (const WearerTrait trait : {WearerTrait::kLength, WearerTrait::kBreadth,
+                                      WearerTrait::kDepth, WearerTrait::kModulus}) {
+        free_[static_cast<Eigen::Index>(trait)] = 0.0;
+      }
+    }
+  }
+
+  WearerEstimate run() {
+    TraitVector x = options_.known;
+    x = minimise(x, kTouchSteps, [this] { return touch_residuals(); });
+    x = minimise(x, kForceSteps, [this] { return force_residuals(); });
+    return judge(x);
+  }
+
+ private:
+  template <typename Evaluate>
+  TraitVector minimise(TraitVector x, int steps, const Evaluate& evaluate) {
+    model_.put(x);
+    Residuals now = look(evaluate);
+    double cost = now.cost(x - options_.known);
+    double damping = 1e-2;
+    for (int step = 0; step < steps; ++step) {
+      const TraitMatrix normal = normal_of(now);
+      const TraitVector gradient =
+          (now.by_trait.transpose() * now.r + (x - options_.known)).cwiseProduct(free_);
+      TraitMatrix damped = normal;
+      damped.diagonal() *= 1.0 + damping;
+      TraitVector change = -damped.ldlt().solve(gradient).cwiseProduct(free_);
+      const double longest = change.cwiseAbs().maxCoeff();
+      if (longest > kLongestStep) change *= kLongestStep / longest;
+      const TraitVector trial = x + change;
+      model_.put(trial);
+      Residuals there = look(evaluate);
+      const double trial_cost = there.cost(trial - options_.known);
+      if (trial_cost < cost) {
+        const bool done = cost - trial_cost < kLeastGain * cost;
+        x = trial;
+        now = std::move(there);
+        cost = trial_cost;
+        damping = std::max(0.1 * damping, 1e-6);
+        if (done) break;
+      } else {
+        damping *= 10.0;
+        if (damping > 1e4) break;
+      }
+    }
+    last_ = std::move(now);
+    return x;
+  }
+
+  template <typename Evaluate>
+  Residuals look(const Evaluate& evaluate) {
+    ++evaluations_;
+    const double fraction = static_cast<double>(evaluations_) / (kTouchSteps + kForceSteps);
+    if (options_.progress && !options_.progress(std::min(fraction, 1.0))) {
+      throw OperationError("ended before the wearer was estimated");
+    }
+    return evaluate();
+  }
+
+  [[nodiscard]] TraitMatrix normal_of(const Residuals& at) const {
+    TraitMatrix normal = at.by_trait.transpose() * at.by_trait + TraitMatrix::Identity();
+    for (int i = 0; i < kWearerTraits; ++i) {
+      if (free_[i] > 0.0) continue;
+      normal.row(i).setZero();
+      normal.col(i).setZero();
+      normal(i, i) = 1.0;
+    }
+    return normal;
+  }
+
+  Residuals touch_residuals() {
+    const auto count = static_cast<Eigen::Index>(presses_.size());
+    Residuals all{Eigen::VectorXd::Zero(count), {}};
+    all.by_trait.setZero(count, kWearerTraits);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto& touch = touches_[static_cast<std::size_t>(k)];
+      if (!touch) continue;
+      double advance = 0.0;
+      PredictedForce there;
+      if (!model_.advance_for(presses_[static_cast<std::size_t>(k)].start, kTouch, kFurthest,
+                              advance, there)) {
+        all.r[k] = (kFurthest - *touch) / kTouchNoise;
+        continue;
+      }
+      all.r[k] = (advance - *touch) / kTouchNoise;
+      all.by_trait.row(k) =
+          -there.by_trait.transpose() / (std::max(there.by_advance, 1.0) * kTouchNoise);
+    }
+    return all;
+  }
+
+  [[nodiscard]] double deviation_of(const PressReading& reading) const {
+    const double model = kForceFloor + kModelError * std::max(reading.force, 0.0);
+    return std::sqrt(options_.noise * options_.noise / reading.count + model * model);
+  }
+
+  Residuals force_residuals() {
+    Eigen::Index count = 0;
+    for (const PressRecord& press : presses_) {
+      count += static_cast<Eigen::Index>(press.readings.size());
+    }
+    Residuals all{Eigen::VectorXd::Zero(count), {}};
+    all.by_trait.setZero(count, kWearerTraits);
+    Eigen::Index row = 0;
+    for (const PressRecord& press : presses_) {
+      std::vector<Configuration> path;
+      for (const PressReading& reading : press.readings) path.push_back(reading.q);
+      const std::vector<PredictedForce> felt = model_.press(press.start, path, true);
+      for (std::size_t i = 0; i < felt.size(); ++i, ++row) {
+        const double deviation = deviation_of(press.readings[i]);
+        all.r[row] = (felt[i].force - press.readings[i].force) / deviation;
+        all.by_trait.row(row) = felt[i].by_trait.transpose() / deviation;
+      }
+    }
+    return all;
+  }
+
+  WearerEstimate judge(const TraitVector& x) {
+    model_.put(x);
+    const TraitMatrix normal = normal_of(last_);
+    const double rows = static_cast<double>(last_.r.size());
+    const double misfit = std::max(1.0, last_.r.squaredNorm() / std::max(rows, 1.0));
+    WearerEstimate found;
+    found.x = x;
+    found.deviation = (misfit * normal.inverse().diagonal()).cwiseSqrt().cwiseProduct(free_);
+    found.evaluations = evaluations_;
+    Eigen::Index row = 0;
+    double square = 0.0;
+    double errors = 0.0;
+    for (const PressRecord& press : presses_) {
+      const auto count = static_cast<Eigen::Index>(press.readings.size());
+      const auto r = last_.r.segment(row, count);
+      const Eigen::MatrixXd by_trait = last_.by_trait.middleRows(row, count) * free_.asDiagonal();
+      // Where the minimum of the others is, to first order, and what that says of this press.
+      const TraitMatrix others = normal - by_trait.transpose() * by_trait;
+      const TraitVector change = others.ldlt().solve(by_trait.transpose() * r);
+      const Eigen::VectorXd foretold = r + by_trait * change;
+      double lack = 0.0;
+      double force = 0.0;
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const PressReading& reading = press.readings[static_cast<std::size_t>(i)];
+        const double deviation = deviation_of(reading);
+        lack += deviation * foretold[i];
+        force += std::max(reading.force, 0.0);
+        square += deviation * deviation * r[i] * r[i];
+      }
+      errors += std::abs(lack) / std::max(force, 1e-3);
+      row += count;
+    }
+    found.predicted_force_error = errors / static_cast<double>(presses_.size());
+    found.force_deviation = std::sqrt(square / std::max(rows, 1.0));
+    return found;
+  }
+
+  PressModel& model_;
+  const WearerEstimateOptions& options_;
+  std::vector<PressRecord> presses_;
+  std::vector<std::optional<double>> touches_;
+  TraitVector free_;
+  Residuals last_;
+  int evaluations_ = 0;
+};
+
+}  // namespace
+
+WearerEstimate estimate_wearer(PressModel& model, std::span<const PressRecord> presses,
+                               const WearerEstimateOptions& options) {
+  return Estimation(model, presses, options).run();
+}
+
+}  // namespace softfinger

@@ -1,0 +1,221 @@
+// A device that learns its wearer: from the first press to the person's file, and to what is felt.
+
+#include "softfinger/session/device_fit.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "../support/scenes_without_force_limit.hpp"
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/files/text_file.hpp"
+#include "softfinger/session/evaluation.hpp"
+
+namespace softfinger {
+namespace {
+
+using testing::HasSubstr;
+
+const std::filesystem::path kFitProject = SOFTFINGER_SOURCE_DIR;
+
+class FittedDevice : public testing::Test {
+ protected:
+  [[nodiscard]] DeviceFitOptions options() const {
+    DeviceFitOptions options;
+    options.device = kFitProject / "devices" / "thimble-3rrs.toml";
+    options.finger = kFitProject / "fingers" / "index.toml";
+    options.wearer = kFitProject / "fingers" / "middle.toml";
+    options.person = directory_ / "anna.toml";
+    options.sensor = ForceSensorKind::kEmulator;
+    options.sensor_noise = 0.02;
+    options.guard_program = SOFTFINGER_GUARD;
+    return options;
+  }
+  [[nodiscard]] bool is_written() const {
+    return std::filesystem::exists(directory_ / "anna.toml");
+  }
+  void expect_refused(const DeviceFitOptions& options, const char* word) {
+    const DeviceFit fit = fit_device(options, stop_);
+    EXPECT_THAT(fit.failure, HasSubstr(word));
+    EXPECT_TRUE(fit.written.empty());
+    EXPECT_FALSE(is_written());
+    EXPECT_LT(fit.greatest_force, 4.7);
+  }
+
+  const TemporaryDirectory directory_;
+  std::atomic<bool> stop_{false};
+};
+
+/// Mean error of the normal force on a plane.
+double force_error(const DeviceFitOptions& fitted, bool with_person) {
+  EvaluationOptions options;
+  options.run.scene = kFitProject / "scenes" / "plane.toml";
+  options.run.devices = {fitted.device.string()};
+  options.run.wearer = fitted.wearer;
+  if (with_person) options.run.person = fitted.person;
+  options.run.duration = 3.0;
+  return evaluate(options, std::atomic<bool>{false}).commanded.mean().normal_force_error;
+}
+
+TEST_F(FittedDevice, PressesRightAfterwards) {
+  const DeviceFit fit = fit_device(options(), stop_);
+  ASSERT_EQ(fit.failure, "");
+  EXPECT_EQ(fit.presses, 9);
+  EXPECT_LE(fit.duration, 20.0);
+  EXPECT_LE(fit.greatest_force, 1.0);
+  EXPECT_GT(fit.greatest_force, 0.5);
+  EXPECT_LT(fit.estimate.predicted_force_error, kMostForetoldError);
+  EXPECT_EQ(fit.written, options().person);
+  ASSERT_EQ(fit.traits.size(), static_cast<std::size_t>(kWearerTraits));
+  for (const DeviceFit::Told& told : fit.traits) {
+    EXPECT_LT(told.ci95_low, told.value);
+    EXPECT_LT(told.value, told.ci95_high);
+  }
+  const double before = force_error(options(), false);
+  const double after = force_error(options(), true);
+  EXPECT_GT(before, 0.4);
+  EXPECT_LT(after, 0.12);
+}
+
+TEST_F(FittedDevice, ComesOutTheSameEachTime) {
+  const DeviceFit first = fit_device(options(), stop_);
+  const std::string text = read_text_file(options().person, 10000);
+  const DeviceFit second = fit_device(options(), stop_);
+  EXPECT_EQ(first.estimate.x, second.estimate.x);
+  EXPECT_EQ(read_text_file(options().person, 10000), text);
+}
+
+TEST_F(FittedDevice, OtherFingersStay) {
+  std::ofstream(options().person) << "# Anna\n[ring.size]\ndepth_mm = 12.5  # by calliper\n";
+  ASSERT_EQ(fit_device(options(), stop_).failure, "");
+  EXPECT_THAT(read_text_file(options().person, 10000),
+              HasSubstr("# Anna\n[ring.size]\ndepth_mm = 12.5  # by calliper\n"));
+  EXPECT_TRUE(load_person(options().person).find("index")->mount);
+}
+
+TEST_F(FittedDevice, PutOnAgainTheMountAloneIsLookedFor) {
+  DeviceFitOptions again = options();
+  again.again = true;
+  EXPECT_THROW((void)fit_device(again, stop_), InputError) << "nothing is known yet";
+  ASSERT_EQ(fit_device(options(), stop_).failure, "");
+  const PersonFinger before = *load_person(again.person).find("index");
+  const DeviceFit fit = fit_device(again, stop_);
+  ASSERT_EQ(fit.failure, "");
+  EXPECT_EQ(fit.presses, 5);
+  EXPECT_LE(fit.duration, 10.0);
+  const PersonFinger after = *load_person(again.person).find("index");
+  EXPECT_NEAR(*after.size.depth, *before.size.depth, 1e-8);
+  EXPECT_NEAR(*after.modulus_factor, *before.modulus_factor, 1e-5);
+  EXPECT_NEAR(after.mount->translation.z(), before.mount->translation.z(), 0.2 * mm);
+}
+
+TEST_F(FittedDevice, ASensorScaledToNothingIsDead) {
+  std::string text = read_text_file(options().device, 100000);
+  DeviceFitOptions dead = options();
+  dead.device = directory_ / "device.toml";
+  dead.sensor.reset();
+  dead.sensor_noise.reset();
+  std::ofstream(dead.device) << text << "\n[force_sensor]\nkind = \"emulator\"\nscale_N = 0.0\n";
+  expect_refused(dead, "dead");
+  std::ofstream(dead.device) << text << "\n[force_sensor]\nkind = \"emulator\"\nscale_N = -1.0\n";
+  expect_refused(dead, "reversed");
+  std::ofstream(dead.device) << text << "\n[force_sensor]\nkind = \"udp\"\nrate_Hz = 10.0\n";
+  dead.real_time = true;
+  expect_refused(dead, "too slow");
+}
+
+TEST_F(FittedDevice, AFaultOnTheWayIsNamedAndNothingIsWritten) {
+  DeviceFitOptions faulty = options();
+  faulty.fault_at = 2.5;
+  for (const auto& [fault, word] :
+       {std::pair{ForceSensorFault::kStuck, "stuck"},
+        std::pair{ForceSensorFault::kSilent, "said nothing"},
+        std::pair{ForceSensorFault::kReversed, ""}, std::pair{ForceSensorFault::kDead, ""}}) {
+    faulty.fault = fault;
+    const DeviceFit fit = fit_device(faulty, stop_);
+    EXPECT_NE(fit.failure, "");
+    expect_refused(faulty, word);
+  }
+  faulty.fault = ForceSensorFault::kNoisy;
+  faulty.fault_at = 0.0;
+  expect_refused(faulty, "too noisy");
+}
+
+TEST_F(FittedDevice, WithoutASensorItIsRefusedByName) {
+  DeviceFitOptions without = options();
+  without.sensor.reset();
+  try {
+    (void)fit_device(without, stop_);
+    FAIL() << "fitted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("force_sensor"));
+  }
+}
+
+TEST_F(FittedDevice, WhatDoesNotTiltTellsTooLittle) {
+  DeviceFitOptions one = options();
+  one.device = kFitProject / "devices" / "disk-linear.toml";
+  const DeviceFit fit = fit_device(one, stop_);
+  EXPECT_EQ(fit.presses, 1);
+  EXPECT_NE(fit.failure, "");
+  EXPECT_FALSE(is_written());
+}
+
+TEST_F(FittedDevice, LimitsThatForbidTheTiltsPressNobody) {
+  std::string text = read_text_file(options().device, 100000);
+  const std::string limit = "max_tilt_deg = 30.0";
+  text.replace(text.find(limit), limit.size(), "max_tilt_deg = 10.0");
+  DeviceFitOptions narrow = options();
+  narrow.device = directory_ / "device.toml";
+  std::ofstream(narrow.device) << text;
+  try {
+    (void)fit_device(narrow, stop_);
+    FAIL() << "fitted";
+  } catch (const OperationError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("15 degrees"));
+  }
+  EXPECT_FALSE(is_written());
+}
+
+/// By the clock, through bus emulator, guard process and a wire, and given up on the way.
+class FittedInRealTime : public FittedDevice {
+ protected:
+  DeviceFit fit_until(double seconds, DeviceFitOptions options,
+                      const std::function<void()>& interrupt) {
+    std::thread later([&] {
+      std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+      interrupt();
+    });
+    options.real_time = true;
+    DeviceFit fit = fit_device(options, stop_);
+    later.join();
+    return fit;
+  }
+};
+
+TEST_F(FittedInRealTime, CtrlCRetractsAndWritesNothing) {
+  DeviceFitOptions options = this->options();
+  options.sensor = ForceSensorKind::kSerial;
+  const DeviceFit fit = fit_until(2.5, options, [this] { stop_ = true; });
+  EXPECT_THAT(fit.failure, HasSubstr("ended before"));
+  EXPECT_LT(fit.duration, 4.0);
+  EXPECT_FALSE(is_written());
+}
+
+TEST_F(FittedInRealTime, AStopEndsIt) {
+  DeviceFitOptions options = this->options();
+  options.device = kFitProject / "devices" / "thimble-3rrs-feetech.toml";
+  options.sensor = ForceSensorKind::kOsc;
+  StopSignals signals;
+  options.stop_signals = &signals;
+  const DeviceFit fit = fit_until(2.5, options, [&] { signals.stops.fetch_add(1); });
+  EXPECT_THAT(fit.failure, HasSubstr("stop"));
+  EXPECT_FALSE(is_written());
+}
+
+}  // namespace
+}  // namespace softfinger

@@ -1,0 +1,87 @@
+// Forces that presses are foretold to be felt with, and their derivatives.
+
+#include "softfinger/wearer/press_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "softfinger/wearer/press_plan.hpp"
+
+namespace softfinger {
+namespace {
+
+const std::filesystem::path kWearerProject = SOFTFINGER_SOURCE_DIR;
+
+class PressModelTest : public testing::Test {
+ protected:
+  std::shared_ptr<const FingerModel> finger_ =
+      FingerModel::load(kWearerProject / "fingers" / "index.toml");
+  std::filesystem::path file_ = kWearerProject / "devices" / "thimble-3rrs.toml";
+  std::shared_ptr<const Device> device_ = load_device(file_);
+  std::vector<PlannedPress> plan_ = plan_presses(*device_, *finger_, 1.5 * mm);
+
+  /// 0.2 to 0.8 mm into the skin.
+  [[nodiscard]] std::vector<Configuration> path_of(const PlannedPress& press) const {
+    std::vector<Configuration> path;
+    for (const double depth : {0.4, 0.7, 1.0}) {
+      Configuration q = press.tilted;
+      device_->advance(press.touch + depth * mm, q);
+      path.push_back(q);
+    }
+    return path;
+  }
+};
+
+TEST_F(PressModelTest, DerivativesAreThoseOfForces) {
+  auto smooth = std::make_shared<FingerModel>(*finger_);
+  smooth->feature_contact = false;  // planes that are chosen anew have no derivative
+  PressModel model(smooth, device_, file_, 0.0);
+  TraitVector x;
+  x << 0.3, -0.4, 0.2, 0.5, -0.3, 0.1, 0.6, -0.5, 0.4;
+  for (const std::size_t k : {std::size_t{0}, std::size_t{2}, std::size_t{5}}) {
+    const PlannedPress& press = plan_[k];
+    const std::vector<Configuration> path = path_of(press);
+    model.put(x);
+    const auto here = model.press(press.tilted, path, true);
+    ASSERT_GT(here.back().force, 0.1) << "it presses";
+    for (int i = 0; i < kWearerTraits; ++i) {
+      constexpr double kStep = 1e-3;
+      TraitVector other = x;
+      other[i] = x[i] + kStep;
+      model.put(other);
+      const auto more = model.press(press.tilted, path, false);
+      other[i] = x[i] - kStep;
+      model.put(other);
+      const auto less = model.press(press.tilted, path, false);
+      for (std::size_t n = 0; n < path.size(); ++n) {
+        const double expected = (more[n].force - less[n].force) / (2.0 * kStep);
+        const double largest = here[n].by_trait.cwiseAbs().maxCoeff();
+        EXPECT_NEAR(here[n].by_trait[i], expected, 3e-4 * largest)
+            << kWearerTraitRows[static_cast<std::size_t>(i)].name << " of press " << k
+            << ", reading " << n << ", largest " << largest << ", force " << here[n].force;
+      }
+    }
+  }
+}
+
+TEST_F(PressModelTest, FindsTheAdvanceForAForce) {
+  PressModel model(finger_, device_, file_, 0.0);
+  for (const PlannedPress& press : plan_) {
+    double advance = 0.0;
+    PredictedForce there;
+    ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, advance, there));
+    EXPECT_NEAR(there.force, 0.1, 1e-3);
+    EXPECT_GT(advance, press.touch);
+    Configuration q = press.tilted;
+    device_->advance(advance, q);
+    // Where the skin meets the disk's rim the way there counts a little.
+    EXPECT_NEAR(model.press(press.tilted, {{q}}, false).front().force, 0.1, 1e-2);
+    EXPECT_GT(there.by_advance, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace softfinger
