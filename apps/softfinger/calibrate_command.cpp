@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate_sensor.hpp"
 #include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -29,7 +30,7 @@ namespace {
 
 struct CalibrateFlags {
   std::string device, out, port;
-  std::vector<double> at, moved;
+  std::vector<double> at, moved, sensor_g;
 };
 
 /// A number that a person types; asks again until it is one.
@@ -109,6 +110,10 @@ void calibrate(const CalibrateFlags& flags) {
   if (std::filesystem::exists(flags.out)) {
     throw InputError(fmt::format("{} exists; name a new file", flags.out));
   }
+  if (!flags.sensor_g.empty()) {
+    calibrate_sensor(flags.device, flags.sensor_g, flags.out);
+    return;
+  }
   const auto device = load_device(flags.device);
   const std::atomic<bool>& stop = stop_on_signals();
   ServoCalibration calibration(device, flags.port, stop);
@@ -181,6 +186,10 @@ void add_calibrate_action(CLI::App& device_command) {
   action
       ->add_option("--moved", flags->moved,
                    "How far each joint moved, a,b,c in degrees or mm, instead of asking")
+      ->delimiter(',');
+  action
+      ->add_option("--sensor-g", flags->sensor_g,
+                   "Instead of the servos the force sensor, under these weights, 0,50,100 in g")
       ->delimiter(',');
   action->callback([flags] { calibrate(*flags); });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -12,10 +13,12 @@
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/finger/finger_size.hpp"
 #include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/session/kept_ceiling.hpp"
 #include "softfinger/session/worn_device.hpp"
 
 namespace softfinger {
@@ -31,19 +34,20 @@ constexpr double kPressing = 0.05;     // N, that is called touching
 class Fitting {
  public:
   Fitting(const DeviceFitOptions& options, const WornDevice& worn,
-          std::shared_ptr<const FingerModel> wearer, const ForceSensorSettings& sensor)
+          std::shared_ptr<const FingerModel> wearer, const ForceSensorSettings& sensor,
+          std::uint32_t stops_seen)
       : options_(options),
         worn_(worn),
-        friction_(wearer->friction_coefficient),
+        stops_seen_(stops_seen),
+        friction_(options.wear.friction_coefficient.value_or(wearer->friction_coefficient)),
         rate_(device_rate(*worn.device)),
         live_(is_live(sensor)),
-        sensor_(std::move(wearer), worn.device,
+        sensor_(std::move(wearer), remounted(options.device, *worn.device, options.wear.mount),
                 {.seed = options.seed, .live = live_, .settings = sensor}),
         actuator_(worn.device, actuator_options()),
-        stands_(worn.device->home()) {
-    if (options.stop_signals != nullptr) {
-      stops_seen_ = options.stop_signals->stops.load();
-    }
+        stands_(worn.device->home()),
+        really_(stands_),
+        late_(static_cast<std::size_t>(options.wear.late), 0.0) {
   }
 
   /// Presses until that is done or fails; the device is retracted then.
@@ -62,16 +66,19 @@ class Fitting {
         std::this_thread::sleep_until(began + std::chrono::duration<double>(time + period));
       }
       look(command);
-      const ForceReading& reading = sensor_.measure(stands_, friction_, period);
+      const ForceReading& reading = sensor_.measure(really_, friction_, period);
       const bool fresh = reading.configuration.size() > 0;
-      touching_ = fresh && reading.normal_force > kPressing;
+      late_.push_back(options_.wear.gain * reading.normal_force);
+      const double force = late_.front();
+      late_.pop_front();
+      touching_ = fresh && force > kPressing;
       if (!std::isnan(sensor_.true_force())) {
         greatest_true_ = std::max(greatest_true_, sensor_.true_force());
       }
       procedure.advance({.time = time + period,
                          .stands = stands_,
                          .fresh = fresh,
-                         .force = reading.normal_force,
+                         .force = force,
                          .readings = sensor_.new_readings()});
       if (observer.progress) observer.progress(procedure.progress(), 1.0);
     }
@@ -125,19 +132,30 @@ class Fitting {
     } else if (Configuration q; worn_.device->forward_kinematics(joints, q)) {
       stands_ = q;
     }
+    really_ = stands_;
+    // Play is taken up by whoever is behind.
+    Configuration ahead = Configuration::Zero(stands_.size());
+    worn_.device->advance(1.0, ahead);
+    const double advance = stands_.dot(ahead) / ahead.squaredNorm();
+    const double half = 0.5 * options_.wear.backlash;
+    followed_ = std::clamp(followed_, advance - half, advance + half);
+    worn_.device->advance(followed_ - advance, really_);
   }
 
   const DeviceFitOptions& options_;
   const WornDevice& worn_;
+  std::uint32_t stops_seen_;
   double friction_;
   double rate_;
   bool live_;
   MeasuredForce sensor_;
   Actuator actuator_;
   Configuration stands_;
+  Configuration really_;     ///< an emulated one, with its play
+  double followed_ = 0.0;    ///< advance of that, m
+  std::deque<double> late_;  ///< forces on their way, N
   bool touching_ = false;
   double greatest_true_ = 0.0;
-  std::uint32_t stops_seen_ = 0;
   std::string interruption_;
 };
 
@@ -156,6 +174,18 @@ ForceSensorSettings sensor_of(const DeviceFitOptions& options, const Device& dev
       .fail("force_sensor",
             "missing; a device learns its wearer by the force that it measures, "
             "give it a [force_sensor], or try one by --sensor");
+}
+
+/// The limit of force of skin that is further off by as much as the presses look for it. That of
+/// the model's skin would keep the device off a finger that is smaller; what is measured is the
+/// limit.
+std::shared_ptr<const TravelCeiling> further_ceiling(const FingerModel& finger,
+                                                     const fs::path& file, const Device& device) {
+  const double max_force = device.settings().max_force;
+  if (!(max_force > 0.0)) return nullptr;
+  const Vector3 away = -PressProcedure::kFurthestPast * device.settings().X_FB.rotation.col(2);
+  return std::make_shared<TravelCeiling>(
+      kept_force_ceiling(finger, remounted(file, device, {Matrix3::Identity(), away}), max_force));
 }
 
 /// What is known before: of a device that is put on again what was found; else sizes that were
@@ -206,6 +236,9 @@ void put(const WearerEstimate& estimate, const FingerModel& finger, PersonFinger
 
 DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& stop,
                      const RunObserver& observer) {
+  // One that comes while files are read counts.
+  const std::uint32_t stops =
+      options.stop_signals != nullptr ? options.stop_signals->stops.load() : 0;
   const auto finger = FingerModel::load(options.finger);
   const auto wearer = options.wearer ? FingerModel::load(*options.wearer) : finger;
   // Before anybody is pressed.
@@ -215,7 +248,8 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
     throw InputError(fmt::format("{}: finger {} was never fitted; leave --again out",
                                  options.person.string(), options.name));
   }
-  const WornDevice worn = worn_on(*finger, options.device);
+  WornDevice worn = worn_on(*finger, options.device);
+  worn.ceiling = further_ceiling(*finger, options.device, *worn.device);
   const ForceSensorSettings sensor = sensor_of(options, *worn.device);
   std::vector<PlannedPress> plan;
   try {
@@ -231,7 +265,7 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   const TraitVector known = known_traits(before, *finger, options.again);
   std::optional<PressProcedure> procedure;
   {
-    Fitting fitting(options, worn, wearer, sensor);
+    Fitting fitting(options, worn, wearer, sensor, stops);
     procedure.emplace(*worn.device, plan, 1.0 / fitting.rate());
     fitting.run(*procedure, stop, observer);
     fit.failure = fitting.interruption().empty() ? procedure->failure() : fitting.interruption();
@@ -243,7 +277,7 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   fit.noise = procedure->noise();
   if (!fit.failure.empty()) return fit;
 
-  PressModel model(finger, worn.device, options.device, 0.0);
+  PressModel model(finger, worn.device, options.device, finger->friction_coefficient);
   try {
     fit.estimate = estimate_wearer(model, procedure->presses(),
                                    {.noise = procedure->noise(),

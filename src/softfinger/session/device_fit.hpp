@@ -17,6 +17,16 @@
 
 namespace softfinger {
 
+/// What an emulated device and its wearer are like, beyond their files.
+struct EmulatedWear {
+  Pose
+      mount;  ///< how it sits on the wearer otherwise than its file says, DeviceSettings::mount_fit
+  std::optional<double> friction_coefficient;  ///< instead of the wearer's
+  double gain = 1.0;                           ///< of the sensor
+  double backlash = 0.0;                       ///< of the advance, from end to end, m
+  int late = 0;                                ///< ticks, of the sensor, beyond the one it takes
+};
+
 /// Which device learns which wearer.
 struct DeviceFitOptions {
   std::filesystem::path device, finger;
@@ -28,6 +38,7 @@ struct DeviceFitOptions {
   std::optional<ForceSensorKind> sensor;
   std::optional<double> sensor_noise;  ///< of an emulated sensor instead of the device file's, N
   std::uint64_t seed = 1;              ///< of that noise
+  EmulatedWear wear;
   bool again = false;  ///< the person's finger is known, the device was put on again: mount alone
   /// Everything by the clock on the wall, through port, guard process and wires, although all is
   /// emulated.

@@ -10,6 +10,7 @@
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/stop_check.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
@@ -124,6 +125,12 @@ std::shared_ptr<const FingerModel> model_of(const fs::path& file, const PersonFi
   return FingerModel::load(file, known->size, known->modulus_factor.value_or(1.0));
 }
 
+/// The device as it really sits: as its file says it does on a finger of the finger file's size.
+std::shared_ptr<const Device> on_wearer(const SetupOptions& options, const SceneFinger& finger) {
+  const auto device = mounted_on(*FingerModel::load(finger.model), *finger.device);
+  return options.wearer_mount ? remounted(*finger.device, *device, *options.wearer_mount) : device;
+}
+
 fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
 
 }  // namespace
@@ -153,14 +160,16 @@ std::shared_ptr<const RunSetup> load_setup(const SetupOptions& options) {
     setup->registrations.push_back(known != nullptr && follows_body(finger) ? known->X_BodyFt
                                                                             : std::nullopt);
     WornDevice worn;
-    setup->worn.emplace_back();
-    if (finger.device && known != nullptr && known->mount) {
+    const bool fitted = known != nullptr && known->mount;
+    if (finger.device && fitted) {
       const auto nominal = FingerModel::load(finger.model);
       worn = fitted_on(*setup->models.back(), *nominal, *finger.device, *known->mount, stop);
-      if (options.wearer) setup->worn.back() = mounted_on(*nominal, *finger.device);
     } else if (finger.device) {
       worn = worn_on(*setup->models.back(), *finger.device, stop);
     }
+    setup->worn.push_back(options.wearer && finger.device && (fitted || options.wearer_mount)
+                              ? on_wearer(options, finger)
+                              : nullptr);
     setup->devices.push_back(std::move(worn.device));
     setup->ceilings.push_back(std::move(worn.ceiling));
     setup->notices.push_back(std::move(worn.notices));

@@ -34,6 +34,9 @@ struct SetupOptions {
   bool person_may_be_new = false;  ///< no such file yet: nothing is known of the person
   /// Finger file of whom the device is on, as far as it is emulated; empty: the simulated finger.
   std::optional<std::filesystem::path> wearer;
+  /// How an emulated device sits on the wearer otherwise than its file says, see
+  /// DeviceSettings::mount_fit; only with `wearer`.
+  std::optional<Pose> wearer_mount;
   LoadObserver load_observer;
 };
 

@@ -19,7 +19,11 @@ constexpr std::array kTissueTraits{WearerTrait::kLength, WearerTrait::kBreadth, 
 constexpr double kDifference = 1e-5;
 /// Edges are met as planes, where they were seen: it looks again until that changes nothing.
 constexpr int kLooks = 6;
-constexpr double kLookTolerance = 1e-4;       // of the force
+constexpr double kLookTolerance = 1e-4;  // of the force
+/// Of friction; what is beyond is the coarseness of contact, and below this force it is all that.
+constexpr double kLeastFactor = 0.9;
+constexpr double kMostFactor = 1.4;
+constexpr double kLeastForce = 0.02;          // N
 constexpr int kSearches = 12;                 // for a force
 constexpr double kForceTolerance = 1e-4;      // N, of these
 constexpr double kLongestAdvance = 0.4 * mm;  // of a search, at a time
@@ -89,14 +93,25 @@ std::vector<PredictedForce> PressModel::press(const Configuration& start,
   forces.reserve(path.size());
   twin_->reset(start);
   for (const Configuration& q : path) {
-    if (friction_coefficient_ > 0.0) {
-      twin_->press(q, friction_coefficient_, 0.0);
-    } else {
-      settle_at(q);
-    }
+    settle_at(q);
     forces.push_back(felt(with_derivatives));
   }
   return forces;
+}
+
+std::vector<double> PressModel::friction_factors(const Configuration& start,
+                                                 std::span<const Configuration> path) {
+  std::vector<double> factors;
+  const std::vector<PredictedForce> without = press(start, path, false);
+  twin_->reset(start);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    twin_->press(path[i], friction_coefficient_, 0.0);
+    const double with = twin_->contact().normal_force;
+    const bool presses = without[i].force > kLeastForce && with > kLeastForce;
+    factors.push_back(presses ? std::clamp(with / without[i].force, kLeastFactor, kMostFactor)
+                              : 1.0);
+  }
+  return factors;
 }
 
 bool PressModel::advance_for(const Configuration& from, double force, double most, double& advance,

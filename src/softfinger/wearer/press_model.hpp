@@ -32,11 +32,14 @@ class PressModel {
 
   /// From now on with these traits.
   void put(const TraitVector& x);
-  /// The forces along one press, each from the one before, in order. `with_derivatives`: else only
-  /// forces.
+  /// The forces at these configurations of one press, without friction. `with_derivatives`: else
+  /// only forces.
   [[nodiscard]] std::vector<PredictedForce> press(const Configuration& start,
                                                   std::span<const Configuration> path,
-                                                  bool with_derivatives);
+                                                  bool with_derivatives = true);
+  /// What friction makes of these forces as the device goes along them, as factors.
+  [[nodiscard]] std::vector<double> friction_factors(const Configuration& start,
+                                                     std::span<const Configuration> path);
   /// How far `from` has to be advanced (m) for this force, and what that is with the derivatives of
   /// the force there. False where it is not reached within `most` (m).
   [[nodiscard]] bool advance_for(const Configuration& from, double force, double most,

@@ -18,24 +18,37 @@ constexpr double kMostNoise = 0.15;        // N, standard deviation
 constexpr double kStale = 0.25;            // s
 constexpr double kLeaveSpeed = 25.0 * mm;  // a second
 constexpr double kMoveSpeed = 30.0 * mm;   // a second, of the surface
-constexpr double kClear = 0.8 * mm;        // off the skin, where a press begins
-constexpr double kClearer = 0.8 * mm;      // more, after a press that began on the skin
-constexpr double kBeyond = 1.0 * mm;       // without touch, of a sensor that shows life
-constexpr double kGrowth = 0.05;           // N, that counts as growth
-constexpr double kReversed = 0.1;          // N
-constexpr double kLostPart = 0.5;          // of the greatest force of a press
-constexpr double kLeftOver = 0.12;         // N, off the skin
-constexpr int kSettleTicks = 5;
+constexpr double kClear = 0.5 * mm;        // off the skin, where a press begins, and
+constexpr double kClearDeviations = 1.3;   // of where it is expected
+// How far the skin may be from where the model's is: of all tilts alike, m; by pitch and by roll, m
+// by rad; of each, m.
+constexpr double kOffsets[] = {1.5 * mm, 2.0 * mm, 2.0 * mm};
+constexpr double kOwnOffset = 0.35 * mm;
+constexpr double kOff = 1.0 * mm;       // behind where a touch was noticed
+constexpr double kClearer = 0.8 * mm;   // more, after a press that began on the skin
+constexpr double kHeldBack = 1.5 * mm;  // a limit keeps the device from where it is sent
+/// Readings in a row that are the same, beyond twice as many as there were off the skin.
+constexpr std::size_t kStuck = 5;
+constexpr double kGrowth = 0.05;       // N, that counts as growth
+constexpr double kReversed = 0.1;      // N
+constexpr double kLostPart = 0.5;      // of the greatest force of a press
+constexpr double kNoTouchNoise = 3.3;  // deviations of the noise of a mean
+constexpr double kSurely = 1.5;        // of the threshold: no noise
+constexpr double kNoTouch = 0.4 * mm;  // of advance, in which a touch must show
+constexpr double kLeftOver = 0.12;     // N, off the skin
+constexpr std::size_t kSettleReadings = 4;
 constexpr int kDelayTicks = 3;            // until a force that is too large ends
 constexpr int kSteadyTicks = 3;           // after a change of speed
-constexpr double kMostGrowth = 0.12;      // N, that may come within the delay
-constexpr double kSlowest = 0.25;         // of the speed of a press
+constexpr double kMostGrowth = 0.15;      // N, that may come within the delay
+constexpr double kSlowest = 0.4;          // of the speed of a press
 constexpr std::size_t kLeastOfPress = 5;  // readings
 constexpr std::size_t kTries = 2;
-constexpr std::size_t kRecent = 4;
+constexpr std::size_t kRecent = 4;   // readings that are averaged
+constexpr std::size_t kSoonest = 2;  // the same where the force grows fast
 constexpr std::size_t kTrend = 8;
-constexpr double kOnePress = 2.2;  // s, with the way there
-constexpr double kLightest = 0.5;  // of the guard, that each press must have come to
+constexpr std::size_t kLeastPresses = 5;  // of nine
+constexpr double kOnePress = 2.2;         // s, with the way there
+constexpr double kLightest = 0.5;         // of the guard, that each press must have come to
 
 }  // namespace
 
@@ -45,8 +58,9 @@ PressProcedure::PressProcedure(const Device& device, std::vector<PlannedPress> p
       plan_(std::move(plan)),
       tick_(tick),
       limits_(limits),
-      wanted_(device.home()),
-      clear_(kClear) {}
+      wanted_(device.home()) {
+  for (int i = 0; i < 3; ++i) touch_weights_(i, i) = 1.0 / (kOffsets[i] * kOffsets[i]);
+}
 
 void PressProcedure::fail(std::string why) {
   if (failure_.empty()) failure_ = std::move(why);
@@ -89,6 +103,10 @@ double PressProcedure::recent(std::size_t count) const {
   return sum / static_cast<double>(taken);
 }
 
+double PressProcedure::touch_threshold(std::size_t count) const {
+  return std::max(limits_.touch, kNoTouchNoise * noise_ / std::sqrt(static_cast<double>(count)));
+}
+
 PressProcedure::Trend PressProcedure::trend() const {
   const std::size_t taken = std::min(kTrend, seen_.size());
   const auto n = static_cast<double>(taken);
@@ -109,17 +127,41 @@ PressProcedure::Trend PressProcedure::trend() const {
   return {f + slope * (seen_.back().advance - s), slope};
 }
 
+PressProcedure::Expected PressProcedure::expected() const {
+  const Vector3 by(1.0, planned().pitch, planned().roll);
+  const Matrix3 covariance = touch_weights_.inverse();
+  return {planned().touch + by.dot(covariance * touch_offsets_),
+          std::sqrt(by.dot(covariance * by) + kOwnOffset * kOwnOffset)};
+}
+
+void PressProcedure::learn_touch() {
+  const Vector3 by(1.0, planned().pitch, planned().roll);
+  constexpr double kWeight = 1.0 / (kOwnOffset * kOwnOffset);
+  touch_weights_ += kWeight * by * by.transpose();
+  touch_offsets_ += kWeight * (touched_ - planned().touch) * by;
+}
+
 /// What ends it whatever it does; true: go on.
 bool PressProcedure::watch(const PressTick& tick) {
   if (tick.fresh) {
     last_fresh_ = tick.time;
-    if (std::isnan(first_raw_)) first_raw_ = tick.force;
-    varies_ = varies_ || tick.force != first_raw_;
+    if (tick.readings > 0) {
+      alike_ = tick.force == last_raw_ ? alike_ + 1 : 0;
+      last_raw_ = tick.force;
+    }
+    if (stage_ == Stage::kZero) longest_alike_ = std::max(longest_alike_, alike_);
   } else if (tick.time - last_fresh_ > kStale) {
     fail(
         fmt::format("the force sensor has said nothing for {:.0f} ms; look after its cable and "
                     "[force_sensor]",
                     (tick.time - last_fresh_) / ms));
+    return false;
+  }
+  if (noise_ > 0.0 && alike_ >= kStuck + 2 * longest_alike_) {
+    fail(
+        fmt::format("the force sensor is dead or stuck: it says {:g} N again and again, and varied "
+                    "by {:.3f} N before",
+                    tick.force + 0.0, noise_));
     return false;
   }
   const double force = tick.force - zero_;
@@ -206,10 +248,12 @@ void PressProcedure::zero(const PressTick& tick) {
 }
 
 void PressProcedure::begin_press() {
-  const bool first = index_ == 0 && tried_ == 0;
+  const Expected skin = expected();
+  start_ = skin.touch - kClear - kClearDeviations * skin.deviation - clear_;
   // Nothing is known of the wearer before the first: from home.
-  start_ = first ? std::min(0.0, expected_touch() - clear_) : expected_touch() - clear_;
+  if (index_ == 0) start_ = std::min(start_, 0.0);
   advance_ = start_;
+  touched_ = std::numeric_limits<double>::infinity();
   seen_.clear();
   record_ = {.start = at(start_), .readings = {}};
   stage_ = Stage::kMove;
@@ -217,7 +261,9 @@ void PressProcedure::begin_press() {
 }
 
 void PressProcedure::move() {
-  if (seen_.size() >= 2 && recent(2) > std::max(2.0 * limits_.touch, 4.0 * noise_)) {
+  const bool touches =
+      !seen_.empty() && seen_.back().force > std::max(3.0 * limits_.touch, 5.0 * noise_);
+  if (touches || (seen_.size() >= kSoonest && recent(kSoonest) > touch_threshold(1))) {
     // The skin is nearer there than was thought.
     clear_ += kClearer;
     if (++tried_ > kTries) {
@@ -240,8 +286,8 @@ void PressProcedure::move() {
 void PressProcedure::approach(const PressTick& tick) {
   const double stands = advance_of(tick.stands);
   const double force = recent(kRecent);
-  const double noise = noise_ / std::sqrt(static_cast<double>(kRecent));
-  if (seen_.size() >= kRecent && force > std::max(limits_.touch, 3.0 * noise)) {
+  if (seen_.size() >= kRecent &&
+      (force > touch_threshold(kRecent) || recent(kSoonest) > touch_threshold(kSoonest))) {
     touched_ = best_at_ = stands;
     best_ = force;
     pressing_ticks_ = 0;
@@ -249,7 +295,7 @@ void PressProcedure::approach(const PressTick& tick) {
     press(tick);
     return;
   }
-  if (seen_.size() >= kRecent && force < -std::max(kReversed, 4.0 * noise)) {
+  if (seen_.size() >= kRecent && force < -std::max(kReversed, 2.0 * noise_)) {
     fail(
         fmt::format("the force sensor is reversed: it says {:.2f} N where the skin is pressed; "
                     "turn the sign of scale_N",
@@ -257,26 +303,25 @@ void PressProcedure::approach(const PressTick& tick) {
     return;
   }
   const double past = stands - expected_touch();
-  // A sensor that has said the same number all the time may be none.
-  if (past > limits_.without_growth + (varies_ && index_ == 0 ? kBeyond : 0.0)) {
-    fail(varies_
+  // A sensor that says the same number all the time may be none.
+  const bool lives = noise_ > 0.0;
+  if (past > (lives ? kFurthestPast : limits_.without_life)) {
+    fail(lives
              ? fmt::format("no force within {:.1f} mm past where the skin should be: the device is "
                            "off the finger, the wearer pulls away, or the force sensor is stuck",
                            past / mm)
-             : fmt::format(
-                   "the force sensor is dead or stuck: it has said {:g} N all the time, {:.1f} "
-                   "mm past where the skin should be as well",
-                   first_raw_ + 0.0, past / mm));
+             : fmt::format("the force sensor is dead or stuck: it says {:g} N all the time, {:.1f} "
+                           "mm past where the skin should be as well",
+                           tick.force + 0.0, past / mm));
     return;
   }
-  if (advance_ >= planned().most) {
-    fail(
-        fmt::format("the device cannot be advanced any further, {:.1f} mm past where the skin "
-                    "should be: it is off the finger, or mounted too far from it",
-                    past / mm));
+  if (advance_ >= planned().most || advance_ - stands > kHeldBack) {
+    give_up_press();
     return;
   }
-  advance_ = std::min(advance_ + limits_.approach * tick_, planned().most);
+  // More slowly where that was too fast.
+  const double speed = limits_.approach / static_cast<double>(1 + tried_);
+  advance_ = std::min(advance_ + speed * tick_, planned().most);
   wanted_ = at(advance_);
 }
 
@@ -298,6 +343,13 @@ void PressProcedure::press(const PressTick& tick) {
     end_press();
     return;
   }
+  if (best_ < kSurely * touch_threshold(kRecent) && stands - touched_ > kNoTouch &&
+      mean < kSurely * touch_threshold(kRecent)) {
+    // It was noise.
+    record_.readings.clear();
+    stage_ = Stage::kApproach;
+    return;
+  }
   if (mean < kLostPart * best_ - 3.0 * noise_ && best_ > 3.0 * limits_.touch) {
     fail(
         fmt::format("the force falls from {:.2f} to {:.2f} N as the device advances: the wearer "
@@ -312,15 +364,12 @@ void PressProcedure::press(const PressTick& tick) {
                     mean, (stands - best_at_) / mm));
     return;
   }
-  if (advance_ >= planned().most) {
+  if (advance_ >= planned().most || advance_ - stands > kHeldBack) {
     if (mean >= kLightest * limits_.guard) {
       end_press();
-      return;
+    } else {
+      give_up_press();
     }
-    fail(
-        fmt::format("the device cannot press harder than {:.2f} N here: it is mounted too far from "
-                    "the finger",
-                    mean));
     return;
   }
   const double speed =
@@ -343,8 +392,16 @@ void PressProcedure::end_press() {
   leave();
 }
 
+/// The device does not get as far: it is looked at in the end whether enough are left.
+void PressProcedure::give_up_press() {
+  record_.readings.clear();
+  given_up_ = true;
+  stage_ = Stage::kLeave;
+  leave();
+}
+
 void PressProcedure::leave() {
-  const double back = std::min(start_, expected_touch() - clear_);
+  const double back = std::min(start_, touched_ - kOff - clear_);
   if (!go(at(back), kLeaveSpeed)) return;
   stage_ = Stage::kSettle;
   stage_began_ = now_;
@@ -352,24 +409,26 @@ void PressProcedure::leave() {
 }
 
 void PressProcedure::settle() {
-  if (seen_.size() < static_cast<std::size_t>(kSettleTicks)) return;
-  const double left = recent(2);
+  if (seen_.size() < kSettleReadings) return;
+  // Of the last ones alone: those before came late.
+  const double left = recent(kSoonest);
   if (std::abs(left) > std::max(kLeftOver, 4.0 * noise_)) {
-    fail(left > 0.0
-             ? fmt::format(
-                   "{:.2f} N remain although the device has left the skin: the wearer presses "
-                   "back, or the force sensor is stuck",
-                   left)
-             : fmt::format("the force sensor says {:.2f} N off the skin: it drifts", left));
+    fail(left > 0.0 ? fmt::format("{:.2f} N remain although the device has left the skin: the "
+                                  "wearer presses back, or the force sensor is stuck",
+                                  left)
+                    : fmt::format("the force sensor says {:.2f} N off the skin: it drifts", left));
+    return;
+  }
+  if (given_up_) {
+    given_up_ = false;
+    next_press();
     return;
   }
   if (record_.readings.empty()) {
     begin_press();
     return;
   }
-  const double off = touched_ - planned().touch;
-  ++offsets_;
-  offset_ += (off - offset_) / offsets_;
+  learn_touch();
   records_.push_back(std::move(record_));
   next_press();
 }
@@ -387,8 +446,19 @@ void PressProcedure::next_press() {
          duration() + kOnePress * static_cast<double>(left() + 1) > limits_.duration) {
     ++index_;
   }
+  // What there is does.
+  if (records_.size() >= kLeastPresses && duration() + kOnePress > limits_.duration) {
+    index_ = plan_.size();
+  }
   if (index_ < plan_.size()) {
     begin_press();
+    return;
+  }
+  if (records_.size() < std::min(kLeastPresses, plan_.size())) {
+    fail(
+        fmt::format("the device can press in no more than {} of {} tilts, its limits end before: "
+                    "it is off the finger, or mounted too far from it",
+                    records_.size(), plan_.size()));
     return;
   }
   stage_ = Stage::kDone;

@@ -27,6 +27,7 @@ struct PressLimits {
   double touch = 0.05;             ///< N, at which a press begins
   double approach = 3e-3;          ///< m/s
   double press = 1e-3;             ///< m/s
+  double without_life = 1.2e-3;    ///< m past where the skin should be, of a sensor without noise
   double without_growth = 1.5e-3;  ///< m past touch without growth of force
   double duration = 20.0;          ///< s, of all
 };
@@ -37,6 +38,9 @@ struct PressLimits {
 /// fails.
 class PressProcedure {
  public:
+  /// m past where the skin should be that it is looked for by a sensor that shows life.
+  static constexpr double kFurthestPast = 2.5e-3;
+
   /// `tick`: of the device, s.
   PressProcedure(const Device& device, std::vector<PlannedPress> plan, double tick,
                  PressLimits limits = {});
@@ -75,6 +79,7 @@ class PressProcedure {
   void move();
   void approach(const PressTick& tick);
   void press(const PressTick& tick);
+  void give_up_press();
   void leave();
   void settle();
   void begin_press();
@@ -87,7 +92,15 @@ class PressProcedure {
   [[nodiscard]] const PlannedPress& planned() const { return plan_[index_]; }
   /// Mean of the last `count` readings, N.
   [[nodiscard]] double recent(std::size_t count) const;
-  [[nodiscard]] double expected_touch() const { return planned().touch + offset_; }
+  /// Where the skin of the press under way should be touched, m, as far as those before it tell.
+  struct Expected {
+    double touch, deviation;
+  };
+  [[nodiscard]] Expected expected() const;
+  [[nodiscard]] double expected_touch() const { return expected().touch; }
+  void learn_touch();
+  /// Of the mean of so many readings, N.
+  [[nodiscard]] double touch_threshold(std::size_t count) const;
   /// Of the last readings by advance: force there, N, and slope, N/m.
   struct Trend {
     double force = 0.0, slope = 0.0;
@@ -109,8 +122,9 @@ class PressProcedure {
   double last_fresh_ = 0.0;
   std::vector<double> zeros_;
   int zero_readings_ = 0;
-  bool varies_ = false;  ///< not all readings so far are the same
-  double first_raw_ = std::numeric_limits<double>::quiet_NaN();
+  std::size_t alike_ = 0;          ///< readings in a row that were the same as the one before
+  std::size_t longest_alike_ = 0;  ///< off the skin
+  double last_raw_ = std::numeric_limits<double>::quiet_NaN();
 
   std::size_t index_ = 0;
   std::size_t tried_ = 0;  ///< the press under way, in vain
@@ -119,10 +133,12 @@ class PressProcedure {
   double touched_ = 0.0;   ///< where its skin was touched
   double best_ = 0.0;      ///< greatest mean force of it so far, N
   double best_at_ = 0.0;   ///< where that was
-  double offset_ = 0.0;    ///< of touches from those of the model, mean, m
-  int offsets_ = 0;
+  /// Of touches from those of the model, a plane over pitch and roll: normal equations.
+  Matrix3 touch_weights_ = Matrix3::Zero();
+  Vector3 touch_offsets_ = Vector3::Zero();
   int pressing_ticks_ = 0;
-  double clear_;           ///< how far off the skin a press begins, m
+  bool given_up_ = false;  ///< the press under way
+  double clear_ = 0.0;     ///< how much further off the skin a press begins, m
   std::deque<Seen> seen_;  ///< of the press under way, newest last
   PressRecord record_;
   std::vector<PressRecord> records_;

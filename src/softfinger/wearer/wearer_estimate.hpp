@@ -24,8 +24,8 @@ struct WearerEstimate {
   TraitVector deviation = TraitVector::Zero();  ///< standard deviations of these; 0: not looked for
   /// Of these deviations, over those that people vary by, what is no better known than before.
   static constexpr double kUntold = 0.9;
-  /// How far the force of each press is from what the others say of it, a fraction of that force:
-  /// mean over the presses.
+  /// How far the force of a press is from what the others say of it, a fraction of that force:
+  /// median over the presses; but not less than how far all together leave them off, the mean.
   double predicted_force_error = 0.0;
   double force_deviation = 0.0;  ///< of readings from the fit, root mean square, N
   int evaluations = 0;           ///< of all presses

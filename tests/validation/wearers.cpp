@@ -1,0 +1,218 @@
+// Drawn wearers put a device on that learns them, each unlike its model in everything: another
+// mesh, skin that relaxes, friction, a sensor with noise, gain and delay, a device with play and
+// put on askew.
+//
+//     softfinger_wearers SOURCE_FOLDER [--wearers N] [--noise-N S] [--seed N] [--others]
+//
+// Prints one JSON object a wearer and line: error of the normal force on a plane and a sphere
+// before and after, what the fit says of itself, and its cost. --others: with sizes alone known,
+// and with the travel offset of a run, as well.
+
+#include <fmt/format.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
+#include <sstream>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/finger/finger_size.hpp"
+#include "softfinger/session/device_fit.hpp"
+#include "softfinger/session/evaluation.hpp"
+#include "softfinger/threads/thread_clock.hpp"
+
+namespace {
+
+using namespace softfinger;
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kEvaluated = 4.0;  // s of a scene
+constexpr double kPlay = 0.1 * mm;
+
+struct Arguments {
+  fs::path source;
+  int wearers = 20;
+  double noise = 0.05;  // N
+  unsigned seed = 1;
+  bool others = false;
+};
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+class Wearers {
+ public:
+  explicit Wearers(const Arguments& arguments) : arguments_(arguments) {
+    std::string pattern = (fs::temp_directory_path() / "softfinger-wearers-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) throw OperationError(pattern + ": cannot be created");
+    folder_ = pattern;
+    finger_ = FingerModel::load(arguments.source / "fingers" / "index.toml");
+    device_ = arguments.source / "devices" / "thimble-3rrs.toml";
+    sensing_ = folder_ / "sensing.toml";
+    std::ofstream(sensing_) << text_of(device_)
+                            << fmt::format("\n[force_sensor]\nkind = \"emulator\"\nnoise_N = {}\n",
+                                           arguments.noise);
+  }
+  ~Wearers() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  void meet(int number) {
+    std::seed_seq seeds{arguments_.seed, static_cast<unsigned>(number)};
+    random_.seed(seeds);
+    TraitVector x;
+    for (int i = 0; i < kWearerTraits; ++i) x[i] = normal();
+    const WearerTraits traits = WearerTraits::of(x);
+    write_wearer(traits);
+
+    DeviceFitOptions fit;
+    fit.device = device_;
+    fit.finger = arguments_.source / "fingers" / "index.toml";
+    fit.wearer = folder_ / "wearer.toml";
+    fit.person = folder_ / "person.toml";
+    fit.sensor = ForceSensorKind::kEmulator;
+    fit.sensor_noise = arguments_.noise;
+    fit.seed = static_cast<std::uint64_t>(number) + 1;
+    fit.wear = {.mount = traits.mount_fit(),
+                .friction_coefficient = 0.5 + 0.2 * even(),
+                .gain = 1.0 + 0.03 * even(),
+                .backlash = kPlay,
+                .late = 1};
+    fs::remove(fit.person);
+    const double cpu_began = thread_cpu_time();
+    const DeviceFit found = fit_device(fit, stop_);
+    Json row{{"wearer", number},
+             {"fitted", found.failure.empty()},
+             {"failure", found.failure},
+             {"cpu_s", thread_cpu_time() - cpu_began},
+             {"duration_s", found.duration},
+             {"presses", found.presses},
+             {"max_force_N", found.greatest_force},
+             {"predicted_force_error", found.estimate.predicted_force_error}};
+    row["true"] = Json::object();
+    for (const WearerTraitRow& trait : kWearerTraitRows) {
+      const auto i = static_cast<std::size_t>(trait.value);
+      row["true"][std::string(trait.name)] =
+          trait_value(trait.value, x[static_cast<Eigen::Index>(i)], *finger_) / trait.unit;
+      if (found.traits.empty()) continue;
+      const DeviceFit::Told& told = found.traits[i];
+      row["found"][std::string(trait.name)] = {told.value / trait.unit, told.ci95_low / trait.unit,
+                                               told.ci95_high / trait.unit};
+    }
+    for (const char* scene : {"plane", "sphere"}) {
+      row[scene]["nothing"] = force_error(scene, device_, traits, {});
+      if (found.failure.empty())
+        row[scene]["fit"] = force_error(scene, device_, traits, fit.person);
+      if (!arguments_.others) continue;
+      row[scene]["travel_offset"] = force_error(scene, sensing_, traits, {});
+      write_sizes(traits);
+      row[scene]["sizes"] = force_error(scene, device_, traits, folder_ / "sizes.toml");
+    }
+    std::cout << row.dump() << std::endl;
+  }
+
+ private:
+  double normal() { return std::normal_distribution<double>()(random_); }
+  double even() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
+
+  [[nodiscard]] FingerSize sizes(const WearerTraits& traits) const {
+    const FingerSize own = finger_size(*finger_);
+    return {.length = *own.length * traits.size_factor.x(),
+            .breadth = *own.breadth * traits.size_factor.y(),
+            .depth = *own.depth * traits.size_factor.z()};
+  }
+
+  /// The medium mesh, with skin that relaxes.
+  void write_wearer(const WearerTraits& traits) {
+    const fs::path fingers = arguments_.source / "fingers";
+    std::string text = text_of(fingers / "index-medium.toml");
+    const std::regex mesh("file = \"([^\"]*)\"");
+    text = std::regex_replace(text, mesh, "file = \"" + (fingers / "$1").string() + "\"");
+    std::smatch modulus;
+    if (!std::regex_search(text, modulus, std::regex("youngs_modulus_kPa = ([0-9.]+)"))) {
+      throw OperationError("index-medium.toml: no youngs_modulus_kPa");
+    }
+    const double factor = traits.modulus_factor * std::stod(modulus[1]);
+    text = std::regex_replace(text, std::regex("youngs_modulus_kPa = [0-9.]+"),
+                              fmt::format("youngs_modulus_kPa = {}", factor));
+    // What of index-viscoelastic acts within a press; its fastest part is over at once.
+    text += "\n[[material.relaxation]]\ntime_ms = 70.0\nfraction = 0.127\n";
+    text += "\n[[material.relaxation]]\ntime_ms = 1400.0\nfraction = 0.064\n";
+    const FingerSize size = sizes(traits);
+    text += fmt::format("\n[size]\nlength_mm = {}\nbreadth_mm = {}\ndepth_mm = {}\n",
+                        *size.length / mm, *size.breadth / mm, *size.depth / mm);
+    std::ofstream(folder_ / "wearer.toml") << text;
+  }
+
+  void write_sizes(const WearerTraits& traits) {
+    fs::remove(folder_ / "sizes.toml");
+    Person person = load_person_if_any(folder_ / "sizes.toml");
+    person.at("index").size = sizes(traits);
+    save_person(person);
+  }
+
+  double force_error(const char* scene, const fs::path& device, const WearerTraits& traits,
+                     const std::optional<fs::path>& person) {
+    EvaluationOptions options;
+    options.run.scene = arguments_.source / "scenes" / (std::string(scene) + ".toml");
+    options.run.devices = {device.string()};
+    options.run.objective = objective_kind("surface_and_force");
+    options.run.wearer = folder_ / "wearer.toml";
+    // A device that presses is behind by half of its play.
+    options.run.wearer_mount = traits.mount_fit();
+    options.run.wearer_mount->translation.z() -= 0.5 * kPlay;
+    if (person && !person->empty()) options.run.person = *person;
+    options.run.duration = kEvaluated;
+    const double error = evaluate(options, stop_).commanded.mean().normal_force_error;
+    return std::isnan(error) ? 1.0 : error;  // never touched
+  }
+
+  Arguments arguments_;
+  fs::path folder_, device_, sensing_;
+  std::shared_ptr<const FingerModel> finger_;
+  std::mt19937_64 random_;
+  std::atomic<bool> stop_{false};
+};
+
+}  // namespace
+
+int main(int count, char** words) {
+  Arguments arguments;
+  int first = 0;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    const auto value = [&] { return i + 1 < count ? std::atof(words[++i]) : 0.0; };
+    if (word == "--wearers") {
+      arguments.wearers = static_cast<int>(value());
+    } else if (word == "--first") {
+      first = static_cast<int>(value());
+    } else if (word == "--noise-N") {
+      arguments.noise = value();
+    } else if (word == "--seed") {
+      arguments.seed = static_cast<unsigned>(value());
+    } else if (word == "--others") {
+      arguments.others = true;
+    } else {
+      arguments.source = word;
+    }
+  }
+  try {
+    Wearers wearers(arguments);
+    for (int i = first; i < first + arguments.wearers; ++i) wearers.meet(i);
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,90 @@
+// What presses tell of a wearer who is as the model has wearers.
+
+#include "softfinger/wearer/wearer_estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "softfinger/base/error.hpp"
+#include "softfinger/base/units.hpp"
+#include "softfinger/device/device_file.hpp"
+#include "softfinger/wearer/press_plan.hpp"
+
+namespace softfinger {
+namespace {
+
+const std::filesystem::path kEstimateProject = SOFTFINGER_SOURCE_DIR;
+
+class WearerEstimateTest : public testing::Test {
+ protected:
+  /// Presses of the model with these traits, to 0.8 N.
+  std::vector<PressRecord> presses_of(const TraitVector& x, double noise) {
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> normal;
+    model_.put(x);
+    std::vector<PressRecord> presses;
+    for (const PlannedPress& plan : plan_presses(*device_, *finger_, 1.5 * mm)) {
+      PressRecord press{.start = plan.tilted, .readings = {}};
+      double touch = 0.0;
+      PredictedForce there;
+      EXPECT_TRUE(model_.advance_for(plan.tilted, 0.05, 12.0 * mm, touch, there));
+      for (int i = 0; i < 20; ++i) {
+        Configuration q = plan.tilted;
+        device_->advance(touch + i * 0.05 * mm, q);
+        const double force = model_.press(plan.tilted, {{q}}, false).front().force;
+        press.readings.push_back({q, force + noise * normal(random), 1.0});
+        if (force > 0.8) break;
+      }
+      presses.push_back(press);
+    }
+    return presses;
+  }
+
+  std::filesystem::path file_ = kEstimateProject / "devices" / "thimble-3rrs.toml";
+  std::shared_ptr<const FingerModel> finger_ =
+      FingerModel::load(kEstimateProject / "fingers" / "index.toml");
+  std::shared_ptr<const Device> device_ = load_device(file_);
+  PressModel model_{finger_, device_, file_, 0.0};
+};
+
+TEST_F(WearerEstimateTest, ForcesComeOutRight) {
+  TraitVector x;
+  x << 0.5, -0.6, 0.8, 0.4, -0.3, 0.5, -0.6, 0.5, 0.7;
+  const std::vector<PressRecord> presses = presses_of(x, 0.02);
+  const WearerEstimate found = estimate_wearer(model_, presses, {.noise = 0.02});
+  EXPECT_LT(found.predicted_force_error, 0.06);
+  EXPECT_LT(found.force_deviation, 0.03);
+  // Of where it began hardly anything was right.
+  model_.put(TraitVector::Zero());
+  const PressRecord& level = presses.front();
+  const Configuration& last = level.readings.back().q;
+  const double before = model_.press(level.start, {{last}}, false).front().force;
+  model_.put(found.x);
+  const double after = model_.press(level.start, {{last}}, false).front().force;
+  model_.put(x);
+  const double truth = model_.press(level.start, {{last}}, false).front().force;
+  EXPECT_GT(std::abs(before - truth), 0.3 * truth);
+  EXPECT_LT(std::abs(after - truth), 0.05 * truth);
+  EXPECT_TRUE(found.is_told(WearerTrait::kMountZ));
+}
+
+TEST_F(WearerEstimateTest, AWearerWhoMovedBetweenPressesIsNotBelieved) {
+  std::vector<PressRecord> presses = presses_of(TraitVector::Zero(), 0.0);
+  for (std::size_t k = 0; k < presses.size(); ++k) {
+    for (PressReading& reading : presses[k].readings) {
+      device_->advance((k % 2 == 0 ? 0.8 : -0.8) * mm, reading.q);
+    }
+  }
+  EXPECT_GT(estimate_wearer(model_, presses, {.noise = 0.02}).predicted_force_error, 0.2);
+}
+
+TEST_F(WearerEstimateTest, PressesThatTouchNothingAreRefused) {
+  std::vector<PressRecord> presses(2, PressRecord{.start = device_->home(), .readings = {}});
+  for (PressRecord& press : presses) press.readings.assign(5, {device_->home(), 0.0, 1.0});
+  EXPECT_THROW((void)estimate_wearer(model_, presses, {}), OperationError);
+}
+
+}  // namespace
+}  // namespace softfinger
