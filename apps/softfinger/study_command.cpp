@@ -25,7 +25,6 @@ using namespace softfinger;
 
 struct StudyFlags {
   std::string study, out, shard;
-  bool json = false;
 };
 
 struct StudyTableFlags {
