@@ -54,6 +54,22 @@ TEST_F(ConfigFileTest, ConvertsUnitsToSi) {
   root.finish();
 }
 
+TEST_F(ConfigFileTest, ReadsTextsAndTellsTablesFromOtherKeys) {
+  const ConfigFile file = open("scenes = [\"plane\", \"edge\"]\nvary = 3\n[design]\nsize = 3\n");
+  const ConfigTable root = file.root();
+  EXPECT_THAT(root.texts("scenes"), ElementsAre("plane", "edge"));
+  EXPECT_TRUE(root.has_table("design"));
+  EXPECT_FALSE(root.has_table("vary"));
+  EXPECT_FALSE(root.has_table("none"));
+  EXPECT_EQ(nlohmann::json::parse(file.as_read()).at("scenes").size(), 2u);
+  const auto texts = [](const ConfigTable& table) { static_cast<void>(table.texts("scenes")); };
+  EXPECT_THAT(error("scenes = [\"a\", 2]\n", texts),
+              HasSubstr(":1: scenes: expected an array of texts in quotes"));
+  EXPECT_THAT(error("scenes = []\n", texts), HasSubstr("found an array of 0"));
+  EXPECT_THAT(error("scenes = \"a\"\n", texts), HasSubstr("found the text"));
+  EXPECT_THAT(error("other = 1\n", texts), HasSubstr("scenes"));
+}
+
 TEST_F(ConfigFileTest, UnknownKeyNamesTheNearestAndItsLine) {
   EXPECT_EQ(error("[ball]\n\nradius_cm = 2\n",
                   [](const ConfigTable& root) {

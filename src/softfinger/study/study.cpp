@@ -200,9 +200,11 @@ void check_plan(const ConfigTable& root, Study& study) {
 StudyFile named_file(const ConfigTable& table, const char* key, Shipped kind,
                      const fs::path& directory, const std::string& word) {
   const fs::path beside = directory / word;
+  const bool is_path = word.find_first_of("/.") != std::string::npos;
   std::error_code error;
   try {
-    return open_file(fs::exists(beside, error) ? beside : file_or_shipped(kind, word), word);
+    return open_file(
+        is_path || fs::is_regular_file(beside, error) ? beside : file_or_shipped(kind, word), word);
   } catch (const InputError& refusal) {
     table.fail(key, refusal.what());
   }
