@@ -31,8 +31,9 @@ TEST(Help, EveryCommandListedExists) {
 }
 
 TEST(Help, PartsOfCommands) {
-  EXPECT_EQ(commands_in(help_of({"device"})),
-            (std::set<std::string>{"show", "solve", "pose", "workspace", "calibrate", "schema"}));
+  EXPECT_EQ(
+      commands_in(help_of({"device"})),
+      (std::set<std::string>{"show", "solve", "pose", "workspace", "calibrate", "schema", "fit"}));
   EXPECT_EQ(commands_in(help_of({"finger"})),
             (std::set<std::string>{"fit", "register", "schema", "show"}));
   EXPECT_EQ(commands_in(help_of({"scene"})), (std::set<std::string>{"check", "schema"}));

@@ -47,8 +47,7 @@ class Fitting {
         actuator_(worn.device, actuator_options()),
         stands_(worn.device->home()),
         really_(stands_),
-        late_(static_cast<std::size_t>(options.wear.late), 0.0) {
-  }
+        late_(static_cast<std::size_t>(options.wear.late), 0.0) {}
 
   /// Presses until that is done or fails; the device is retracted then.
   void run(PressProcedure& procedure, const std::atomic<bool>& stop, const RunObserver& observer) {
