@@ -139,8 +139,12 @@ void run_study_command(const StudyFlags& flags) {
 
 void export_command(const StudyTableFlags& flags) {
   if (std::filesystem::exists(std::filesystem::path(flags.folder) / kContactFileName)) {
-    export_contacts(flags.folder, flags.to);
+    const ContactsDone presses = export_contacts(flags.folder, flags.to);
     fmt::print("contacts in {}\n", flags.to);
+    if (presses.done < presses.all) {
+      fmt::print(stderr, "softfinger: the study is not finished; {} of {} presses so far\n",
+                 presses.done, presses.all);
+    }
     return;
   }
   const StudyTable table = read_study_table(flags.folder);

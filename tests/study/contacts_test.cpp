@@ -129,6 +129,7 @@ TEST(Contacts, AreTheSameFileHoweverMade) {
     MortalPresser rank(life);
     EXPECT_THROW(static_cast<void>(run_here(place, "killed", rank)), OperationError);
   }
+  EXPECT_EQ(export_contacts(place.at("killed"), place.at("part.h5")).done, 4u);
   EXPECT_EQ(run_here(place, "killed", one).progress.recorded, 4u);
   EXPECT_EQ(place.read(place.at("killed") / kContactFileName), whole);
   // In shards.
@@ -138,7 +139,7 @@ TEST(Contacts, AreTheSameFileHoweverMade) {
   EXPECT_EQ(run_here(place, "shards", one).progress.recorded, 10u);
   EXPECT_EQ(place.read(place.at("shards") / kContactFileName), whole);
   EXPECT_FALSE(fs::exists(place.at("shards") / "contacts-1-of-2.h5"));
-  export_contacts(place.at("shards"), place.at("out.h5"));
+  EXPECT_EQ(export_contacts(place.at("shards"), place.at("out.h5")).done, 10u);
   EXPECT_EQ(place.read(place.at("out.h5")), whole);
   EXPECT_THROW(export_contacts(place.at("shards"), place.at("out.h5")), InputError);
   EXPECT_THROW(export_contacts(place.at("shards"), place.at("out.csv")), InputError);

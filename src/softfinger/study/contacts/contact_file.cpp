@@ -109,6 +109,21 @@ herr_t note_fact(hid_t object, const char* name, const H5A_info_t*, void* facts)
 
 }  // namespace
 
+ContactsDone contacts_done(const fs::path& path) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    const Hdf5Handle set(H5Dopen2(file.id(), "done", H5P_DEFAULT), H5Dclose);
+    const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
+    const hssize_t all = H5Sget_simple_extent_npoints(space.id());
+    std::vector<std::uint8_t> done(all > 0 ? static_cast<std::size_t>(all) : 0);
+    hdf5_check(H5Dread(set.id(), H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, done.data()));
+    return {static_cast<std::size_t>(std::ranges::count(done, 1)), done.size()};
+  } catch (const Hdf5Failure&) {
+    throw InputError(fmt::format("{}: is damaged, or no file of contacts", path.string()));
+  }
+}
+
 struct ContactFile::Implementation {
   /// A data set of a row a contact.
   struct Column {

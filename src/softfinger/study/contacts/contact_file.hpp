@@ -13,6 +13,13 @@ namespace softfinger {
 
 inline constexpr const char* kContactFileName = "contacts.h5";
 
+/// How many presses of a file of contacts are there, and how many there are to be.
+struct ContactsDone {
+  std::size_t done = 0, all = 0;
+};
+/// Throws InputError where it is damaged, or no such file.
+[[nodiscard]] ContactsDone contacts_done(const std::filesystem::path& file);
+
 /// The contacts of a study as an HDF5 file, a row a contact, and with it how far the study is. All
 /// of it has its place from the start, so that a press goes where it belongs, whoever made it and
 /// when, and whatever ends the program what is written stays. One thread at a time. Throws

@@ -159,7 +159,7 @@ StudySummary run_contacts(const ContactStudy& study, const StudyOptions& options
   return leader->run(ranks, stop, observer);
 }
 
-void export_contacts(const fs::path& folder, const fs::path& to) {
+ContactsDone export_contacts(const fs::path& folder, const fs::path& to) {
   const fs::path file = folder / kContactFileName;
   std::error_code error;
   if (!fs::exists(file, error)) {
@@ -175,11 +175,13 @@ void export_contacts(const fs::path& folder, const fs::path& to) {
   if (fs::exists(to, error)) {
     throw InputError(fmt::format("{}: exists already", to.string()));
   }
+  const ContactsDone done = contacts_done(file);
   std::ifstream from(file, std::ios::binary);
   if (!write_file_whole(to, [&](std::ostream& stream) { stream << from.rdbuf(); })) {
     throw OperationError(
         fmt::format("{}: cannot be written (is there room on the disk?)", to.string()));
   }
+  return done;
 }
 
 }  // namespace softfinger

@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "softfinger/study/contacts/contact_file.hpp"
 #include "softfinger/study/contacts/contact_study.hpp"
 #include "softfinger/study/run_study.hpp"
 
@@ -13,8 +14,8 @@ namespace softfinger {
                                         Ranks& ranks, const std::atomic<bool>& stop,
                                         const StudyObserver& observer = {});
 
-/// A copy of the contacts of a study's folder . Throws InputError where it has none,
-/// or `to` exists or does not end in .h5; OperationError where it cannot be written.
-void export_contacts(const std::filesystem::path& folder, const std::filesystem::path& to);
+/// Copies the contacts of a study's folder, and says how many are there. Throws InputError where it
+/// has none, or `to` exists or does not end in .h5; OperationError where it cannot be written.
+ContactsDone export_contacts(const std::filesystem::path& folder, const std::filesystem::path& to);
 
 }  // namespace softfinger
