@@ -73,7 +73,8 @@ std::string summary_text(const StudySummary& summary, const StudyFlags& flags) {
   return {};
 }
 
-/// What every rank has to read; where one cannot, none goes on, and the first that cannot says why.
+/// What every rank has to read alike; where one cannot, none goes on, and the first that cannot
+/// says why.
 template <typename Load>
 auto load_on_every_rank(const Load& load, Ranks& ranks) {
   std::optional<decltype(load())> study;
@@ -91,8 +92,10 @@ auto load_on_every_rank(const Load& load, Ranks& ranks) {
 
 void run_study_command(const StudyFlags& flags) {
   StudyOptions options{.out = flags.out};
-  if (!flags.shard.empty()) options.shard = shard_of(flags.shard);
   const std::unique_ptr<Ranks> ranks = ranks_of_this_job();
+  if (!flags.shard.empty()) {
+    options.shard = load_on_every_rank([&flags] { return shard_of(flags.shard); }, *ranks);
+  }
   ProgressBar bar;
   StudyObserver observer;
   observer.message = [&bar](const std::string& message) {
