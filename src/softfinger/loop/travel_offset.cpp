@@ -5,6 +5,11 @@
 #include <utility>
 
 namespace softfinger {
+namespace {
+
+constexpr int kMostRepeats = 2;
+
+}  // namespace
 
 TravelOffset::TravelOffset(std::shared_ptr<const FingerModel> model,
                            std::shared_ptr<const Device> device, TravelOffsetOptions options)
@@ -15,12 +20,17 @@ TravelOffset::TravelOffset(std::shared_ptr<const FingerModel> model,
 void TravelOffset::reset() {
   twin_.reset();
   value_ = 0.0;
+  last_force_ = 0.0;
+  repeats_ = 0;
   stiffness_ = options_.least_stiffness;
 }
 
 void TravelOffset::update(const ForceReading& reading, double friction_coefficient,
                           double elapsed) {
   if (!std::isfinite(reading.normal_force) || !reading.configuration.allFinite()) return;
+  repeats_ = reading.normal_force == last_force_ ? repeats_ + 1 : 0;
+  last_force_ = reading.normal_force;
+  if (repeats_ >= kMostRepeats) return;
   const Device& device = twin_.device();
   Configuration q = reading.configuration;
   device.advance(value_, q);

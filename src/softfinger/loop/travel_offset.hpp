@@ -19,7 +19,8 @@ struct TravelOffsetOptions {
 /// force: a finger of another size is another travel. A twin is pressed as the device presses the
 /// wearer by the present estimate; what it feels less than was measured, divided by how its force
 /// grows with advance, is the estimate's next change. Stiffness is corrected for as well, with the
-/// delay of the measurement. update() does not allocate.
+/// delay of the measurement. A sensor that says the same number again and again may be dead or
+/// stuck, and corrects nothing. update() does not allocate.
 class TravelOffset {
  public:
   /// `model`: the simulated finger.
@@ -42,7 +43,9 @@ class TravelOffset {
   TravelOffsetOptions options_;
   Twin twin_;
   double value_ = 0.0;
-  double stiffness_;  ///< last known, N/m
+  double last_force_ = 0.0;  ///< N, measured
+  int repeats_ = 0;          ///< how often in a row it was the same
+  double stiffness_;         ///< last known, N/m
 };
 
 }  // namespace softfinger
