@@ -107,8 +107,9 @@ TEST_F(FingerRegister, WithoutTheTablesHeightTheSizeIsTaken) {
 TEST_F(FingerRegister, SizesAloneAreWritten) {
   EXPECT_EQ(run({"--finger", "ring", "--breadth-mm", "15.5"}).status, 0);
   EXPECT_EQ(run({"--finger", "ring", "--length-mm", "23"}).status, 0);
+  // The file is kept, with what is new at the end of its table.
   EXPECT_THAT(place_.read("anna.toml"),
-              HasSubstr("[ring.size]\nlength_mm = 23\nbreadth_mm = 15.5\n"));
+              HasSubstr("[ring.size]\nbreadth_mm = 15.5\nlength_mm = 23\n"));
 }
 
 // What is written is what runs take.
