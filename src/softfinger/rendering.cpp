@@ -279,7 +279,7 @@ bool Rendering::release() noexcept {
 std::optional<std::string> Rendering::take_message() {
   const auto& fingers = implementation_->fingers;
   for (std::size_t i = 0; i < fingers.size(); ++i) {
-    const auto message = fingers[i]->take_message();
+    auto message = fingers[i]->take_message();
     if (!message) continue;
     if (fingers.size() == 1) return message;
     return implementation_->setup->scene.fingers[i].name + ": " + *message;
