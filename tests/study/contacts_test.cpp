@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "mortal_rank.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/indentation.hpp"
 #include "softfinger/study/contacts/contact_file.hpp"
@@ -37,26 +38,6 @@ StudySummary run_here(const StudyPlace& place, const char* out, Ranks& ranks,
   return run_contacts(load_contact_study(place.at("contacts.toml")), {place.at(out), shard}, ranks,
                       place.stop);
 }
-
-/// Ends, as a kill does, after so many presses.
-class MortalPresser final : public Ranks {
- public:
-  explicit MortalPresser(std::size_t life) : life_(life) {}
-  [[nodiscard]] int rank() const override { return 0; }
-  [[nodiscard]] int size() const override { return 1; }
-  std::string broadcast(const std::string& bytes) override { return bytes; }
-  bool all(bool here) override { return here; }
-  void share(std::size_t count, const Work& work, const Take& take,
-             const std::atomic<bool>&) override {
-    for (std::size_t task = 0; task < count; ++task) {
-      if (life_-- == 0) throw OperationError("killed");
-      take(task, work(task));
-    }
-  }
-
- private:
-  std::size_t life_;
-};
 
 TEST(Contacts, AreDrawnAlikeWhateverCameBefore) {
   const StudyPlace place;
@@ -126,7 +107,7 @@ TEST(Contacts, AreTheSameFileHoweverMade) {
   ASSERT_GT(whole.size(), 30u * 147u * 12u);
   // Killed, twice, and resumed.
   for (const std::size_t life : {0u, 4u}) {
-    MortalPresser rank(life);
+    MortalRank rank(life);
     EXPECT_THROW(static_cast<void>(run_here(place, "killed", rank)), OperationError);
   }
   EXPECT_EQ(export_contacts(place.at("killed"), place.at("part.h5")).done, 4u);

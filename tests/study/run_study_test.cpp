@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "mortal_rank.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/session/evaluation.hpp"
@@ -31,26 +32,6 @@ std::string of_formulas(const std::string& objectives, const std::string& design
 const std::string kSum = of_formulas(
     "f = { formula = \"device.mount.translation_mm.0 + 2 * device.mount.translation_mm.1\" }",
     "kind = \"lhs\"\nsize = 12");
-
-/// Stops, as a kill does, after so many evaluations.
-class MortalRank final : public Ranks {
- public:
-  explicit MortalRank(std::size_t life) : life_(life) {}
-  [[nodiscard]] int rank() const override { return 0; }
-  [[nodiscard]] int size() const override { return 1; }
-  std::string broadcast(const std::string& bytes) override { return bytes; }
-  bool all(bool here) override { return here; }
-  void share(std::size_t count, const Work& work, const Take& take,
-             const std::atomic<bool>&) override {
-    for (std::size_t task = 0; task < count; ++task) {
-      if (life_-- == 0) throw OperationError("killed");
-      take(task, work(task));
-    }
-  }
-
- private:
-  std::size_t life_;
-};
 
 TEST(RunStudy, EvaluatesFormulasOfDesigns) {
   StudyPlace place;

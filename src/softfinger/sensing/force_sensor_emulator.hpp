@@ -28,7 +28,7 @@ inline constexpr std::array<NameRow<ForceSensorFault>, 6> kForceSensorFaults{{
     {ForceSensorFault::kNoisy, "noisy", "with a noise of half a newton"},
 }};
 
-/// What a sensor of this fault says of a force; `stuck_at`: as it was when that began. N.
+/// What a sensor with a fault says of a force, N.
 class FaultyForce {
  public:
   FaultyForce(double noise, std::uint64_t seed) : noise_(noise), random_(seed) {}

@@ -268,8 +268,9 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
     procedure.emplace(*worn.device, plan, 1.0 / fitting.rate());
     fitting.run(*procedure, stop, observer);
     fit.failure = fitting.interruption().empty() ? procedure->failure() : fitting.interruption();
-    fit.greatest_force = std::max(procedure->greatest_force(), fitting.greatest_true_force());
-    if (fitting.greatest_true_force() > 0.0) fit.greatest_force = fitting.greatest_true_force();
+    // An emulated wearer knows better than the sensor.
+    const double felt = fitting.greatest_true_force();
+    fit.greatest_force = felt > 0.0 ? felt : procedure->greatest_force();
   }
   fit.presses = static_cast<int>(procedure->presses().size());
   fit.duration = procedure->duration();
