@@ -22,7 +22,7 @@ constexpr double kDeepest = 1.0 * mm;   ///< into the table, under whatever pres
 constexpr double kDeepestAlone = 1e-5;  ///< at the end, under its own weight
 /// Of what is left alone, over the least energy that it had, in parts of what lifts it by
 /// kDeepestAlone: as far as contacts give.
-constexpr double kGain = 2.0;
+constexpr double kGain = 1.0;
 constexpr double kUnconverged = 0.01;
 
 struct Roughness {

@@ -87,6 +87,50 @@ TEST(RigidMotion, SticksOnAnInclineUpToTheAngleOfFriction) {
   }
 }
 
+// As fast as its rim's points pass in a step: on a polygon it would gain energy.
+TEST(RigidMotion, ACylinderRollsOnWithoutGainOrBumps) {
+  const double radius = 16.0 * mm;
+  const double mass = 0.05;
+  for (const double spin : {1.0, 6.0, 20.0, 42.0, 52.3, 75.0}) {
+    VirtualObject cylinder = loose("cylinder", RoundedCylinder{radius, 20.0 * mm, 1.0 * mm},
+                                   Vector3(0.0, 0.0, radius), mass);
+    cylinder.motion = Trajectory(
+        Pose{exp_rotation(Vector3(0.5 * std::numbers::pi, 0.0, 0.0)), Vector3(0.0, 0.0, radius)});
+    cylinder.dynamics->angular_velocity_W = Vector3(0.0, spin, 0.0);
+    cylinder.dynamics->velocity_W = Vector3(spin * radius, 0.0, 0.0);
+    Play play({still("ground", HalfSpace{}), cylinder});
+    play.run(0.05);
+    const double speed = play.state(1).velocity.x();
+    EXPECT_NEAR(speed, spin * radius, 0.02 * spin * radius) << spin;
+    double highest = 0.0;
+    double lowest = radius;
+    for (int k = 0; k < 2000; ++k) {
+      play.step();
+      highest = std::max(highest, play.state(1).X_WO.translation.z());
+      lowest = std::min(lowest, play.state(1).X_WO.translation.z());
+      EXPECT_LT(play.state(1).velocity.x(), speed * (1.0 + 1e-4)) << spin << " at " << k;
+    }
+    EXPECT_GT(play.state(1).velocity.x(), 0.95 * speed) << spin;
+    EXPECT_LT(highest, radius + 0.5e-6) << spin;
+    EXPECT_GT(lowest, radius - 2e-6) << spin;
+    EXPECT_EQ(play.unconverged(), 0) << spin;
+  }
+}
+
+// Whatever is between them: contact is as stiff as the heaviest object wants.
+TEST(RigidMotion, AHeavyObjectDoesNotPressALightOneIntoTheTable) {
+  Play play({still("table", HalfSpace{}),
+             loose("ball", Ball{10.0 * mm}, Vector3(0.0, 0.0, 10.0 * mm), 2e-3),
+             loose("weight", cube(30.0 * mm), Vector3(0.0, 0.0, 60.0 * mm), 0.5)});
+  double lowest = 0.0;
+  for (int k = 0; k < 1000; ++k) {
+    play.step();
+    lowest = std::min(lowest, play.state(1).X_WO.translation.z() - 10.0 * mm);
+  }
+  EXPECT_GT(lowest, -0.2 * mm);
+  EXPECT_LT(lowest, -1e-6) << "nothing has fallen on it";
+}
+
 TEST(RigidMotion, MomentumIsKeptInACollision) {
   VirtualObject a = loose("a", Ball{8.0 * mm}, Vector3(-20.0 * mm, 0.0, 0.0), 0.03);
   a.dynamics->velocity_W = Vector3(0.5, 0.02, 0.0);

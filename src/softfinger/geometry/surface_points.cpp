@@ -119,8 +119,9 @@ struct Points {
         const double z = along > 0 ? half * (2.0 * k / along - 1.0) : 0.0;
         for (int a = 0; a < around; ++a) {
           const double angle = 2.0 * std::numbers::pi * a / around;
-          points.push_back(
-              {{radius * std::cos(angle), radius * std::sin(angle), z}, cylinder.edge_radius});
+          points.push_back({{radius * std::cos(angle), radius * std::sin(angle), z},
+                            cylinder.edge_radius,
+                            around > 1 ? 2.0 * std::numbers::pi / around : 0.0});
         }
       }
     }

@@ -10,6 +10,8 @@ namespace softfinger {
 struct SurfacePoint {
   Vector3 centre_O = Vector3::Zero();
   double radius = 0.0;
+  /// Of a rim about z, to the next point, rad; else 0.
+  double spacing = 0.0;
 };
 
 /// Where a rigid solid may touch another: balls at its corners and along its edges, as round as

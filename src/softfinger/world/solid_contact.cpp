@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace softfinger {
 namespace {
@@ -28,6 +29,31 @@ Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Pose& X) {
   return {centre - extent, centre + extent};
 }
 
+/// Of what leans this much the rim's deepest place alone touches, as a sine; what stands on its rim
+/// has none.
+constexpr double kLeaning = 0.2;
+/// What bears less of the stiffness is left out.
+constexpr double kLeastShare = 1e-6;
+
+struct Place {
+  Vector3 centre_O = Vector3::Zero();
+  double share = 1.0;  ///< of the stiffness
+};
+
+/// Where a point is looked at while the way out of the other object is `outward`, in the frame of
+/// its own: of a rim the two points next to the deepest place go there and share what it bears.
+Place place_of(const SurfacePoint& point, const Vector3& outward) {
+  const double lean = outward.head<2>().norm();
+  if (!(point.spacing > 0.0) || !(lean > 0.0)) return {point.centre_O};
+  const double deepest = std::atan2(-outward.y(), -outward.x());
+  const double way = std::remainder(deepest - std::atan2(point.centre_O.y(), point.centre_O.x()),
+                                    2.0 * std::numbers::pi);
+  const double leaning = std::min(1.0, lean * lean / (kLeaning * kLeaning));
+  const double near = std::max(0.0, 1.0 - std::abs(way) / point.spacing);
+  const double turn = leaning * std::clamp(way, -point.spacing, point.spacing);
+  return {Eigen::AngleAxisd(turn, Vector3::UnitZ()) * point.centre_O, 1.0 - leaning * (1.0 - near)};
+}
+
 }  // namespace
 
 SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<const double> masses,
@@ -48,15 +74,14 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
       return (x == a && y == b) || (x == b && y == a);
     });
   };
+  // The heaviest one may come to rest on any other.
+  const double heaviest = masses.empty() ? 0.0 : *std::ranges::max_element(masses);
+  const double stiffness =
+      std::max(kStiffness * heaviest / (time_step * time_step), kLeastForce / kDepth);
   for (std::size_t a = 0; a < objects.size(); ++a) {
     for (std::size_t b = a + 1; b < objects.size(); ++b) {
       if (!(masses[a] > 0.0 || masses[b] > 0.0) || are_apart(a, b)) continue;
       if (objects[a].soft || objects[b].soft) continue;  // they meet as skin meets objects
-      // The lighter one moves.
-      double mass = std::max(masses[a], masses[b]);
-      if (masses[a] > 0.0 && masses[b] > 0.0) mass = std::min(masses[a], masses[b]);
-      const double stiffness =
-          std::max(kStiffness * mass / (time_step * time_step), kLeastForce / kDepth);
       const double friction = friction_between(objects[a], objects[b]);
       const bool both = !points_[a].empty() && !points_[b].empty();
       const double share = both ? 0.5 : 1.0;
@@ -102,6 +127,8 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
   }
   const Pose X_OW = X_WO[pair.on].inverse();
   const Pose X_on_of = X_OW * X_WO[pair.of];
+  const Matrix3 expected =
+      X_WO_expected[pair.on].rotation.transpose() * X_WO_expected[pair.of].rotation;
   Eigen::AlignedBox3d near = bounds_[pair.on];
   near.min().array() -= reach;
   near.max().array() += reach;
@@ -109,10 +136,20 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
   const Shape& shape = objects_[pair.on].shape;
   for (std::size_t i = 0; i < points_[pair.of].size(); ++i) {
     const SurfacePoint& point = points_[pair.of][i];
-    const Vector3 centre_on = X_on_of * point.centre_O;
+    Vector3 centre_on = X_on_of * point.centre_O;
     if (near.exteriorDistance(centre_on) > point.radius) continue;
-    const SignedDistance at = distance_and_gradient(shape, centre_on);
+    SignedDistance at = distance_and_gradient(shape, centre_on);
+    Place place{point.centre_O};
+    if (point.spacing > 0.0) {
+      place = place_of(point, expected.transpose() * at.gradient);
+      centre_on = X_on_of * place.centre_O;
+      at = distance_and_gradient(shape, centre_on);
+    }
     Memory* const memory = memory_of(pair.of, i, pair.on);
+    if (place.share < kLeastShare) {
+      if (memory != nullptr) *memory = Memory{};
+      continue;
+    }
     if (at.distance - point.radius > reach && memory == nullptr) continue;
     if (candidate_count_ == candidates_.size()) return;
     near_[pair.of] = near_[pair.on] = 1;
@@ -120,7 +157,8 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
     c = Candidate{.of = pair.of,
                   .on = pair.on,
                   .point = i,
-                  .stiffness = pair.stiffness,
+                  .centre_O = place.centre_O,
+                  .stiffness = place.share * pair.stiffness,
                   .friction_coefficient = pair.friction_coefficient,
                   .allowed = std::min(0.0, at.distance - point.radius + parting_)};
     const Vector3 surface_on = centre_on - point.radius * at.gradient;
@@ -145,7 +183,7 @@ double SolidContact::evaluate(Candidate& c, std::span<const Pose> X_WO) const {
   const Pose& X_of = X_WO[c.of];
   const Pose& X_on = X_WO[c.on];
   const SurfacePoint& point = points_[c.of][c.point];
-  c.centre_W = X_of * point.centre_O;
+  c.centre_W = X_of * c.centre_O;
   const SignedDistance at =
       distance_and_gradient(objects_[c.on].shape, X_on.inverse() * c.centre_W);
   c.gap = at.distance - point.radius - c.allowed;

@@ -16,10 +16,14 @@ namespace softfinger {
 /// object is in the frame of the other, so forces and moments cancel to rounding.
 ///
 /// Normal contact is a stiff penalty as of skin (contact_potential.hpp), stiff enough to rest
-/// within micrometres whatever the mass: k = max(kStiffness m / h^2, kLeastForce / kDepth).
+/// within micrometres whatever the mass: k = max(kStiffness m / h^2, kLeastForce / kDepth),
+/// m the greatest mass.
 /// Friction is a Huber potential of the slip since contact began, carried along from step to step,
 /// so that what is held stays; its limit is that of the normal force at the end of the last step,
 /// see update_limits().
+///
+/// Of a rim that leans the two points next to its deepest place are there in each step, as it is
+/// expected, and share what it bears: else what rolls would roll on a polygon.
 ///
 /// What is deeper inside another at the start of a step than it could part in it at kParting is let
 /// be there so far: objects that start inside each other part at that speed.
@@ -121,7 +125,8 @@ class SolidContact {
   /// A point that may touch in this step.
   struct Candidate {
     std::size_t of = 0, on = 0, point = 0;
-    double stiffness = 0.0;  ///< N/m
+    Vector3 centre_O = Vector3::Zero();  ///< of the ball, in the frame of `of`
+    double stiffness = 0.0;              ///< N/m
     double friction_coefficient = 0.0;
     double allowed = 0.0;  ///< gap that is let be, at most 0, m
     // Of friction: the point of the surface of `of` that touched, and where it was without slip.
