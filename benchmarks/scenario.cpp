@@ -58,9 +58,10 @@ Scenario violent_on_edge(const std::string& finger, double time_step, int steps)
   return scenario;
 }
 
-Scenario without_features(Scenario scenario) {
+Scenario plain(Scenario scenario) {
   auto model = std::make_shared<FingerModel>(*scenario.model);
   model->feature_contact = false;
+  model->dilatation = Dilatation::kElement;
   scenario.model = std::move(model);
   return scenario;
 }

@@ -108,9 +108,9 @@ struct Comparison {
 
 Comparison compare(const Scenario& scenario, std::size_t stride) {
   FingerSimulation finger(scenario.model, scenario.objects, scenario.time_step);
-  PlainStep plain(scenario.model, scenario.objects, scenario.time_step);
+  PlainStep plain_step(scenario.model, scenario.objects, scenario.time_step);
   finger.reset(scenario.path[0]);
-  plain.reset(scenario.path[0]);
+  plain_step.reset(scenario.path[0]);
   Comparison comparison;
   std::vector<double> differences;
   for (std::size_t k = 1; k <= scenario.steps(); ++k) {
@@ -118,20 +118,20 @@ Comparison compare(const Scenario& scenario, std::size_t stride) {
     finger.step(scenario.path[k], time);
     if (k % stride == 0) {
       const double start = thread_cpu_time();
-      const StepSummary summary = plain.solve(scenario.path[k], time);
+      const StepSummary summary = plain_step.solve(scenario.path[k], time);
       comparison.times.push_back((thread_cpu_time() - start) / us);
       comparison.steps.push_back(k - 1);
       comparison.iterations += summary.iterations;
-      if (!summary.converged || !plain.refine()) comparison.unconverged += 1.0;
+      if (!summary.converged || !plain_step.refine()) comparison.unconverged += 1.0;
       double apart = 0.0;
-      for (std::size_t n = 0; n < plain.positions().size(); ++n) {
-        apart = std::max(apart, (plain.positions()[n] - finger.positions()[n]).norm());
+      for (std::size_t n = 0; n < plain_step.positions().size(); ++n) {
+        apart = std::max(apart, (plain_step.positions()[n] - finger.positions()[n]).norm());
       }
       differences.push_back(apart);
-      comparison.residual =
-          std::max(comparison.residual, plain.residual_at(finger.positions(), finger.bone_pose()));
+      comparison.residual = std::max(
+          comparison.residual, plain_step.residual_at(finger.positions(), finger.bone_pose()));
     }
-    plain.advance(finger.positions(), finger.bone_pose(), scenario.path[k], time);
+    plain_step.advance(finger.positions(), finger.bone_pose(), scenario.path[k], time);
   }
   Eigen::AlignedBox3d extent;
   for (const Vector3& x : scenario.model->mesh.nodes) extent.extend(x);
@@ -145,13 +145,13 @@ Comparison compare(const Scenario& scenario, std::size_t stride) {
 void time_steps(benchmark::State& state, const Scenario& scenario, std::size_t stride) {
   Comparison comparison, smooth;
   if (stride > 0) {
-    smooth = compare(frictionless(without_features(scenario)), stride);
+    smooth = compare(frictionless(plain(scenario)), stride);
     if (!smooth.agrees()) {
       state.SkipWithError(
           ("without friction the plain step has another answer: " + smooth.text()).c_str());
       return;
     }
-    comparison = compare(without_features(scenario), stride);
+    comparison = compare(plain(scenario), stride);
     if (!comparison.agrees_rubbing()) {
       state.SkipWithError(("the plain step has another answer: " + comparison.text()).c_str());
       return;

@@ -65,5 +65,18 @@ TEST(DilatationPatches, AreConnectedOfOneMaterialAndOfAboutFour) {
   EXPECT_LT(small, members.size() / 8);
 }
 
+// A wearer of another size has the same patches: force would jump with the size.
+TEST(DilatationPatches, AreThoseOfTheMeshWhateverItsSize) {
+  const TetrahedralMesh mesh =
+      testing_support::box_mesh(6, 4, 5, Vector3(-3, -2, -2.5) * 1e-3, Vector3(3, 2, 2.5) * 1e-3);
+  const std::vector<int> material(mesh.tetrahedra.size(), 0);
+  const std::vector<int> patch = dilatation_patches(mesh.nodes, mesh.tetrahedra, material);
+  for (const Vector3& scale : {Vector3(1.1, 0.93, 1.07), Vector3(1.0 + 1e-7, 1.0, 1.0 - 1e-7)}) {
+    std::vector<Vector3> nodes = mesh.nodes;
+    for (Vector3& node : nodes) node = node.cwiseProduct(scale) + Vector3(1e-3, 0.0, -7e-3);
+    EXPECT_EQ(dilatation_patches(nodes, mesh.tetrahedra, material), patch) << scale.transpose();
+  }
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -129,16 +129,16 @@ class SameBits(unittest.TestCase):
         found = sf.fit(FINGER, curve, out=ours, parameters=("youngs_modulus_kPa",))
         self.assertEqual({**found.report, "out": None}, {**report, "out": None})
         self.assertEqual(ours.read_text(), theirs.read_text())
-        self.assertAlmostEqual(found.parameters["youngs_modulus_kPa"].value, 34.0, delta=1.0)
+        self.assertAlmostEqual(found.parameters["youngs_modulus_kPa"].value, 26.0, delta=1.0)
 
     def test_a_sweep_is_the_same_one_by_one(self):
-        files = {34.0: FINGER, 51.0: self.folder / "stiff.toml"}
-        files[51.0].write_text(re.sub("(?m)^youngs_modulus_kPa = .*", "youngs_modulus_kPa = 51.0", FINGER.read_text()).replace(
+        files = {26.0: FINGER, 39.0: self.folder / "stiff.toml"}
+        files[39.0].write_text(re.sub("(?m)^youngs_modulus_kPa = .*", "youngs_modulus_kPa = 39.0", FINGER.read_text()).replace(
             '"index.msh"', f'"{FINGER.parent}/index.msh"'))
         for threads in (1, 2):
             swept = sf.sweep(sf.press, FINGER, to_mm=0.4, steps=2, threads=threads,
-                             vary={"material.youngs_modulus_kPa": np.array([34.0, 51.0]), "bone.mass_g": [10.0, 11.0]})
-            self.assertEqual(swept["material.youngs_modulus_kPa"].tolist(), [34.0] * 4 + [51.0] * 4)
+                             vary={"material.youngs_modulus_kPa": np.array([26.0, 39.0]), "bone.mass_g": [10.0, 11.0]})
+            self.assertEqual(swept["material.youngs_modulus_kPa"].tolist(), [26.0] * 4 + [39.0] * 4)
             self.assertEqual(swept["bone.mass_g"].tolist(), [10.0, 10.0, 11.0, 11.0] * 2)
             for modulus, file in files.items():
                 alone = sf.press(file, to_mm=0.4, steps=2)["normal_force_N"]

@@ -87,7 +87,7 @@ TEST_F(KeptCeiling, IsOfThisFingerDeviceAndLimitAlone) {
   of_finger([](FingerModel& m) { m.strain_limits.min += 1e-6; });
   of_finger([](FingerModel& m) { m.strain_limits.max += 1e-6; });
   of_finger([](FingerModel& m) { m.strain_limits.width += 1e-6; });
-  of_finger([](FingerModel& m) { m.dilatation = Dilatation::kPatch; });
+  of_finger([](FingerModel& m) { m.dilatation = Dilatation::kElement; });
   of_finger([](FingerModel& m) { m.contact_tolerance *= 2.0; });
   of_finger([](FingerModel& m) { m.feature_contact = false; });
   of_finger([](FingerModel& m) { m.mesh.nodes[7].x() += 1e-9; });

@@ -71,7 +71,7 @@ TEST(SkinComparison, OfAFingerWithItselfFindsNothing) {
 }
 
 // What two fingers of one shape and tissue feel of one obstacle at one depth is the same contact.
-// The finer they are the softer, so that their pressures differ by more than their places.
+// Their stresses are those of elements of 1 to 3 mm, and differ by more than their places.
 TEST(SkinComparison, TheSameContactIsTheSameOnAnyMesh) {
   struct Mesh {
     const char* name;
@@ -101,8 +101,8 @@ TEST(SkinComparison, TheSameContactIsTheSameOnAnyMesh) {
           EXPECT_GE(m.iou, row < 4 ? 0.9 : 0.87);
           EXPECT_LT(m.centroid_shift, 0.25 * mm);
           EXPECT_LT(m.pressure_error, 0.3);
-          EXPECT_LT(m.strain_energy_density_error, 0.3);
-          EXPECT_LT(m.stress_error, 0.35);
+          EXPECT_LT(m.strain_energy_density_error, 0.35);
+          EXPECT_LT(m.stress_error, 0.4);
         }
       }
     }
@@ -172,7 +172,7 @@ TEST(SkinComparison, KnowsWhereTheWearerHasNoSkin) {
   SkinComparison comparison(model, bare, SkinComparison::Depth::kSkin);
   const Press at_end = pressed(*model, Indenter::ball(6 * mm, 9 * mm, 0.0), 1 * mm);
   comparison.take_virtual(at_end.contact, {});
-  EXPECT_GT(comparison.cover().touched, 10 * mm2);
+  EXPECT_GT(comparison.cover().touched, 8 * mm2);
   EXPECT_GT(comparison.cover().bare, 0.6 * comparison.cover().touched);
   const Press proximal = pressed(*model, Indenter::ball(6 * mm, 0.0, 0.0), 0.5 * mm);
   comparison.take_virtual(proximal.contact, {});

@@ -148,8 +148,8 @@ class Wearers {
     text = std::regex_replace(text, std::regex("youngs_modulus_kPa = [0-9.]+"),
                               fmt::format("youngs_modulus_kPa = {}", factor));
     // What of index-viscoelastic acts within a press; its fastest part is over at once.
-    text += "\n[[material.relaxation]]\ntime_ms = 70.0\nfraction = 0.127\n";
-    text += "\n[[material.relaxation]]\ntime_ms = 1400.0\nfraction = 0.064\n";
+    text += "\n[[material.relaxation]]\ntime_ms = 70.0\nfraction = 0.209\n";
+    text += "\n[[material.relaxation]]\ntime_ms = 1400.0\nfraction = 0.104\n";
     const FingerSize size = sizes(traits);
     text += fmt::format("\n[size]\nlength_mm = {}\nbreadth_mm = {}\ndepth_mm = {}\n",
                         *size.length / mm, *size.breadth / mm, *size.depth / mm);

@@ -26,7 +26,7 @@ class PressModelTest : public testing::Test {
   /// 0.2 to 0.8 mm into the skin.
   [[nodiscard]] std::vector<Configuration> path_of(const PlannedPress& press) const {
     std::vector<Configuration> path;
-    for (const double depth : {0.4, 0.7, 1.0}) {
+    for (const double depth : {0.43, 0.7, 1.0}) {
       Configuration q = press.tilted;
       device_->advance(press.touch + depth * mm, q);
       path.push_back(q);
