@@ -46,7 +46,7 @@ TEST(OnPlane, EveryDeviceMeetsThePoint) {
   for (const char* name :
        {"thimble-3rrs", "thimble-3rrs-mechanism", "cable-prattichizzo", "plate-6dof", "disk-linear",
         "delta-schorr", "five-bar", "membrane", "roller-provancher", "shear-tactor-gleeson",
-        "slip-ball-webster", "strap-minamizawa"}) {
+        "slip-ball-webster", "slip-wheel-salada", "strap-minamizawa"}) {
     const auto device = device_of_file(name);
     ASSERT_TRUE(takes_plane(*device)) << name;
     const Configuration q = on_plane(*device, plane);

@@ -49,7 +49,8 @@ INSTANTIATE_TEST_SUITE_P(Devices, Clearance,
                          testing::Values("delta-schorr", "roller-provancher", "thimble-3rrs",
                                          "plate-2dof", "plate-6dof", "five-bar",
                                          "shear-tactor-gleeson", "strap-minamizawa",
-                                         "slip-ball-webster"),
+                                         "slip-ball-webster", "slip-wheel-salada",
+                                         "lateral-pins-pasquero"),
                          [](const auto& device) {
                            std::string name = device.param;
                            for (char& c : name) c = c == '-' ? '_' : c;

@@ -36,6 +36,8 @@ TEST(ShearDirections, AreThoseInWhichTheOthersMove) {
   expect("plate-6dof", {1.0, 1.0, 0.0});
   expect("shear-tactor-gleeson", {1.0, 1.0, 0.0});
   expect("slip-ball-webster", {1.0, 1.0, 0.0});
+  expect("slip-wheel-salada", {1.0, 0.0, 0.0});
+  expect("lateral-pins-pasquero", {1.0, 0.0, 0.0});
   expect("strap-minamizawa", {0.0, 1.0, 0.0});
   expect("five-bar", {1.0, 0.0, 0.0});
   expect("roller-provancher", {1.0, 0.0, 0.0});

@@ -130,6 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, ForceCeilingOf,
                                            LimitedDevice{"five-bar", 2.0, 0.6},
                                            LimitedDevice{"strap-minamizawa", 4.0, 0.6},
                                            LimitedDevice{"slip-ball-webster", 3.0, 0.9},
+                                           LimitedDevice{"slip-wheel-salada", 3.0, 0.9},
                                            LimitedDevice{"plate-2dof", 5.0, 0.8},
                                            LimitedDevice{"pins-wagner-6x6", 0.5, 0.85}),
                          [](const auto& each) {

@@ -184,7 +184,9 @@ INSTANTIATE_TEST_SUITE_P(
                     ShearDevice{"five-bar", Vector3::UnitX(), 0.5},
                     ShearDevice{"shear-tactor-gleeson", Vector3(0.6, 0.8, 0.0), 0.4},
                     ShearDevice{"strap-minamizawa", Vector3::UnitY(), 0.7},
-                    ShearDevice{"slip-ball-webster", Vector3(0.6, 0.8, 0.0), 0.3}),
+                    ShearDevice{"slip-ball-webster", Vector3(0.6, 0.8, 0.0), 0.3},
+                    ShearDevice{"slip-wheel-salada", Vector3::UnitX(), 0.4},
+                    ShearDevice{"lateral-pins-pasquero", Vector3::UnitX(), 0.8}),
     [](const auto& device) {
       std::string name = device.param.name;
       std::replace(name.begin(), name.end(), '-', '_');
