@@ -50,7 +50,7 @@ async function seenMoving(page, picture) {
 
 async function twinTouches(page) {
   await page.waitForFunction(() => Number(document.body.dataset.twinContacts) > 2 &&
-    Number(document.body.dataset.iou) > 0.1);
+    Number(document.body.dataset.iou) > 0.01);
 }
 
 onPage("pins-wagner-6x6", "pin_array", async (page, picture) => {
