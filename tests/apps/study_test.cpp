@@ -107,7 +107,7 @@ TEST_F(StudyCommand, WhateverIsKilledItGoesOn) {
     for (int i = 0; i < 2000 && !fs::exists(journal); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20 + 23 * k));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + 60 * k));
     static_cast<void>(program.stop(SIGKILL));
   }
   const ProgramRun last = run_program(into("killed"));
