@@ -117,6 +117,35 @@ TEST(RigidMotion, ACylinderRollsOnWithoutGainOrBumps) {
   }
 }
 
+// Its rims' points may be on either side of a ball, whose own point bears it then.
+TEST(RigidMotion, ACylinderRestsOnBallsHoweverItIsTurned) {
+  const double radius = 16.0 * mm;
+  const double ball = 6.0 * mm;
+  std::vector<VirtualObject> objects;
+  for (const double side : {-0.5, 0.5}) {
+    for (const double end : {-19.0 * mm, 19.0 * mm}) {
+      objects.push_back(
+          still("ball", Ball{ball},
+                Vector3((radius + ball) * std::sin(side), end, -(radius + ball) * std::cos(side))));
+    }
+  }
+  for (int turned = 0; turned <= 6; ++turned) {
+    VirtualObject cylinder =
+        loose("cylinder", RoundedCylinder{radius, 20.0 * mm, 1.0 * mm}, Vector3::Zero(), 0.05);
+    cylinder.motion = Trajectory(Pose{exp_rotation(Vector3(0.5 * std::numbers::pi, 0.0, 0.0)) *
+                                          exp_rotation(Vector3(0.0, 0.0, 0.5 * turned * deg)),
+                                      Vector3(0.0, 0.0, 0.0)});
+    objects.push_back(cylinder);
+    Play play(objects);
+    play.run(0.5);
+    EXPECT_LT(play.state(4).X_WO.translation.z(), 0.0) << turned;
+    EXPECT_GT(play.state(4).X_WO.translation.z(), -2e-6) << turned;
+    EXPECT_LT(play.state(4).velocity.norm(), 1e-6) << turned;
+    EXPECT_EQ(play.unconverged(), 0) << turned;
+    objects.pop_back();
+  }
+}
+
 // Whatever is between them: contact is as stiff as the heaviest object wants.
 TEST(RigidMotion, AHeavyObjectDoesNotPressALightOneIntoTheTable) {
   Play play({still("table", HalfSpace{}),

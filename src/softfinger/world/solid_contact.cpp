@@ -139,16 +139,16 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
     Vector3 centre_on = X_on_of * point.centre_O;
     if (near.exteriorDistance(centre_on) > point.radius) continue;
     SignedDistance at = distance_and_gradient(shape, centre_on);
+    Memory* const memory = memory_of(pair.of, i, pair.on);
     Place place{point.centre_O};
     if (point.spacing > 0.0) {
       place = place_of(point, expected.transpose() * at.gradient);
+      if (place.share < kLeastShare) {
+        if (memory != nullptr) *memory = Memory{};
+        continue;
+      }
       centre_on = X_on_of * place.centre_O;
       at = distance_and_gradient(shape, centre_on);
-    }
-    Memory* const memory = memory_of(pair.of, i, pair.on);
-    if (place.share < kLeastShare) {
-      if (memory != nullptr) *memory = Memory{};
-      continue;
     }
     if (at.distance - point.radius > reach && memory == nullptr) continue;
     if (candidate_count_ == candidates_.size()) return;

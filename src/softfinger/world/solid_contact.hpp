@@ -23,7 +23,8 @@ namespace softfinger {
 /// see update_limits().
 ///
 /// Of a rim that leans the two points next to its deepest place are there in each step, as it is
-/// expected, and share what it bears: else what rolls would roll on a polygon.
+/// expected, and share what it bears: else what rolls would roll on a polygon. On what is round
+/// itself they may bear less, down to nothing midway; then the other object's own points bear it.
 ///
 /// What is deeper inside another at the start of a step than it could part in it at kParting is let
 /// be there so far: objects that start inside each other part at that speed.
