@@ -157,8 +157,8 @@ void expect_on_plane(const Exploration& plane, const std::vector<TickFrame>& fra
 
 TEST_P(PaperFigures, OnThePlaneThePlatformIsThePlaneAndFollowsDepthSmoothly) {
   const Exploration plane(GetParam(), "plane");
-  // For the force as well it may lean; people notice 7.1 degrees (Panarese and Edin 2011).
-  expect_on_plane(plane, plane.shipped(), 1.6);
+  // For the force as well it leans a little on the coarse mesh.
+  expect_on_plane(plane, plane.shipped(), GetParam() == std::string("index") ? 1.6 : 1.0);
   expect_on_plane(plane, plane.published(), 1.3);
 }
 
