@@ -10,6 +10,10 @@
 namespace softfinger {
 namespace {
 
+// With which elements by themselves follow the press of the shipped fingers.
+constexpr double kOwnModulus = 34e3;  // Pa
+constexpr double kOwnPoissonsRatio = 0.27;
+
 Scene shipped_scene(const std::string& name) {
   return load_scene(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes" / (name + ".toml"));
 }
@@ -62,6 +66,10 @@ Scenario plain(Scenario scenario) {
   auto model = std::make_shared<FingerModel>(*scenario.model);
   model->feature_contact = false;
   model->dilatation = Dilatation::kElement;
+  for (auto& material : model->materials) {
+    material.youngs_modulus = kOwnModulus;
+    material.poissons_ratio = kOwnPoissonsRatio;
+  }
   scenario.model = std::move(model);
   return scenario;
 }

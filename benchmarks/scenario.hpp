@@ -27,8 +27,8 @@ struct Scenario {
 /// The soak test's violent motion on the shipped edge, rounded by 1 mm: a tracked pose that jumps,
 /// followed no faster than 1 m/s by any point within 15 mm of it.
 [[nodiscard]] Scenario violent_on_edge(const std::string& finger, double time_step, int steps);
-/// The same path with contact at the samples only, and each element's own change of volume: what
-/// the plain step knows.
+/// The same path with contact at the samples only, and each element's own change of volume,
+/// with constants at which that does not lock: what the plain step knows.
 [[nodiscard]] Scenario plain(Scenario scenario);
 /// The same path without friction.
 [[nodiscard]] Scenario frictionless(Scenario scenario);
