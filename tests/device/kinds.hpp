@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -41,11 +42,16 @@ inline Configuration random_configuration(const Device& device, std::mt19937& ra
   return q;
 }
 
+/// One in the workspace. Of many axes without limits of their own hardly a draw is within all:
+/// nearer home, then.
 inline Configuration random_reachable(const Device& device, std::mt19937& random) {
-  for (;;) {
-    const Configuration q = random_configuration(device, random);
+  for (int tried = 0; tried < 1000; ++tried) {
+    const double spread = std::exp2(-tried / 20);
+    const Configuration q =
+        device.home() + spread * (random_configuration(device, random) - device.home());
     if (device.reachable(q)) return q;
   }
+  throw std::logic_error("random_reachable: nothing near home is reachable");
 }
 
 /// A point about where a finger pad meets the device.
