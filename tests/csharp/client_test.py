@@ -176,7 +176,7 @@ class Client(unittest.TestCase):
             self.passes("soft", address)
 
     def test_events_of_objects_are_told(self):
-        with mono.softfinger(PROGRAM, ROOT / "scenes/button.toml", *PLATE) as address:
+        with mono.softfinger(PROGRAM, ROOT / "scenes/button.toml", *PLATE, "--repeat") as address:
             self.passes("events", address)
 
     def test_a_hand_moves_the_finger(self):
