@@ -42,6 +42,10 @@ class Unity(unittest.TestCase):
         with mono.softfinger(PROGRAM, ROOT / "scenes/sponge.toml", *PLATES) as address:
             self.passes("soft", address)
 
+    def test_what_happens_to_objects_comes_as_events(self):
+        with mono.softfinger(PROGRAM, ROOT / "scenes/button.toml", "--device", PLATE, "--repeat") as address:
+            self.passes("events", address)
+
     def test_a_finger_follows_a_transform(self):
         with mono.softfinger(PROGRAM, PLANE, "--device", PLATE, "--tracker", "page") as address:
             self.passes("move", address)

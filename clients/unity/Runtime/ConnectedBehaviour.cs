@@ -2,7 +2,7 @@ using UnityEngine;
 
 namespace Softfinger.Unity
 {
-    /// <summary>What a connection tells of scenes and snapshots: the one named, or the nearest above in the hierarchy.</summary>
+    /// <summary>What a connection tells of scenes, snapshots and objects: the one named, or the nearest above in the hierarchy.</summary>
     public abstract class ConnectedBehaviour : MonoBehaviour
     {
         [SerializeField, Tooltip("Empty: of a parent")]
@@ -17,6 +17,7 @@ namespace Softfinger.Unity
 
         protected virtual void OnScene(Scene scene) { }
         protected virtual void OnSnapshot(Snapshot snapshot) { }
+        protected virtual void OnEvent(ObjectEvents.Event happened) { }
 
         protected virtual void OnEnable()
         {
@@ -29,6 +30,7 @@ namespace Softfinger.Unity
             }
             connection.SceneBegan += OnScene;
             connection.SnapshotCame += OnSnapshot;
+            connection.Happened += OnEvent;
             if (connection.Scene != null) OnScene(connection.Scene);
             if (connection.Snapshot != null) OnSnapshot(connection.Snapshot);
         }
@@ -38,6 +40,7 @@ namespace Softfinger.Unity
             if (connection == null) return;
             connection.SceneBegan -= OnScene;
             connection.SnapshotCame -= OnSnapshot;
+            connection.Happened -= OnEvent;
         }
     }
 }

@@ -14,7 +14,7 @@ namespace Softfinger.Unity
     [AddComponentMenu("softfinger/Connection")]
     public sealed class SoftfingerConnection : MonoBehaviour
     {
-        const int MostLines = 100;
+        const int MostLines = 100, MostEvents = 256;
 
         [SerializeField, Tooltip("As softfinger prints it, with its token")]
         string address = "http://127.0.0.1:8080";
@@ -22,10 +22,13 @@ namespace Softfinger.Unity
         [SerializeField, Tooltip("s, between attempts to connect")]
         float retry_s = 1;
 
+        static readonly ObjectEvents.Event[] Nothing = new ObjectEvents.Event[0];
         readonly object gate = new object();
         readonly Queue<string> lines = new Queue<string>();
+        readonly Queue<ObjectEvents.Event> events = new Queue<ObjectEvents.Event>();
         Scene nextScene;
         Snapshot nextSnapshot;
+        long generation;
         Client client;
         CancellationTokenSource end;
         string lastFailure;
@@ -46,6 +49,9 @@ namespace Softfinger.Unity
 
         public event Action<Scene> SceneBegan;
         public event Action<Snapshot> SnapshotCame;
+
+        /// <summary>What happened to an object that moves by forces, each once; where a frame takes long, the newest 256.</summary>
+        public event Action<ObjectEvents.Event> Happened;
 
         /// <summary>A line that people should read: what softfinger says, or what is wrong with the connection.</summary>
         public event Action<string> Said;
@@ -159,8 +165,7 @@ namespace Softfinger.Unity
                 {
                     if (until.IsCancellationRequested) return;
                     client = connected;
-                    nextScene = connected.Scene;
-                    nextSnapshot = null;
+                    Begin(connected.Scene);
                     lastFailure = null;
                 }
                 try
@@ -177,16 +182,26 @@ namespace Softfinger.Unity
             }
         }
 
+        /// <summary>What belongs to the scene before is over.</summary>
+        void Begin(Scene scene)
+        {
+            nextScene = scene;
+            generation = scene.Generation;
+            nextSnapshot = null;
+            events.Clear();
+        }
+
         void Take(Message message)
         {
             lock (gate)
             {
-                if (message is Scene scene)
-                {
-                    nextScene = scene;
-                    nextSnapshot = null;
-                }
+                if (message is Scene scene) Begin(scene);
                 else if (message is Snapshot snapshot) nextSnapshot = snapshot;
+                else if (message is ObjectEvents happened && happened.Generation == generation)
+                {
+                    foreach (ObjectEvents.Event one in happened.Events) events.Enqueue(one);
+                    while (events.Count > MostEvents) events.Dequeue();
+                }
                 else if (message is Notifications told)
                 {
                     foreach (string line in told.Lines) Say(line);
@@ -215,12 +230,15 @@ namespace Softfinger.Unity
         {
             Scene scene;
             Snapshot snapshot;
+            ObjectEvents.Event[] happened;
             lock (gate)
             {
                 scene = nextScene;
                 snapshot = nextSnapshot;
+                happened = events.Count > 0 ? events.ToArray() : Nothing;
                 nextScene = null;
                 nextSnapshot = null;
+                events.Clear();
             }
             if (scene != null)
             {
@@ -228,6 +246,7 @@ namespace Softfinger.Unity
                 Snapshot = null;
                 SceneBegan?.Invoke(scene);
             }
+            foreach (ObjectEvents.Event one in happened) Happened?.Invoke(one);
             if (snapshot != null)
             {
                 Snapshot = snapshot;

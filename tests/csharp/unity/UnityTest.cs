@@ -25,6 +25,7 @@ static class UnityTest
             });
             case "show": return Check.Status(() => Show(where));
             case "soft": return Check.Status(() => ShowSoft(where));
+            case "events": return Check.Status(() => OfObjects(where));
             case "move": return Check.Status(() => MoveFinger(where));
             case "hand": return Check.Status(() => MoveHand(where));
             case "nobody": return Check.Status(() => Nobody(where));
@@ -227,6 +228,53 @@ static class UnityTest
         Check.That(moved < 2e-2f, $"by {moved} m");
         Check.Equal(mesh.NormalsOf, rest.Length, "normals");
         World.End();
+    }
+
+    /// <summary>A script presses a button: who listens to the button, to the finger on it, to another object.</summary>
+    static void OfObjects(string address)
+    {
+        SoftfingerConnection connection = Connect(address);
+        EventsOfObject all = Events(connection, "", ""), button = Events(connection, "button", "index"), finger = Events(connection, "index", "");
+        EventsOfObject nobody = Events(connection, "knob", ""), withNobody = Events(connection, "button", "thumb");
+        var told = new List<string>();
+        double impulse_N_s = 0, pressedAt_N_s = 0;
+        connection.Happened += happened =>
+        {
+            told.Add(happened.Kind);
+            Check.Equal(happened.Object, "button", "object");
+            Check.That(happened.Time_s > 0, "time");
+        };
+        int impacts = 0, releases = 0, clicks = 0, fingers = 0, others = 0, ofAll = 0;
+        button.Impact.AddListener(newtonSeconds =>
+        {
+            ++impacts;
+            impulse_N_s = newtonSeconds;
+        });
+        button.Release.AddListener(() => ++releases);
+        Events(connection, "button", "").Click.AddListener(newtonSeconds =>
+        {
+            ++clicks;
+            pressedAt_N_s = newtonSeconds;
+        });
+        all.Impact.AddListener(_ => ++ofAll);
+        finger.Impact.AddListener(_ => ++fingers);
+        nobody.Impact.AddListener(_ => ++others);
+        withNobody.Impact.AddListener(_ => ++others);
+        Until(() => told.FindAll(kind => kind == "click").Count >= 2 && told.Contains("impact") && told.Contains("release"), "pressed and let go");
+        Check.Equal(impacts, told.FindAll(kind => kind == "impact").Count, "impacts");
+        Check.Equal(releases, told.FindAll(kind => kind == "release").Count, "releases");
+        Check.Equal(clicks, told.FindAll(kind => kind == "click").Count, "clicks");
+        Check.That(impulse_N_s > 0 && !double.IsNaN(pressedAt_N_s), $"{impulse_N_s} and {pressedAt_N_s} N s");
+        Check.That(ofAll == impacts && fingers == impacts && others == 0, "each hears of its own");
+        World.End();
+    }
+
+    static EventsOfObject Events(SoftfingerConnection connection, string of, string other)
+    {
+        EventsOfObject made = Make<EventsOfObject>(connection.transform);
+        made.ObjectName = of;
+        made.Other = other;
+        return made;
     }
 
     static T Find<T>() where T : Component
