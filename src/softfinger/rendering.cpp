@@ -101,7 +101,8 @@ struct Rendering::Implementation {
     }
     if (options.threads > 1) team.emplace(options.threads);
     ThreadTeam* const shared = team ? &*team : nullptr;
-    together.emplace(setup->scene.objects, setup->scene.gravity, rate, shared);
+    together.emplace(setup->scene.objects, setup->scene.gravity, rate, shared,
+                     options.record_state && !options.recording.empty());
     for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {
       fingers.push_back(std::make_unique<RenderedFinger>(*setup, i, options, shared));
       together->add(fingers.back()->chain());
@@ -117,7 +118,7 @@ struct Rendering::Implementation {
     recording = std::make_unique<RecordingWriter>(
         options.recording, info_of(*whole, options),
         options.open_device ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
-        largest);
+        largest, LogLimits{}, together->largest_object());
   }
 
   ~Implementation() {

@@ -40,12 +40,14 @@ class Exported(unittest.TestCase):
         cls.one = Exports(recordings.record_one_finger, folder)
         cls.two = Exports(recordings.record_two_fingers, folder)
         cls.button = Exports(recordings.record_button, folder)
+        cls.sponge = Exports(recordings.record_sponge, folder)
 
     @classmethod
     def tearDownClass(cls):
         cls.one.h5.close()
         cls.two.h5.close()
         cls.button.h5.close()
+        cls.sponge.h5.close()
         cls.temporary.cleanup()
 
     def assertSameBits(self, found, expected):
@@ -137,6 +139,21 @@ class Exported(unittest.TestCase):
         gaps = samples[:, 3] / MM
         self.assertSameBits(self.one.h5["samples/gap_mm"], np.where(np.isfinite(gaps), gaps, np.nan))
         self.assertSameBits(self.one.h5["samples/in_contact"], samples[:, 7])
+
+    def test_nodes_of_soft_objects_to_the_last_bit(self):
+        self.assertIn("object_nodes", self.sponge.h5)
+        self.assertNotIn("object_nodes", self.button.h5)
+        self.check_table(self.sponge.h5["object_nodes"], self.sponge.csv / "object_nodes.csv")
+        states = recordings.rows(self.sponge.recording, "object_states", "step, object")
+        nodes = [np.reshape(recordings.doubles(s["nodes"]), (-1, 3)) for s in states]
+        self.assertEqual(len(nodes), 501)
+        self.assertGreater(np.abs(nodes[-1] - nodes[0]).max(), 1e-4)
+        table = self.sponge.h5["object_nodes"]
+        for k, axis in enumerate("xyz"):
+            self.assertSameBits(table[f"{axis}_mm"], np.add(np.concatenate(nodes)[:, k] / MM, 0.0))
+        self.assertSameBits(table["node"], np.tile(np.arange(len(nodes[0])), len(nodes)))
+        self.assertSameBits(table["time_s"], np.repeat([s["step"] / 1000.0 for s in states], len(nodes[0])))
+        self.assertEqual(set(table["object"].asstr()[:]), {"sponge"})
 
     def test_attributes_say_what_was_run(self):
         one, two = self.one.h5.attrs, self.two.h5.attrs

@@ -62,13 +62,14 @@ class Exported(unittest.TestCase):
         folder = pathlib.Path(cls.temporary.name)
         cls.recordings = [recordings.record_one_finger(PROGRAM, ROOT, folder),
                           recordings.record_two_fingers(PROGRAM, ROOT, folder),
-                          recordings.record_button(PROGRAM, ROOT, folder)]
+                          recordings.record_button(PROGRAM, ROOT, folder),
+                          recordings.record_sponge(PROGRAM, ROOT, folder)]
         files = [recording.with_suffix(".mcap") for recording in cls.recordings]
         for recording, file in zip(cls.recordings, files):
             recordings.run(PROGRAM, "export", recording, "--to", file)
-        cls.one, cls.two, cls.button = read(*files)
-        cls.steps, cls.two_steps, _ = (recordings.rows(r, "steps", "step, finger") for r in cls.recordings)
-        cls.ticks, cls.two_ticks, _ = (recordings.rows(r, "ticks", "step, finger, tick") for r in cls.recordings)
+        cls.one, cls.two, cls.button, cls.sponge = read(*files)
+        cls.steps, cls.two_steps, *_ = (recordings.rows(r, "steps", "step, finger") for r in cls.recordings)
+        cls.ticks, cls.two_ticks, *_ = (recordings.rows(r, "ticks", "step, finger, tick") for r in cls.recordings)
 
     @classmethod
     def tearDownClass(cls):
@@ -138,6 +139,19 @@ class Exported(unittest.TestCase):
         self.assertEqual([time for time, _ in told], [round(event["time_s"] * 1e9) for event in events])
         self.assertEqual(told[0][1], f"impact: button and index, {events[0]['impulse_N_s']:.3g} N s")
         self.assertTrue(any(text.startswith("click: button") for _, text in told), told)
+
+    def test_nodes_of_soft_objects(self):
+        self.assertEqual([topic for topic in self.sponge["channels"] if topic.endswith("/nodes")], ["/object_sponge/nodes"])
+        states = recordings.rows(self.recordings[3], "object_states", "step, object")
+        clouds = self.messages(self.sponge, "/object_sponge/nodes")
+        self.assertEqual(len(clouds), 501)
+        self.assertEqual([m["time"] for m in clouds], [1_000_000 * s["step"] for s in states])
+        for message, state in list(zip(clouds, states))[::100]:
+            cloud = message["value"]
+            self.assertEqual([(f["name"], f["offset"], f["datatype"]) for f in cloud["fields"]], [("x", 0, 8), ("y", 8, 8), ("z", 16, 8)])
+            self.assertEqual((cloud["header"]["frame_id"], cloud["point_step"]), ("world", 24))
+            nodes = recordings.doubles(state["nodes"])
+            self.assertEqual(struct.unpack(f"<{3 * cloud['width']}d", bytes.fromhex(cloud["data"])), nodes)
 
     def test_forces(self):
         wrenches = self.messages(self.one, "/wrench")

@@ -69,6 +69,14 @@ def record_button(program, root, folder):
     return file
 
 
+def record_sponge(program, root, folder):
+    """Something soft between two fingers, with the whole state."""
+    file = folder / "sponge.sqlite"
+    run(program, "run", root / "scenes/sponge.toml", "--headless", "--as-fast-as-possible", "--duration-s", "0.5", "--record", file,
+        "--record-state")
+    return file
+
+
 def rows(file, table, order):
     """The rows of a table, by name of their columns."""
     recording = sqlite3.connect(file)

@@ -10,15 +10,17 @@
 namespace softfinger {
 
 SceneLoop::SceneLoop(std::span<const VirtualObject> objects, const Vector3& gravity,
-                     double simulation_rate, ThreadTeam* team)
-    : objects_(objects), simulation_rate_(simulation_rate), team_(team) {
+                     double simulation_rate, ThreadTeam* team, bool with_state)
+    : objects_(objects), simulation_rate_(simulation_rate), team_(team), with_state_(with_state) {
   const auto moves = [](const VirtualObject& object) { return object.moves_by_forces(); };
   if (std::ranges::none_of(objects, moves)) return;
   world_.emplace(objects, gravity, 1.0 / simulation_rate, team);
   events_.reserve(WorldEvents::kMostOpen);
   for (std::size_t o = 0; o < objects.size(); ++o) {
     if (!moves(objects[o])) continue;
-    records_.emplace_back().object = static_cast<std::int64_t>(o);
+    ObjectRecord& record = records_.emplace_back();
+    record.object = static_cast<std::int64_t>(o);
+    if (with_state) record.nodes_W.resize(world_->nodes(o).size());
   }
 }
 
@@ -94,6 +96,12 @@ std::span<const Vector3> SceneLoop::object_nodes(std::size_t object) const {
   return world_ ? world_->nodes(object) : std::span<const Vector3>();
 }
 
+ObjectRecord SceneLoop::largest_object() const {
+  const auto size = [](const ObjectRecord& record) { return record.nodes_W.size(); };
+  const auto largest = std::ranges::max_element(records_, {}, size);
+  return largest == records_.end() ? ObjectRecord{} : *largest;
+}
+
 void SceneLoop::record_events() {
   events_.clear();
   for (const WorldEvent& event : world_->events()) {
@@ -116,6 +124,10 @@ void SceneLoop::record() {
     record.velocity = state.velocity;
     record.angular_velocity = state.angular_velocity;
     record.joint = state.has_joint ? state.joint : std::numeric_limits<double>::quiet_NaN();
+    if (with_state_) {
+      const std::span<const Vector3> nodes = object_nodes(static_cast<std::size_t>(record.object));
+      record.nodes_W.assign(nodes.begin(), nodes.end());
+    }
   }
 }
 

@@ -15,9 +15,10 @@ namespace softfinger {
 class SceneLoop {
  public:
   /// `objects` must outlive the loop, as must the `team` that chains are shared out to; null: they
-  /// follow one another. gravity in m/s^2, W; simulation_rate in Hz. Throws InputError, see World.
+  /// follow one another. gravity in m/s^2, W; simulation_rate in Hz. `with_state`: records of soft
+  /// objects carry their nodes. Throws InputError, see World.
   SceneLoop(std::span<const VirtualObject> objects, const Vector3& gravity, double simulation_rate,
-            ThreadTeam* team);
+            ThreadTeam* team, bool with_state = false);
   /// In the order of the scene; each must outlive the loop.
   void add(FingerChain& chain);
 
@@ -38,6 +39,8 @@ class SceneLoop {
   [[nodiscard]] std::span<const Vector3> object_nodes(std::size_t object) const;
   /// A row for each object that moves by forces, in their order, after the last step.
   [[nodiscard]] std::span<const ObjectRecord> objects() const { return records_; }
+  /// One that has the size of any of these.
+  [[nodiscard]] ObjectRecord largest_object() const;
   /// What the last step, or the end, tells of them.
   [[nodiscard]] std::span<const EventRecord> events() const { return events_; }
   /// No step follows: events() tells what is open.
@@ -52,6 +55,7 @@ class SceneLoop {
   std::span<const VirtualObject> objects_;
   double simulation_rate_;
   ThreadTeam* team_;
+  bool with_state_;
   std::optional<World> world_;
   std::vector<FingerChain*> chains_;
   std::vector<std::uint8_t> takes_part_;        ///< by chain

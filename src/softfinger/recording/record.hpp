@@ -110,6 +110,7 @@ struct ObjectRecord {
   Vector3 angular_velocity = Vector3::Zero();  ///< W, rad/s
   /// Of a slider (m) or hinge (rad); NaN: it has neither.
   double joint = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Vector3> nodes_W;  ///< of a soft one, with the whole state recorded; else empty; m
 };
 
 /// Something that happened to an object that moves, as told in a step; what is told after the last

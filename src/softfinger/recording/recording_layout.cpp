@@ -24,6 +24,8 @@ create table messages(number integer primary key, step integer not null, time_s 
   since_start_s real not null, message text not null);
 create table states(step integer not null, finger integer not null, nodes blob not null,
   samples blob not null, primary key(step, finger)) without rowid;
+create table object_states(step integer not null, object integer not null, nodes blob not null,
+  primary key(step, object)) without rowid;
 )sql";
 
 // NaN is null, and a blob of doubles may be empty.

@@ -174,6 +174,10 @@ struct RecordingReader::Database {
     if (!of_objects.empty()) {
       objects.emplace(connection, recording_layout::object_query(of_objects));
     }
+    if (!columns_of("object_states").empty()) {
+      object_states.emplace(connection,
+                            "select nodes from object_states where step = ? and object = ?");
+    }
     const std::set<std::string> of_events = columns_of("events");
     if (!of_events.empty()) events.emplace(connection, recording_layout::event_query(of_events));
   }
@@ -267,7 +271,7 @@ struct RecordingReader::Database {
   }
 
   SqliteDatabase connection;
-  std::optional<SqliteStatement> steps, states, ticks, objects, events;
+  std::optional<SqliteStatement> steps, states, ticks, objects, object_states, events;
   bool with_state = false;
 };
 
@@ -414,7 +418,19 @@ bool RecordingReader::next(StepRecord& r) {
 
 bool RecordingReader::next(ObjectRecord& r) {
   try {
-    return database_->objects && read_next(*database_->objects, info_, r);
+    if (!database_->objects || !read_next(*database_->objects, info_, r)) return false;
+    r.nodes_W.clear();
+    if (database_->with_state && database_->object_states) {
+      SqliteStatement& state = *database_->object_states;
+      state.bind(0, r.step);
+      state.bind(1, r.object);
+      if (state.next()) {
+        read_rows(state.bytes(0), r.nodes_W);
+        while (state.next()) {
+        }
+      }
+    }
+    return true;
   } catch (const SqliteFailure&) {
     fail();
   }

@@ -156,7 +156,9 @@ class Export {
       write_objects();
       write_events();
     }
-    if (reader_.info().with_state) write_states();
+    if (!reader_.info().with_state) return;
+    write_states();
+    if (!reader_.info().objects.empty()) write_object_states();
   }
 
  private:
@@ -316,24 +318,19 @@ class Export {
 
   void write_objects() {
     reader_.rewind();
-    std::vector<std::string> names;
-    for (const RecordingInfo::Object& object : reader_.info().objects) {
-      names.push_back(object.name);
-    }
-    Columns columns{{.name = "time_s"}, words_of("object", names)};
+    Columns columns{{.name = "time_s"}, words_of("object", moving_names())};
     add(columns, columns_of(CsvFile::kObjects));
     columns.push_back({.name = "joint", .unit = "mm or deg"});
     const auto table = store_.open("objects", columns);
     ObjectRecord record;
     while (reader_.next(record)) {
-      const auto object =
-          std::ranges::find(reader_.info().objects, record.object, &RecordingInfo::Object::object);
+      const RecordingInfo::Object& object = object_of(record);
       table->number(record.time);
-      table->words(object->name);
+      table->words(object.name);
       for_each_field(kObjectFields, [&](const auto& field) {
         if (field.use.csv.file == CsvFile::kObjects) write_field(*table, field, record);
       });
-      table->number(record.joint / unit_scale("_" + object->joint_unit));
+      table->number(record.joint / unit_scale("_" + object.joint_unit));
       table->end_row();
     }
     table->close();
@@ -391,6 +388,39 @@ class Export {
     }
     nodes->close();
     samples->close();
+  }
+
+  void write_object_states() {
+    reader_.rewind();
+    Columns columns{{.name = "time_s"}, words_of("object", moving_names())};
+    add_numbers(columns, "node,x_mm,y_mm,z_mm");
+    std::unique_ptr<TableWriter> table;  // where anything is soft
+    ObjectRecord record;
+    while (reader_.next(record)) {
+      for (std::size_t i = 0; i < record.nodes_W.size(); ++i) {
+        if (!table) table = store_.open("object_nodes", columns);
+        table->number(record.time);
+        table->words(object_of(record).name);
+        table->number(static_cast<double>(i));
+        write_vector(*table, record.nodes_W[i], mm);
+        table->end_row();
+      }
+    }
+    if (table) table->close();
+  }
+
+  /// Of the objects that move by forces.
+  [[nodiscard]] std::vector<std::string> moving_names() const {
+    std::vector<std::string> names;
+    for (const RecordingInfo::Object& object : reader_.info().objects) {
+      names.push_back(object.name);
+    }
+    return names;
+  }
+
+  [[nodiscard]] const RecordingInfo::Object& object_of(const ObjectRecord& record) const {
+    return *std::ranges::find(reader_.info().objects, record.object,
+                              &RecordingInfo::Object::object);
   }
 
   RecordingReader& reader_;

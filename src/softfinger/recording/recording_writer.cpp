@@ -24,7 +24,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kStepCapacity = 8192;
 constexpr std::size_t kStateStepCapacity = 512;
 constexpr std::size_t kTickCapacity = 256;
-constexpr std::size_t kObjectCapacity = 1024;  // for each object
+constexpr std::size_t kObjectCapacity = 1024;  // for each object; as for steps
+constexpr std::size_t kStateObjectCapacity = 128;
 constexpr std::size_t kObjectsARound = 1024;
 constexpr std::size_t kEventCapacity = 4096;
 constexpr std::size_t kStepsARound = 64;  // of a round
@@ -112,6 +113,7 @@ struct RecordingWriter::Database {
     insert_object.emplace(connection, recording_layout::insert_object());
     insert_event.emplace(connection, recording_layout::insert_event());
     insert_state.emplace(connection, recording_layout::insert_into("states", 4));
+    insert_object_state.emplace(connection, recording_layout::insert_into("object_states", 3));
     insert_message.emplace(connection, recording_layout::insert_into("messages", 5));
   }
 
@@ -124,6 +126,7 @@ struct RecordingWriter::Database {
     insert_object.reset();
     insert_event.reset();
     insert_state.reset();
+    insert_object_state.reset();
     insert_message.reset();
     try {
       connection.execute("pragma journal_mode = delete");
@@ -219,7 +222,14 @@ struct RecordingWriter::Database {
 
   void write(const TickRecord& r) { insert(*insert_tick, kTickFields, r, servo_step_of(r.finger)); }
 
-  void write(const ObjectRecord& r) { insert(*insert_object, kObjectFields, r, 1.0); }
+  void write(const ObjectRecord& r) {
+    insert(*insert_object, kObjectFields, r, 1.0);
+    if (r.nodes_W.empty()) return;
+    insert_object_state->bind(0, r.step);
+    insert_object_state->bind(1, r.object);
+    insert_object_state->bind_blob(2, r.nodes_W.data(), r.nodes_W.size() * sizeof(Vector3));
+    insert_object_state->run();
+  }
   void write(const EventRecord& r) { insert(*insert_event, kEventFields, r, 1.0); }
 
   void write(const RecordedMessage& message) {
@@ -251,7 +261,7 @@ struct RecordingWriter::Database {
   SqliteDatabase connection;
   std::vector<double> servo_steps;  ///< of the fingers
   std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_object, insert_event,
-      insert_state, insert_message;
+      insert_state, insert_object_state, insert_message;
   std::int64_t messages = 0;  ///< written
   bool in_transaction = true;
   bool syncs_header = true;  ///< of the log, where it begins anew
@@ -260,11 +270,13 @@ struct RecordingWriter::Database {
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingInfo& info,
                                  WhenFull when_full, const StepRecord& step_prototype,
-                                 LogLimits log)
+                                 LogLimits log, const ObjectRecord& object_prototype)
     : file_(file),
       when_full_(when_full),
       steps_(info.with_state ? kStateStepCapacity : kStepCapacity, step_prototype),
-      objects_(std::max<std::size_t>(1, info.objects.size()) * kObjectCapacity),
+      objects_(std::max<std::size_t>(1, info.objects.size()) *
+                   (info.with_state ? kStateObjectCapacity : kObjectCapacity),
+               object_prototype),
       events_(info.objects.empty() ? 1 : kEventCapacity) {
   create_empty(file);
   for (std::size_t i = 0; i < info.fingers.size(); ++i) {

@@ -45,16 +45,18 @@ void refuse_unless_recordable(const std::filesystem::path& file);
 ///                                   RecordedMessage a row
 ///     states(step, finger, nodes, samples)   with_state only; float64 blobs, row by row:
 ///                                   nodes x y z in W; samples x y z gap fx fy fz in_contact in F
+///     object_states(step, object, nodes)     with_state only, of soft objects; likewise
 class RecordingWriter {
  public:
   /// What a producer does where its ring is full: a headless run waits, a live run never does.
   enum class WhenFull { kWait, kDrop };
   static constexpr double kCommitInterval = 0.05;  ///< s, wall time
 
-  /// Creates the file. `step_prototype` has the sizes of the largest nodes_W and samples.
+  /// Creates the file. The prototypes have the sizes of the largest nodes_W and samples.
   /// Throws InputError where the file exists or cannot be created.
   RecordingWriter(const std::filesystem::path& file, const RecordingInfo& info, WhenFull when_full,
-                  const StepRecord& step_prototype, LogLimits log = {});
+                  const StepRecord& step_prototype, LogLimits log = {},
+                  const ObjectRecord& object_prototype = {});
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;

@@ -31,7 +31,7 @@ class Replayer {
  public:
   Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
     const Scene& scene = setup_->scene;
-    scene_.emplace(scene.objects, scene.gravity, scene.simulation_rate, nullptr);
+    scene_.emplace(scene.objects, scene.gravity, scene.simulation_rate, nullptr, with_state);
     for (std::size_t i = 0; i < setup_->models.size(); ++i) {
       FingerChainOptions options =
           chain_options(*setup_, i, {.port = "emulator", .simulated_time = true});
@@ -211,7 +211,10 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
       const bool there = reader.next(recorded);
       // Or between the rows of fingers and those of objects.
       if (!there && !reader.complete()) return result;
-      if (!there || first_difference(recorded, object) != nullptr) {
+      // Older recordings lack nodes of soft objects.
+      const bool other_nodes =
+          !recorded.nodes_W.empty() && !same_bytes(recorded.nodes_W, object.nodes_W);
+      if (!there || other_nodes || first_difference(recorded, object) != nullptr) {
         return differ_in_object(step, object.object);
       }
     }

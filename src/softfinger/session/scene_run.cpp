@@ -55,7 +55,8 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
     events_sent_ = std::make_unique<EventSender>(*options.events, names_in_events(*setup_));
   }
   const Scene& scene = setup_->scene;
-  scene_.emplace(scene.objects, scene.gravity, rate_, team_.get());
+  scene_.emplace(scene.objects, scene.gravity, rate_, team_.get(),
+                 options.record_state && options.recording);
   for (const auto& finger : fingers_) scene_->add(*finger->chain);
   tracked_.resize(count);
   if (fingers_.empty() && !options.duration) {
@@ -104,7 +105,7 @@ void SceneRun::open_recording() {
   recording_ = std::make_unique<RecordingWriter>(
       recording_file_, info,
       mode_ == Mode::kLive ? RecordingWriter::WhenFull::kDrop : RecordingWriter::WhenFull::kWait,
-      largest);
+      largest, LogLimits{}, scene_->largest_object());
 }
 
 void SceneRun::start() {

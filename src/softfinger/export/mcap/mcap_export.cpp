@@ -58,6 +58,7 @@ class RosExport {
       if (!object.joint_unit.empty() && !joints_) joints_ = add("/joints", joint_state_type());
     }
     if (reader.info().with_state) skin_ = add("/skin", point_cloud_type());
+    add_soft_objects();
     mcap_.add_metadata("softfinger", as_texts(recording_facts(reader)));
   }
 
@@ -150,6 +151,23 @@ class RosExport {
     }
   }
 
+  /// Those whose first row has nodes: a topic each.
+  void add_soft_objects() {
+    if (!reader_.info().with_state) return;
+    ObjectRecord record;
+    const RosType type = point_cloud_type();
+    while (reader_.next(record) && record.step == 0) {
+      if (record.nodes_W.empty()) continue;
+      nodes_[record.object] =
+          mcap_.add_channel("/" + frame_of(record) + "/nodes", type.name, type.schema);
+    }
+    reader_.rewind();
+  }
+
+  [[nodiscard]] std::string frame_of(const ObjectRecord& record) const {
+    return "object_" + reader_.info().object_names[static_cast<std::size_t>(record.object)];
+  }
+
   /// What objects did up to this step.
   void write_objects_until(std::int64_t step) {
     for (; mcap_.ok() && more_objects_ && object_.step <= step;
@@ -164,12 +182,14 @@ class RosExport {
 
   void write(const ObjectRecord& record) {
     const RosHeader world{nanoseconds(record.time), "world"};
-    const std::string frame =
-        "object_" + reader_.info().object_names[static_cast<std::size_t>(record.object)];
+    const std::string frame = frame_of(record);
     const RosTransform transform{world, frame, record.X_WO};
     put(tf_, world.time, tf_message({&transform, 1}));
     if (joints_ && !std::isnan(record.joint)) {
       put(*joints_, world.time, joint_state(world, {&frame, 1}, {&record.joint, 1}));
+    }
+    if (const auto nodes = nodes_.find(record.object); nodes != nodes_.end()) {
+      put(nodes->second, world.time, point_cloud(world, record.nodes_W));
     }
   }
 
@@ -205,6 +225,7 @@ class RosExport {
   McapWriter mcap_;
   std::uint16_t tf_ = 0, wrench_ = 0, events_ = 0;
   std::optional<std::uint16_t> joints_, skin_;
+  std::map<std::int64_t, std::uint16_t> nodes_;        ///< topics of soft objects
   std::vector<std::vector<std::string>> joint_names_;  ///< of each finger
 };
 

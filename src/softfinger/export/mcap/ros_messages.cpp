@@ -66,6 +66,28 @@ void put_field(CdrWriter& cdr, std::string_view name, std::uint32_t offset, std:
   cdr.u32(1);
 }
 
+/// A cloud of one row whose points are these 64-bit floats, then perhaps a byte; `points` has them
+/// one after the other.
+CdrWriter cloud(const RosHeader& header, std::span<const char* const> numbers, const char* byte,
+                std::uint32_t count, std::span<const std::uint8_t> points) {
+  const auto size = static_cast<std::uint32_t>(8 * numbers.size());
+  const std::uint32_t point = size + (byte != nullptr ? 1 : 0);  // bytes
+  CdrWriter cdr;
+  put_header(cdr, header);
+  cdr.u32(1);  // row
+  cdr.u32(count);
+  cdr.count(numbers.size() + (byte != nullptr ? 1 : 0));
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) put_field(cdr, numbers[i], 8 * i, kFloat64);
+  if (byte != nullptr) put_field(cdr, byte, size, kUint8);
+  cdr.u8(0);  // little-endian
+  cdr.u32(point);
+  cdr.u32(point * count);
+  cdr.count(points.size());
+  cdr.append(points);
+  cdr.u8(1);  // no point is missing
+  return cdr;
+}
+
 }  // namespace
 
 RosType tf_message_type() {
@@ -143,29 +165,24 @@ CdrWriter wrench_stamped(const RosHeader& header, const Vector3& force, const Ve
 
 CdrWriter point_cloud(const RosHeader& header, const std::vector<RosSkinPoint>& points) {
   constexpr std::array kNumbers{"x", "y", "z", "pressure"};
-  constexpr std::uint32_t kFlag = 8 * kNumbers.size();
-  constexpr std::uint32_t kPoint = kFlag + 1;  // bytes
-  const auto count = static_cast<std::uint32_t>(points.size());
-  CdrWriter cdr;
-  put_header(cdr, header);
-  cdr.u32(1);  // row
-  cdr.u32(count);
-  cdr.count(kNumbers.size() + 1);
-  for (std::uint32_t i = 0; i < kNumbers.size(); ++i) put_field(cdr, kNumbers[i], 8 * i, kFloat64);
-  put_field(cdr, "contact", kFlag, kUint8);
-  cdr.u8(0);  // little-endian
-  cdr.u32(kPoint);
-  cdr.u32(kPoint * count);
   ByteWriter data;
   for (const RosSkinPoint& point : points) {
     for (const double value : point.position) data.f64(value);
     data.f64(point.pressure);
     data.u8(point.contact ? 1 : 0);
   }
-  cdr.count(data.bytes().size());
-  cdr.append(data.bytes());
-  cdr.u8(1);  // no point is missing
-  return cdr;
+  return cloud(header, kNumbers, "contact", static_cast<std::uint32_t>(points.size()),
+               data.bytes());
+}
+
+CdrWriter point_cloud(const RosHeader& header, std::span<const Vector3> positions) {
+  constexpr std::array kNumbers{"x", "y", "z"};
+  ByteWriter data;
+  for (const Vector3& position : positions) {
+    for (const double value : position) data.f64(value);
+  }
+  return cloud(header, kNumbers, nullptr, static_cast<std::uint32_t>(positions.size()),
+               data.bytes());
 }
 
 CdrWriter log_line(std::uint64_t time, std::string_view text) {

@@ -52,6 +52,8 @@ struct RosSkinPoint {
 /// Fields x, y, z, pressure (64-bit floats) and contact (a byte, 1: in contact).
 [[nodiscard]] CdrWriter point_cloud(const RosHeader& header,
                                     const std::vector<RosSkinPoint>& points);
+/// Fields x, y, z (64-bit floats), m.
+[[nodiscard]] CdrWriter point_cloud(const RosHeader& header, std::span<const Vector3> positions);
 /// Of level INFO.
 [[nodiscard]] CdrWriter log_line(std::uint64_t time, std::string_view text);
 
