@@ -147,6 +147,8 @@ class PressOptions(ctypes.Structure):
         ("hold_s", c_double),
         ("unload", c_int32),
         ("unused", c_int32),
+        ("stop", POINTER(c_int32)),
+        ("progress", POINTER(c_double)),
     ]
 
 
@@ -188,6 +190,7 @@ class FitOptions(ctypes.Structure):
         ("out", c_char_p),
         ("parameters", c_char_p),
         ("pitch_rad", c_double),
+        ("stop", POINTER(c_int32)),
     ]
 
 
@@ -246,6 +249,7 @@ _SIZES = [c_size_t, POINTER(c_size_t)]
 _ERROR = [c_char_p, c_size_t]
 for _name, _arguments in {
     "sf_scene_finger": [c_char_p, c_size_t, c_char_p, *_SIZES, *_ERROR],
+    "sf_shipped_file": [c_char_p, c_char_p, c_char_p, *_SIZES, *_ERROR],
     "sf_rendering_create": [c_char_p, POINTER(Options), POINTER(c_void_p), *_ERROR],
     "sf_rendering_destroy": [c_void_p],
     "sf_rendering_message": [c_void_p, c_char_p, c_size_t],
@@ -323,5 +327,31 @@ def refuse(status: int, message: str) -> None:
 
 
 def path(file: str | os.PathLike[str] | None) -> bytes | None:
-    """As the library takes it."""
-    return None if file is None else os.fsencode(file)
+    """As the library takes it. Raises InputError where it would end within."""
+    if file is None:
+        return None
+    name = os.fsencode(file)
+    if b"\0" in name:
+        raise InputError(f"{file!r}: no character of a file's name may be zero")
+    return name
+
+
+def text(word: str | None, what: str) -> bytes | None:
+    """As the library takes it. Raises InputError where it is none."""
+    if word is not None and (not isinstance(word, str) or "\0" in word):
+        raise InputError(f"{what} {word!r}: must be text without zeros")
+    return None if word is None else word.encode()
+
+
+def file_of(word: str | os.PathLike[str], kinds: tuple[str, ...]) -> pathlib.Path:
+    """The file that a word means: one of that name, else one that comes with softfinger, of the first of these kinds that has it."""
+    found, failure = ctypes.create_string_buffer(4096), None
+    for kind in kinds:
+        error = ErrorText()
+        try:
+            error.check(library.sf_shipped_file(kind.encode(), path(word), found, len(found), None, *error.arguments))
+            return pathlib.Path(os.fsdecode(found.value))
+        except InputError as refused:
+            failure = failure or refused
+    assert failure is not None
+    raise failure

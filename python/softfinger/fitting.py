@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _library
 from ._library import library
+from ._long_work import Watch
 from .rendering import Path
 from .results import _taken
 
@@ -57,16 +58,19 @@ def fit(
     finger: finger file to start from. curve: CSV file indentation_mm,force_N. areas: CSV file
     force_N,area_mm2. out: new finger file with what was found. parameters: of youngs_modulus_kPa, min
     and max these alone; empty: all that the data tell. noise of the forces: likelier, relative or
-    absolute. angle_deg: pitch of the finger, distal end down.
+    absolute. angle_deg: pitch of the finger, distal end down. Ctrl-C ends it, and writes nothing.
     """
     if noise not in _NOISES:
         raise _library.InputError(f"noise {noise}: there are {', '.join(_NOISES)}")
+    watch = Watch()
     options = _library.FitOptions(
         size=ctypes.sizeof(_library.FitOptions), noise=_NOISES[noise], areas=_library.path(areas),
-        out=_library.path(out), parameters=",".join(parameters).encode() or None, pitch_rad=angle_deg * (np.pi / 180.0))
+        out=_library.path(out), parameters=",".join(parameters).encode() or None, pitch_rad=angle_deg * (np.pi / 180.0),
+        stop=watch.stop)
+    names = _library.path(finger), _library.path(curve)
     table, error = ctypes.c_void_p(), _library.ErrorText()
-    error.check(library.sf_finger_fit(
-        _library.path(finger), _library.path(curve), ctypes.byref(options), ctypes.byref(table), *error.arguments))
+    error.check(watch.run(lambda: int(library.sf_finger_fit(
+        *names, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "fit"))
     report = json.loads(_taken(table)[1])
     return Fit(
         parameters={name: Estimate(**found) for name, found in report["parameters"].items()},

@@ -283,7 +283,7 @@ class Rendering:
         self._handle = ctypes.c_void_p()
         options = _library.Options(
             size=ctypes.sizeof(_library.Options),
-            finger=None if finger is None else finger.encode(),
+            finger=_library.text(finger, "finger"),
             device=_library.path(device),
             open_device=open_device,
             guard_program=_library.path(guard_program),

@@ -81,20 +81,25 @@ def press(
     finger: finger file. to_mm: greatest bone displacement after first touch, in `steps` rows.
     sphere_mm: on a sphere of this radius, `at_mm` under the finger's origin; edge: on a 90-degree edge;
     else on a plane. angle_deg: turn about the finger's y axis, distal end down. relaxed: long-time
-    moduli. speed_mm_per_s: stepped in time, then held for hold_ms; unload: then back.
+    moduli. speed_mm_per_s: stepped in time, then held for hold_ms; unload: then back. Ctrl-C ends it.
     """
     # As the command line has them in SI, to the bit.
     mm, ms, deg = 1e-3, 1e-3, np.pi / 180.0
+    watch = Watch()
     options = _library.PressOptions(
         size=ctypes.sizeof(_library.PressOptions), rows=steps, depth_m=to_mm * mm, sphere_radius_m=sphere_mm * mm,
         at_m=(at_mm[0] * mm, at_mm[1] * mm), edge=edge, no_strain_limits=not strain_limits,
         edge_radius_m=edge_radius_mm * mm, no_friction=not friction, relaxed=relaxed, pitch_rad=angle_deg * deg,
-        speed_m_per_s=speed_mm_per_s * mm, hold_s=hold_ms * ms, unload=unload)
+        speed_m_per_s=speed_mm_per_s * mm, hold_s=hold_ms * ms, unload=unload, stop=watch.stop, progress=watch.progress)
     if to_mm == 0.0 or steps == 0:
         raise _library.InputError(f"to_mm {to_mm}, steps {steps}: must be above 0")
-    table, error = ctypes.c_void_p(), _library.ErrorText()
-    error.check(library.sf_press(
-        _library.path(finger), ctypes.byref(options), ctypes.byref(table), *error.arguments))
+    name, table, error = _library.path(finger), ctypes.c_void_p(), _library.ErrorText()
+    try:
+        error.check(watch.run(lambda: int(library.sf_press(
+            name, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "press"))
+    except KeyboardInterrupt:
+        library.sf_table_destroy(table)
+        raise
     return _taken(table)[0]
 
 
@@ -115,12 +120,12 @@ def evaluate(
     watch = Watch()
     options = _library.EvaluateOptions(
         size=ctypes.sizeof(_library.EvaluateOptions), device=_library.path(device), wearer=_library.path(wearer),
-        objective=None if objective is None else objective.encode(), person=_library.path(person),
+        objective=_library.text(objective, "objective"), person=_library.path(person),
         duration_s=duration_s, stop=watch.stop, progress=watch.progress)
-    table, error = ctypes.c_void_p(), _library.ErrorText()
+    name, table, error = _library.path(scene), ctypes.c_void_p(), _library.ErrorText()
     try:
         error.check(watch.run(lambda: int(library.sf_evaluate(
-            _library.path(scene), ctypes.byref(options), ctypes.byref(table), *error.arguments)), "evaluate"))
+            name, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "evaluate"))
     except KeyboardInterrupt:
         library.sf_table_destroy(table)
         raise

@@ -39,10 +39,10 @@ def run(
         wearer=_library.path(wearer), person=_library.path(person), recording=_library.path(record),
         duration_s=duration_s, predict_s=predict_ms * 1e-3, filter=filter, threads=threads, stop=watch.stop,
         progress=watch.progress)
-    table, error = ctypes.c_void_p(), _library.ErrorText()
+    name, table, error = _library.path(scene), ctypes.c_void_p(), _library.ErrorText()
     try:
         error.check(watch.run(lambda: int(library.sf_run(
-            _library.path(scene), ctypes.byref(options), ctypes.byref(table), *error.arguments)), "run"))
+            name, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "run"))
     except KeyboardInterrupt:
         library.sf_table_destroy(table)
         raise

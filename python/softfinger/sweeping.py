@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._library import InputError, OperationError
+from ._library import InputError, OperationError, file_of
 from ._long_work import Group, bar
 from .rendering import Path
-from .results import Columns, Evaluation
+from .results import Columns, Evaluation, evaluate
 
 
 def sweep(
@@ -44,7 +44,8 @@ def sweep(
         raise InputError("vary: a key has no values")
     show, done, group = bar("sweep", len(combinations)), 0, Group()
     with tempfile.TemporaryDirectory(prefix="softfinger-sweep-") as folder:
-        files = [_changed(pathlib.Path(file), dict(zip(keys, values)), pathlib.Path(folder, f"{number}"))
+        whole = file_of(file, ("scene", "finger", "device") if work is evaluate else ("finger", "scene", "device"))
+        files = [_changed(whole, dict(zip(keys, values)), pathlib.Path(folder, f"{number}"))
                  for number, values in enumerate(combinations)]
         with concurrent.futures.ThreadPoolExecutor(max(1, threads), initializer=group.join) as pool:
             jobs = [pool.submit(_rows_of, work, changed, str(file), options) for changed in files]

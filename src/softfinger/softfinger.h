@@ -168,6 +168,11 @@ SF_API const char *sf_status_text(sf_status status);
 SF_API sf_status sf_scene_finger(const char *scene, size_t index, char *name, size_t capacity,
                                  size_t *count, char *error, size_t error_size);
 
+/* The file that a word means: one of that name, else the one that comes with softfinger. what: "scene",
+   "device", "finger" or "study". A word with '/' or '.' is a path and comes back as it is. */
+SF_API sf_status sf_shipped_file(const char *what, const char *word, char *file, size_t capacity,
+                                 size_t *count, char *error, size_t error_size);
+
 /* Reads the scene and what it names; trackers and waypoints in it are ignored. One finger touches the
    objects alone; with sf_options.all_fingers they touch the same. */
 SF_API sf_status sf_rendering_create(const char *scene, const sf_options *options,
@@ -303,6 +308,9 @@ typedef struct {
   double hold_s;           /* then held for so long, in as many rows again; needs a speed */
   int32_t unload;          /* 1: then back to first touch, in as many rows again */
   int32_t unused;
+  const volatile int32_t *stop; /* becomes 1, by another thread or a signal handler: ends after the row
+                                   under way, and the rows until then are the result; NULL: never */
+  volatile double *progress; /* how far it is, of 1, written after each row; NULL: nowhere */
 } sf_press_options;
 SF_API sf_status sf_press(const char *finger, const sf_press_options *options, sf_table **out,
                           char *error, size_t error_size);
@@ -354,6 +362,8 @@ typedef struct {
   const char *parameters; /* of "youngs_modulus_kPa,min,max" these alone; NULL: all that the data
                              tell */
   double pitch_rad;      /* of the finger, distal end down */
+  const volatile int32_t *stop; /* becomes 1: ends after the press under way, SF_FAILED, and nothing
+                                   is written; NULL: never */
 } sf_fit_options;
 /* curve: CSV file indentation_mm,force_N. sf_table_text() is what the command's --json prints. */
 SF_API sf_status sf_finger_fit(const char *finger, const char *curve, const sf_fit_options *options,

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -85,6 +86,35 @@ TEST(CInterfaceResults, PressesThatAreRefused) {
   refused([](auto& o) { o.at_m[1] = kNone; }, "at_m");
   refused([](auto& o) { o.hold_s = 1.0; }, "hold_s");
   refused([](auto& o) { o.edge = 1, o.sphere_radius_m = 0.01; }, "edge");
+}
+
+TEST(CInterfaceResults, APressEndsWhereItIsToldToAndSaysHowFarItIs) {
+  const std::string finger = shipped_file("fingers/index.toml");
+  std::int32_t stop = 0;
+  double progress = -1.0;
+  sf_press_options options = {};
+  options.rows = 2;
+  options.depth_m = 0.2e-3;
+  options.unload = 1;
+  options.stop = &stop;
+  options.progress = &progress;
+  const auto press = [&](std::size_t size) {
+    options.size = static_cast<std::uint32_t>(size);
+    progress = -1.0;
+    sf_table* table = nullptr;
+    char error[256] = "";
+    EXPECT_EQ(sf_press(finger.c_str(), &options, &table, error, sizeof error), SF_DONE) << error;
+    const std::size_t rows = column_of(table, "normal_force_N").size();
+    sf_table_destroy(table);
+    return rows;
+  };
+  EXPECT_EQ(press(sizeof options), 4u);
+  EXPECT_EQ(progress, 1.0);
+  stop = 1;
+  EXPECT_EQ(press(sizeof options), 1u);
+  EXPECT_EQ(progress, 0.25);
+  EXPECT_EQ(press(offsetof(sf_press_options, stop)), 4u) << "an older program has no such fields";
+  EXPECT_EQ(progress, -1.0);
 }
 
 TEST(CInterfaceResults, AnEvaluationEndsWhereItIsToldTo) {
@@ -177,6 +207,25 @@ TEST(CInterfaceResults, RunsThatAreRefused) {
   refused("/no/such.toml", [](sf_run_options& o) { o.device = "/no/such.toml"; });
 }
 
+TEST(CInterfaceResults, FilesThatComeWithSoftfingerByName) {
+  char file[512], error[256];
+  std::size_t count = 0;
+  ASSERT_EQ(sf_shipped_file("device", "membrane", file, sizeof file, &count, error, sizeof error),
+            SF_DONE)
+      << error;
+  EXPECT_THAT(file, testing::EndsWith("devices/membrane.toml"));
+  EXPECT_EQ(count, std::strlen(file) + 1);
+  EXPECT_EQ(sf_shipped_file("finger", "a/b.toml", file, sizeof file, nullptr, nullptr, 0), SF_DONE);
+  EXPECT_STREQ(file, "a/b.toml");
+  EXPECT_EQ(sf_shipped_file("device", "membran", file, sizeof file, nullptr, error, sizeof error),
+            SF_BAD_INPUT);
+  EXPECT_THAT(error, HasSubstr("which has membrane"));
+  EXPECT_EQ(sf_shipped_file("toy", "ball", file, sizeof file, nullptr, error, sizeof error),
+            SF_BAD_INPUT);
+  EXPECT_STREQ(error, "what toy: there is scene, device, finger, study");
+  EXPECT_EQ(sf_shipped_file(nullptr, nullptr, nullptr, 0, nullptr, nullptr, 0), SF_BAD_INPUT);
+}
+
 TEST(CInterfaceResults, AFingerIsFittedToAPress) {
   const TemporaryDirectory directory;
   const std::string curve = directory / "press.csv", out = directory / "mine.toml";
@@ -215,6 +264,14 @@ TEST(CInterfaceResults, AFingerIsFittedToAPress) {
   EXPECT_EQ(sf_finger_fit(finger.c_str(), curve.c_str(), &options, &table, error, sizeof error),
             SF_BAD_INPUT);
   EXPECT_THAT(error, HasSubstr("exists already"));
+  std::filesystem::remove(out);
+  const std::int32_t stop = 1;
+  options.stop = &stop;
+  EXPECT_EQ(sf_finger_fit(finger.c_str(), curve.c_str(), &options, &table, error, sizeof error),
+            SF_FAILED);
+  EXPECT_THAT(error, HasSubstr("was ended"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  options.stop = nullptr;
   options.out = nullptr;
   options.parameters = "beauty";
   EXPECT_EQ(sf_finger_fit(finger.c_str(), curve.c_str(), &options, &table, error, sizeof error),

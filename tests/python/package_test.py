@@ -120,6 +120,21 @@ class SameBits(unittest.TestCase):
         self.assertEqual(recorded_steps(ours), recorded_steps(theirs))
         self.assertGreater(sf.Recording(ours).steps["normal_force_N"].max(), 0.1)
 
+    def test_nodes_of_soft_objects_are_recorded_and_replayed(self):
+        file = self.folder / "sponge.sqlite"
+        sf.run("sponge", record=file, record_state=True, duration_s=0.02)
+        recording = sf.Recording(file)
+        nodes = recording.table("object_nodes")
+        self.assertEqual(set(nodes["object"]), {"sponge"})
+        self.assertEqual(len(nodes["time_s"]), 21 * (int(nodes["node"].max()) + 1))
+        self.assertEqual(recording.replay(), "")
+        with contextlib.closing(sqlite3.connect(file)) as database:
+            blob = bytearray(database.execute("SELECT nodes FROM object_states WHERE step = 7").fetchone()[0])
+            blob[0] ^= 1
+            database.execute("UPDATE object_states SET nodes = ? WHERE step = 7", (bytes(blob),))
+            database.commit()
+        self.assertIn("object sponge", recording.replay())
+
     def test_a_fit_is_that_of_the_command_line(self):
         curve, ours, theirs = self.folder / "press.csv", self.folder / "ours.toml", self.folder / "theirs.toml"
         pressed = sf.press(FINGER, to_mm=0.8, steps=5)
@@ -143,6 +158,9 @@ class SameBits(unittest.TestCase):
             for modulus, file in files.items():
                 alone = sf.press(file, to_mm=0.4, steps=2)["normal_force_N"]
                 self.assertEqual(swept["normal_force_N"][swept["material.youngs_modulus_kPa"] == modulus].tolist(), [*alone, *alone])
+        # By its name, as anywhere else.
+        shipped = sf.sweep(sf.press, "index", to_mm=0.4, steps=2, vary={"bone.mass_g": [10.0]})
+        self.assertEqual(shipped["normal_force_N"].tolist(), swept["normal_force_N"][:2].tolist())
         self.assertGreater(swept["normal_force_N"][7], 1.3 * swept["normal_force_N"][3])
 
     def test_a_device_is_that_of_the_command_line(self):
@@ -303,6 +321,20 @@ class Refusals(unittest.TestCase):
             # Where it came while the scene loaded, nothing was begun.
             if recording.exists():
                 self.assertEqual(sf.Recording(recording).replay(), "")
+
+
+    def test_ctrl_c_ends_a_long_press(self):
+        interrupt = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+        interrupt.start()
+        # Minutes, but for that.
+        with self.assertRaises(KeyboardInterrupt):
+            sf.press(ROOT / "fingers/index-medium.toml", to_mm=3, steps=10000)
+
+    def test_names_that_end_within(self):
+        for call in (lambda: sf.Rendering(PLANE, device="membrane\0.toml"), lambda: sf.press("index\0"), lambda: sf.Rendering("plane\0"),
+                     lambda: sf.Rendering(PLANE, finger="index\0"), lambda: sf.Rendering(PLANE, finger=3)):
+            with self.assertRaisesRegex(sf.InputError, "zero"):
+                call()
 
 
 class WhatItGives(unittest.TestCase):

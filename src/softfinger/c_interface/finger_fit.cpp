@@ -1,3 +1,4 @@
+#include <cstddef>
 #include <sstream>
 #include <string>
 
@@ -25,6 +26,11 @@ PressFitOptions fit_options(const char* finger, const char* curve, const sf_fit_
   if (given.noise == 1) options.noise = ForceNoise::kRelative;
   if (given.noise == 2) options.noise = ForceNoise::kAbsolute;
   options.angle = given.pitch_rad;
+  if (given.stop != nullptr) {
+    options.simulated = [stop = given.stop](int) {
+      if (*stop != 0) throw OperationError("finger fit: was ended before it had found anything");
+    };
+  }
   return options;
 }
 
@@ -40,7 +46,8 @@ sf_status sf_finger_fit(const char* finger, const char* curve, const sf_fit_opti
   *out = nullptr;
   return softfinger::guarded(text, [&] {
     const softfinger::PressFitOptions how = softfinger::fit_options(
-        finger, curve, softfinger::taken(options, sizeof(sf_fit_options), "sf_fit_options"));
+        finger, curve,
+        softfinger::taken(options, offsetof(sf_fit_options, stop), "sf_fit_options"));
     const softfinger::PressFit found = softfinger::fit_press(how);
     auto table = std::make_unique<softfinger::Table>();
     table->text = softfinger::press_fit_json(found, how);

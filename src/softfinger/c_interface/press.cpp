@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 
 #include "softfinger/base/units.hpp"
@@ -14,9 +15,14 @@ namespace {
 
 constexpr double kDefaultDepth = 2e-3;  // m
 constexpr int kDefaultRows = 20;
+// What the struct was when it was first published: whoever was compiled then still runs.
+constexpr std::size_t kFirstPress = offsetof(sf_press_options, stop);
+
+/// Leaves a press whose host wants no more of it.
+struct HostHasEnough {};
 
 sf_press_options press_options(const sf_press_options* given) {
-  sf_press_options options = taken(given, sizeof(sf_press_options), "sf_press_options");
+  sf_press_options options = taken(given, kFirstPress, "sf_press_options");
   if (options.rows == 0) options.rows = kDefaultRows;
   if (options.depth_m == 0.0) options.depth_m = kDefaultDepth;
   return options;
@@ -71,19 +77,26 @@ std::unique_ptr<Table> pressed(const char* finger, const sf_press_options& optio
   for (const IndentationColumn& column : indentation_columns()) table->add_column(column.name);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   bool all_converged = true;
-  indent(*FingerModel::load(file_or_shipped(Shipped::kFinger, finger)), indenter_of(options), how,
-         [&](const IndentationState& state) {
-           all_converged = all_converged && state.row.converged;
-           nlohmann::ordered_json row;
-           auto to = table->columns.begin();
-           for (const IndentationColumn& column : indentation_columns()) {
-             const double value = column.value(state.row);
-             (to++)->values.push_back(value);
-             nlohmann::ordered_json& told = row[std::string(column.name)] = value;
-             if (column.whole) told = static_cast<int>(value);
-           }
-           rows.push_back(std::move(row));
-         });
+  const double all = how.rows * (1.0 + (how.hold > 0.0 ? 1.0 : 0.0) + (how.unload ? 1.0 : 0.0));
+  const auto take = [&](const IndentationState& state) {
+    all_converged = all_converged && state.row.converged;
+    nlohmann::ordered_json row;
+    auto to = table->columns.begin();
+    for (const IndentationColumn& column : indentation_columns()) {
+      const double value = column.value(state.row);
+      (to++)->values.push_back(value);
+      nlohmann::ordered_json& told = row[std::string(column.name)] = value;
+      if (column.whole) told = static_cast<int>(value);
+    }
+    rows.push_back(std::move(row));
+    if (options.progress != nullptr) *options.progress = static_cast<double>(rows.size()) / all;
+    if (options.stop != nullptr && *options.stop != 0) throw HostHasEnough{};
+  };
+  try {
+    indent(*FingerModel::load(file_or_shipped(Shipped::kFinger, finger)), indenter_of(options), how,
+           take);
+  } catch (const HostHasEnough&) {  // the rows until then
+  }
   if (!all_converged) throw OperationError("press: some rows did not reach equilibrium");
   table->text = rows.dump();
   return table;

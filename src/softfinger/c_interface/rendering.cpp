@@ -23,6 +23,8 @@ constexpr std::size_t kComponents = std::extent_v<decltype(sf_command::configura
 
 /// s; steps up to then can be counted.
 constexpr double kLatest = 1e12;
+/// Bytes; a pose that says it is larger than any will ever be has no size.
+constexpr std::size_t kLargestPose = 1024;
 
 struct NamedState {
   std::string_view name;
@@ -215,7 +217,9 @@ sf_status sf_rendering_step_fingers(sf_rendering* rendering, const sf_pose* X_WF
   if (count != use->poses.size()) return use.refuse("count must be the number of fingers");
   if (X_WFt == nullptr) return use.refuse("X_WFt must not be NULL; sf_rendering_lost() says so");
   const std::size_t size = X_WFt->size;
-  if (size < sizeof(sf_pose)) return use.refuse("sf_pose.size must be sizeof(sf_pose)");
+  if (size < sizeof(sf_pose) || size > softfinger::kLargestPose) {
+    return use.refuse("sf_pose.size must be sizeof(sf_pose)");
+  }
   bool all_are_poses = true;
   for (std::size_t i = 0; i < count; ++i) {
     use->poses[i].reset();
