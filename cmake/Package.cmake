@@ -101,6 +101,16 @@ and machines.")
   set(CPACK_DEBIAN_MPI_PACKAGE_RECOMMENDS openmpi-bin)
 endif()
 
+# Programs to begin with, where Debian has such.
+foreach(example c_program own_program)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/${example} DESTINATION ${data}/doc/libsoftfinger-dev/examples
+    COMPONENT development EXCLUDE_FROM_ALL)
+endforeach()
+foreach(example python_program notebooks)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/${example} DESTINATION ${data}/doc/python3-softfinger/examples
+    COMPONENT python EXCLUDE_FROM_ALL PATTERN "__pycache__" EXCLUDE)
+endforeach()
+
 # The library starts a guard for each device, and takes shipped files by name.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS softfinger)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${packages}/libsoftfinger0/triggers)

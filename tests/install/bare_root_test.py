@@ -1,7 +1,7 @@
-"""The packages in a Debian that has nothing else: installed, tried, upgraded, purged. Minutes, and needs the network:
-`./dev test --all`. As root, or where users may have namespaces of their own.
+"""The packages in a Debian that has nothing else: installed, tried by every example, upgraded, purged. Minutes, and needs
+the network: `./dev test --all`. As root, or where users may have namespaces of their own.
 
-    bare_root_test.py FOLDER_OF_PACKAGES
+    bare_root_test.py FOLDER_OF_PACKAGES SOURCE_FOLDER
 
 Where no bare Debian can be had (no mmdebstrap, no network) it says SKIPPED and ends with 0.
 """
@@ -14,6 +14,8 @@ import sys
 import tempfile
 
 PACKAGES = sorted(pathlib.Path(sys.argv[1]).resolve().glob("*.deb"))
+SOURCE = pathlib.Path(sys.argv[2]).resolve()
+NAMES = ["libsoftfinger-dev", "libsoftfinger0", "python3-softfinger", "softfinger", "softfinger-mpi"]
 
 # In the root, with the packages in /packages, the later ones in /later. What may stay behind is apt's own.
 TRY = r"""
@@ -22,8 +24,11 @@ export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
 export XDG_CACHE_HOME=/tmp/cache  # a user's, which no package removes
 apt-get update -q
 # What they depend on first, so that all that comes and goes afterwards is theirs.
-for package in /packages/*.deb; do dpkg-deb -f $package Depends; done | tr ',' '\n' | sed 's/(.*//; s/:any//' | grep -v softfinger |
+for package in /packages/*.deb; do dpkg-deb -f $package Depends; done | tr ',' '\n' | sed 's/(.*//; s/|.*//; s/:any//' | grep -v softfinger |
   sort -u | xargs apt-get install -qy --no-install-recommends
+# What examples are built and run with.
+apt-get install -qy --no-install-recommends gcc g++ make cmake pkgconf python3-matplotlib python3-tomlkit mono-mcs mono-runtime \
+  libmono-system-core4.0-cil nodejs npm
 everything() {
   find / -xdev \( -path /proc -o -path /dev/pts -o -path /tmp -o -path /packages -o -path /later -o -path /var/cache -o -path /var/lib/apt \
     -o -path /var/lib/dpkg -o -path /var/log \) -prune -o -print | sort
@@ -44,17 +49,18 @@ with softfinger.Rendering("sphere", open_device=True) as rendering:
 }
 try
 pkg-config --modversion softfinger
+(cd /tmp/tree && sh -eux /tmp/try_examples.sh)
 apt-get install -qy --no-install-recommends /later/*.deb
-dpkg-query -W -f '${Version} ${db:Status-Status}\n' softfinger libsoftfinger0 libsoftfinger-dev python3-softfinger | sort -u | tee /tmp/versions
+dpkg-query -W -f '${Version} ${db:Status-Status}\n' NAMES | sort -u | tee /tmp/versions
 grep -q '+later installed$' /tmp/versions
 test $(wc -l </tmp/versions) = 1
 try
-apt-get purge -qy softfinger libsoftfinger0 libsoftfinger-dev python3-softfinger
+apt-get purge -qy NAMES
 everything >/tmp/after
 diff /tmp/before /tmp/after
 test -z "$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' '*softfinger*' 2>/dev/null)"
 echo all is well
-"""
+""".replace("NAMES", " ".join(NAMES))
 
 
 # The emulated servos' port is a pseudo-terminal.
@@ -78,8 +84,9 @@ def later(package, folder):
 
 
 def main():
-    if len(PACKAGES) != 4:
-        sys.exit(f"{sys.argv[1]}: {len(PACKAGES)} packages, expected 4; ./dev package makes them")
+    found = sorted(package.name.split("_")[0] for package in PACKAGES)
+    if found != NAMES:
+        sys.exit(f"{sys.argv[1]}: {', '.join(found) or 'no packages'}; must be {', '.join(NAMES)}, which ./dev package makes")
     if shutil.which("mmdebstrap") is None:
         skip("no mmdebstrap here")
     with tempfile.TemporaryDirectory(prefix="softfinger-root-") as folder:
@@ -92,6 +99,9 @@ def main():
             skip(f"no bare Debian to be had: {made.stderr.strip().splitlines()[-1:]}")
         (root / "packages").mkdir()
         (root / "later").mkdir()
+        shutil.copytree(SOURCE / "examples", root / "tmp/tree/examples")
+        shutil.copytree(SOURCE / "clients", root / "tmp/tree/clients")
+        shutil.copy(SOURCE / "tests/install/try_examples.sh", root / "tmp")
         for package in PACKAGES:
             shutil.copy(package, root / "packages")
             later(package, root / "later")

@@ -24,10 +24,12 @@ HOLDS = {
     },
     "libsoftfinger0": {"libsoftfinger.so.0"},
     "softfinger-mpi": {"softfinger-mpi.so"},
-    "libsoftfinger-dev": {"usr/include/softfinger/rendering.hpp", "usr/include/softfinger/softfinger.h",
+    "libsoftfinger-dev": {*(f"usr/share/doc/libsoftfinger-dev/examples/{name}" for name in ("c_program/touch.c", "own_program/CMakeLists.txt")), "usr/include/softfinger/rendering.hpp", "usr/include/softfinger/softfinger.h",
                           "libsoftfinger.so", "libsoftfinger_rendering.a", "softfinger.pc", "softfingerConfig.cmake"},
     "python3-softfinger": {f"usr/lib/python3/dist-packages/softfinger/{file.name}"
-                           for file in (SOURCE / "python/softfinger").iterdir() if file.is_file()},
+                           for file in (SOURCE / "python/softfinger").iterdir() if file.is_file()} |
+                           {f"usr/share/doc/python3-softfinger/examples/{file.relative_to(SOURCE / 'examples')}"
+                            for folder in ("python_program", "notebooks") for file in (SOURCE / "examples" / folder).glob("*.*")},
 }
 
 

@@ -4,7 +4,6 @@
 """
 
 import json
-import os
 import pathlib
 import sys
 import unittest
@@ -15,7 +14,6 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 ROOT = pathlib.Path(sys.argv[1])
-os.environ["SOFTFINGER_FILES"] = str(ROOT)
 
 
 class Notebooks(unittest.TestCase):
