@@ -123,7 +123,7 @@ class Several {
     std::array<std::uint32_t, 27> corners;
     std::array<char, 9> text;
     std::size_t count = 0;
-    const auto index = bytes.take<std::uint8_t>() % 4;
+    const std::size_t index = bytes.take<std::uint8_t>() % 4;
     switch (which) {
       case 0:
       case 1:
