@@ -346,14 +346,15 @@ class Rendering:
             raise _library.InputError("another thread is inside step(); one thread at a time")
         try:
             given = X_WFt if isinstance(X_WFt, np.ndarray) else np.asarray(X_WFt, np.float64)
+            seconds = _seconds(time)
             if given.shape == (4, 4):
                 self._matrix[...] = given
                 status = library.sf_rendering_step_matrix(
-                    self._handle, self._matrix_address, time, self._command_address)
+                    self._handle, self._matrix_address, seconds, self._command_address)
             elif given.shape == (7,):
                 self._pose_numbers[...] = given
                 status = library.sf_rendering_step(
-                    self._handle, self._pose_address, time, self._command_address)
+                    self._handle, self._pose_address, seconds, self._command_address)
             else:
                 raise _library.InputError(f"X_WFt: must have shape (4, 4) or (7,), has {given.shape}")
             if status:
@@ -365,7 +366,7 @@ class Rendering:
     def lost(self, time: float) -> Command:
         """Tracking is lost, of all fingers: the device holds, after 200 ms it retracts. Else as step()."""
         self._check(library.sf_rendering_select(self._handle, 0))
-        self._check(library.sf_rendering_lost(self._handle, time, self._command_address))
+        self._check(library.sf_rendering_lost(self._handle, _seconds(time), self._command_address))
         return Command(bytes(self._command))
 
     def step_all(self, X_WFt: Sequence[ArrayLike | None], time: float) -> list[Command]:
@@ -380,7 +381,7 @@ class Rendering:
                 if given is not None:
                     numbers = _seven(np.asarray(given, np.float64))
                     self._poses[number].position_m[:], self._poses[number].quaternion_wxyz[:] = numbers[:3], numbers[3:]
-            self._check(library.sf_rendering_step_fingers(self._handle, self._poses, self._tracked, len(self._fingers), time))
+            self._check(library.sf_rendering_step_fingers(self._handle, self._poses, self._tracked, len(self._fingers), _seconds(time)))
             return [finger.command for finger in self.fingers]
         finally:
             self._alone.release()
@@ -533,6 +534,14 @@ class Rendering:
             self._check(read(self._handle, index, name, len(name), None))
             names.append(name.value.decode())
         return names
+
+
+def _seconds(time: Any) -> float:
+    """Of any kind of number."""
+    try:
+        return float(time)
+    except (TypeError, ValueError):
+        raise _library.InputError(f"time {time!r}: must be a number of seconds") from None
 
 
 def _matrix(pose: _library.Pose) -> Floats:

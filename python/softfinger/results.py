@@ -153,7 +153,9 @@ class Recording:
         self.note = _export(file, self._tables)
 
     def table(self, name: str) -> Columns:
-        """NAME.csv of the export, e.g. contact, nodes (with record_state), messages."""
+        """NAME.csv of the export, e.g. contact, nodes (with record_state), messages. Raises InputError where there is none."""
+        if name not in self.tables:
+            raise _library.InputError(f"table {name}: there is {', '.join(self.tables)}")
         return _read_csv(self._tables / f"{name}.csv")
 
     @property

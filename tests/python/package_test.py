@@ -134,6 +134,8 @@ class SameBits(unittest.TestCase):
             database.execute("UPDATE object_states SET nodes = ? WHERE step = 7", (bytes(blob),))
             database.commit()
         self.assertIn("object sponge", recording.replay())
+        with self.assertRaisesRegex(sf.InputError, "table beauty: there is .*object_nodes"):
+            recording.table("beauty")
 
     def test_a_fit_is_that_of_the_command_line(self):
         curve, ours, theirs = self.folder / "press.csv", self.folder / "ours.toml", self.folder / "theirs.toml"
@@ -252,6 +254,12 @@ class Refusals(unittest.TestCase):
                                (np.eye(4), math.nan), (2 * np.eye(4), 2.0)):
                 with self.assertRaises(sf.InputError, msg=f"{pose} {time}"):
                     rendering.step(pose, time)
+            for kind in (np.float32, np.int64, int):
+                rendering.step(np.eye(4), kind(2))
+            for time in ("soon", None, np.zeros(2)):
+                for call in (lambda: rendering.step(np.eye(4), time), lambda: rendering.lost(time)):
+                    with self.assertRaisesRegex(sf.InputError, "must be a number of seconds"):
+                        call()
             with self.assertRaises(sf.InputError):
                 rendering.step_many(np.zeros((3, 4, 4)), np.zeros(2))
 
