@@ -76,6 +76,7 @@ Json report(const DeviceFit& fit) {
               {"sensor_noise_N", micro_rounded(fit.noise)},
               {"parameters", Json::object()},
               {"at_prior", Json::array()},
+              {"known_force_error", nullptr},
               {"predicted_force_error", nullptr},
               {"written", nullptr},
               {"failure", nullptr}};
@@ -89,6 +90,7 @@ Json report(const DeviceFit& fit) {
     if (!fit.estimate.is_told(told.trait)) answer["at_prior"].push_back(row.name);
   }
   if (!fit.traits.empty()) {
+    answer["known_force_error"] = micro_rounded(fit.estimate.known_force_error);
     answer["predicted_force_error"] = micro_rounded(fit.estimate.predicted_force_error);
   }
   if (!fit.written.empty()) answer["written"] = fit.written.string();
@@ -110,6 +112,8 @@ void print(const DeviceFit& fit, const DeviceFitFlags& flags) {
   if (!untold.empty()) {
     fmt::print("no better known than before: {}\n", fmt::join(untold, ", "));
   }
+  fmt::print("the model as it was is {:.0f} % off the force of a press\n",
+             100.0 * fit.estimate.known_force_error);
   fmt::print("each press is foretold by the others to {:.1f} % of its force\n",
              100.0 * fit.estimate.predicted_force_error);
   fmt::print("wrote {}, finger {}\n", fit.written.string(), flags.name);

@@ -30,8 +30,11 @@ position_mm = [${x}, 0.0, ${z}.0]
 /** A device that a person is told of: it cannot come as near as its file wants it to. */
 const farDevice = () => readFileSync(`${root}/devices/disk-linear.toml`, "utf8").replace(/^approach_mm = .*$/m, "approach_mm = 9.0");
 
+/** A device that can learn who wears it. */
+const sensingDevice = () => readFileSync(`${root}/devices/thimble-3rrs.toml`, "utf8") + '\n[force_sensor]\nkind = "emulator"\n';
+
 const touch = (folder, port) => [
-  finger("index", "page", 0, `${root}/devices/thimble-3rrs.toml`),
+  finger("index", "page", 0, `${folder}/sensing.toml`),
   finger("middle", "webxr:left-middle", 100),
   finger("ring", `udp:${port}`, 200, `${folder}/far.toml`),
   object("table", "plane", "", 0),
@@ -47,6 +50,7 @@ const touch = (folder, port) => [
 /** In `folder`: touch.toml, which it returns, again.toml, quick to load, and broken.toml. */
 export function writeScenes(folder, port) {
   writeFileSync(join(folder, "far.toml"), farDevice());
+  writeFileSync(join(folder, "sensing.toml"), sensingDevice());
   mkdirSync(join(folder, "scenes"));
   const write = (name, text) => writeFileSync(join(folder, "scenes", `${name}.toml`), text);
   write("touch", touch(folder, port));

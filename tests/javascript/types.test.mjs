@@ -22,7 +22,7 @@ function membersOf(name) {
 const sorted = (list) => [...list].sort();
 
 for (const name of ["Scene", "FingerDescription", "Workspace", "FollowedFinger", "Notice", "Objective", "DeviceState", "LatencyStage",
-  "Loading", "Registration", "Notifications", "Events"]) {
+  "Loading", "Registration", "Fit", "Notifications", "Events"]) {
   test(`${name} has the keys of its section`, () => {
     const members = membersOf(name);
     assert.ok(members.length > 1);

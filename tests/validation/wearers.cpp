@@ -6,7 +6,7 @@
 //
 // Prints one JSON object a wearer and line: error of the normal force on a plane and a sphere
 // before and after, what the fit says of itself, and its cost. --others: with sizes alone known,
-// and with the travel offset of a run, as well.
+// with the travel offset of a run, and with all traits known as they are, as well.
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -117,8 +117,10 @@ class Wearers {
         row[scene]["fit"] = force_error(scene, device_, traits, fit.person);
       if (!arguments_.others) continue;
       row[scene]["travel_offset"] = force_error(scene, sensing_, traits, {});
-      write_sizes(traits);
-      row[scene]["sizes"] = force_error(scene, device_, traits, folder_ / "sizes.toml");
+      write_known(traits, false);
+      row[scene]["sizes"] = force_error(scene, device_, traits, folder_ / "known.toml");
+      write_known(traits, true);
+      row[scene]["known"] = force_error(scene, device_, traits, folder_ / "known.toml");
     }
     std::cout << row.dump() << std::endl;
   }
@@ -156,10 +158,15 @@ class Wearers {
     std::ofstream(folder_ / "wearer.toml") << text;
   }
 
-  void write_sizes(const WearerTraits& traits) {
-    fs::remove(folder_ / "sizes.toml");
-    Person person = load_person_if_any(folder_ / "sizes.toml");
+  /// Sizes, or all.
+  void write_known(const WearerTraits& traits, bool all) {
+    fs::remove(folder_ / "known.toml");
+    Person person = load_person_if_any(folder_ / "known.toml");
     person.at("index").size = sizes(traits);
+    if (all) {
+      person.at("index").modulus_factor = traits.modulus_factor;
+      person.at("index").mount = traits.mount_fit();
+    }
     save_person(person);
   }
 

@@ -124,6 +124,25 @@ TEST(PageRequest, RefusesRegistrationsThatAreNone) {
   EXPECT_FALSE(parse_page_request(R"({"request":"cancel_registration","finger":0})", kScenes));
 }
 
+TEST(PageRequest, ReadsAFit) {
+  const auto plain = parse_page_request(R"({"request":"fit","finger":2})", kScenes);
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->kind, LiveRequest::Kind::kFit);
+  EXPECT_EQ(plain->finger, 2U);
+  EXPECT_FALSE(plain->again);
+  EXPECT_TRUE(
+      parse_page_request(R"({"request":"fit","finger":0,"again":true})", kScenes).value().again);
+  EXPECT_EQ(parse_page_request(R"({"request":"cancel_fit"})", kScenes)->kind,
+            LiveRequest::Kind::kCancelFit);
+  for (const char* more :
+       {"", R"(,"again":true)", R"(,"finger":64)", R"(,"finger":0,"again":1)",
+        R"(,"finger":0,"more":true)", R"(,"finger":0,"again":false,"person":"/etc/passwd")"}) {
+    EXPECT_FALSE(parse_page_request(R"({"request":"fit")" + std::string(more) + "}", kScenes))
+        << more;
+  }
+  EXPECT_FALSE(parse_page_request(R"({"request":"cancel_fit","finger":0})", kScenes));
+}
+
 TEST(PageRequest, RefusesEverythingElse) {
   for (const char* message :
        {"", "pause", "{}", "[]", "null", R"("pause")", R"({"request":"fly"})", R"({"request":1})",

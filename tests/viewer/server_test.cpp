@@ -188,6 +188,25 @@ TEST_F(ServerTest, RegistrationIsToldToEveryPageOnceItIsAskedFor) {
   EXPECT_NE(late.read_frame(1)->payload.find(R"("state":"idle")"), std::string::npos);
 }
 
+TEST_F(ServerTest, AFitIsToldToEveryPageOnceItIsAskedFor) {
+  RawClient client(server.port());
+  ASSERT_EQ(client.open_web_socket().status, 101);
+  ASSERT_TRUE(client.read_frame(2));
+  client.send_frame(1, R"({"request":"fit","finger":0})");
+  const auto pressing = client.read_frame(1);
+  ASSERT_TRUE(pressing);
+  EXPECT_EQ(pressing->payload,
+            R"({"type":"fit","state":"pressing","finger":0,"press":3,"of":9,)"
+            R"("words":"Turned by +20 degrees of pitch and +20 of roll.","force_N":0.41,)"
+            R"("progress":0.2,"message":""})");
+  RawClient late(server.port());
+  ASSERT_EQ(late.open_web_socket().status, 101);
+  ASSERT_TRUE(late.read_frame(1));  // the scene
+  EXPECT_EQ(late.read_frame(1)->payload, pressing->payload);
+  client.send_frame(1, R"({"request":"cancel_fit"})");
+  EXPECT_NE(late.read_frame(1)->payload.find(R"("state":"idle")"), std::string::npos);
+}
+
 TEST_F(ServerTest, WhatPeopleAreToldIsToldOnEveryPage) {
   RawClient one(server.port()), other(server.port());
   ASSERT_EQ(one.open_web_socket().status, 101);

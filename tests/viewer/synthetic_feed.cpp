@@ -60,6 +60,7 @@ SceneDescription::Finger make_finger(const std::string& name) {
   SceneDescription::Finger finger;
   finger.name = name;
   finger.registrable = true;
+  finger.fittable = true;
   finger.device_kind = "platform_3rrs";
   finger.device_kind_words = "3-RRS thimble";
   finger.configuration_names = {"pitch_deg", "roll_deg", "travel_mm"};
@@ -365,7 +366,24 @@ void SyntheticFeed::request(const LiveRequest& request) {
     case LiveRequest::Kind::kCancelRegistration:
       registration_ = {};
       break;
+    case LiveRequest::Kind::kFit:
+      fit_ = {.phase = FitState::Phase::kPressing,
+              .finger = request.finger,
+              .press = 3,
+              .presses = 9,
+              .words = "Turned by +20 degrees of pitch and +20 of roll.",
+              .force = 0.414,
+              .progress = 0.22,
+              .message = ""};
+      break;
+    case LiveRequest::Kind::kCancelFit:
+      fit_ = {};
+      break;
     case LiveRequest::Kind::kStop:
+      if (fit_.is_under_way()) {
+        fit_.phase = FitState::Phase::kRefused;
+        fit_.message = "the device is stopped";
+      }
       ++snapshot_.stops;
       snapshot_.stopped = {.asked = true, .confirmed = true};
       break;

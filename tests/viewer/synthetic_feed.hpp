@@ -28,6 +28,7 @@ class SyntheticFeed : public LiveFeed {
 
   void offer_hand(const XrHand& hand) override;
   const RegistrationState& registration() const override { return registration_; }
+  FitState fit() override { return fit_; }
   std::optional<std::string> take_message() override;
   std::string loading() override;
 
@@ -59,6 +60,7 @@ class SyntheticFeed : public LiveFeed {
   std::atomic<bool> frozen_{false};
   bool asked_ = false;              ///< since the last snapshot
   RegistrationState registration_;  ///< runs, at its second posture, since one was asked for
+  FitState fit_;                    ///< at its third press, since one was asked for
 };
 
 }  // namespace softfinger

@@ -10,6 +10,7 @@ export class Client extends Connection {
   resume() { return this.send({ request: "resume" }); }
   restart() { return this.send({ request: "restart" }); }
   cancelRegistration() { return this.send({ request: "cancel_registration" }); }
+  cancelFit() { return this.send({ request: "cancel_fit" }); }
 
   /** @type {import("./index.js").Client["release"]} */
   release(seen = this.snapshot) {
@@ -52,6 +53,11 @@ export class Client extends Connection {
   /** @type {import("./index.js").Client["register"]} */
   register(finger, measured = {}) {
     return this.scene !== null && this.send({ request: "register", finger: this.#fingerOf(finger), ...measured });
+  }
+
+  /** @type {import("./index.js").Client["fit"]} */
+  fit(finger, again = false) {
+    return this.scene !== null && this.send({ request: "fit", finger: this.#fingerOf(finger), again });
   }
 
   /** @param {number | string} finger */

@@ -10,7 +10,7 @@ const kMostWaiting = 2048; // bytes
 const kOpen = 1; // WebSocket.OPEN
 const kRefused = 1008; // of RFC 6455: a policy that what was sent violates
 
-const kKinds = ["scene", "snapshot", "registration", "notifications", "loading", "events", "state"];
+const kKinds = ["scene", "snapshot", "registration", "fit", "notifications", "loading", "events", "state"];
 
 export class Connection {
   /** @type {string} */
@@ -140,7 +140,7 @@ export class Connection {
     if (message.type === "scene") return this.#receiveScene(message);
     // What is new to this client is for others.
     if (message.type === "events" && message.generation !== this.#current?.generation) return;
-    if (["registration", "notifications", "loading", "events"].includes(message.type)) this.#tell(message.type, message);
+    if (["registration", "fit", "notifications", "loading", "events"].includes(message.type)) this.#tell(message.type, message);
   }
 
   /** @param {Scene} scene */

@@ -1,4 +1,4 @@
-import type { Events, Loading, Notifications, Registration, Request, Scene, Snapshot } from "./messages.js";
+import type { Events, Fit, Loading, Notifications, Registration, Request, Scene, Snapshot } from "./messages.js";
 
 export * from "./messages.js";
 
@@ -9,6 +9,7 @@ export interface Listened {
   /** 60 times a second, fewer where the connection is slow: then older ones are left out. */
   snapshot: Snapshot;
   registration: Registration;
+  fit: Fit;
   notifications: Notifications;
   loading: Loading;
   /** What happened to objects that move, each once. */
@@ -76,6 +77,13 @@ export class Client {
   /** Begins the registration of a `registrable` finger; sizes and height of the table (z of W) where they were measured, mm. */
   register(finger: number | string, measured?: Measured): boolean;
   cancelRegistration(): boolean;
+  /**
+   * The device of a `fittable` finger presses by itself and learns who wears it. `again`: the finger is known, the device was
+   * put on again. It stays retracted afterwards, until it is released.
+   */
+  fit(finger: number | string, again?: boolean): boolean;
+  /** Ends it; the device retracts and nothing is written. */
+  cancelFit(): boolean;
   /** Any request, as it stands. */
   send(request: Request): boolean;
   /** For good. */

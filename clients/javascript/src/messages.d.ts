@@ -46,6 +46,7 @@ export interface FingerDescription {
   twin: boolean;
   moved_here: boolean; // by the page
   registrable: boolean; // what its tracker follows, for the person whose file was given
+  fittable: boolean; // its device can learn who wears it, for the same person
   headset: FollowedFinger | null; // null: no headset moves it
 }
 
@@ -105,6 +106,19 @@ export interface Registration {
   posture: string; // to hold now
   words: string; // how, one sentence
   progress: number; // 0 to 1
+  message: string; // what was found, or why nothing was saved
+}
+
+/** How a fit of a device to its wearer stands. */
+export interface Fit {
+  type: "fit";
+  state: "idle" | "waiting" | "pressing" | "estimating" | "saved" | "refused";
+  finger: number; // of the scene's
+  press: number; // under way, from 1; 0: none yet
+  of: number; // so many
+  words: string; // what happens now, one sentence
+  force_N: number; // as the sensor says
+  progress: number; // of presses or estimate, 0 to 1
   message: string; // what was found, or why nothing was saved
 }
 
@@ -216,6 +230,8 @@ export type Request =
   | { request: "release"; generation: number; stops: number } // as the newest snapshot had them
   | { request: "register"; finger: number; length_mm?: number; breadth_mm?: number; depth_mm?: number; table_mm?: number }
   | { request: "cancel_registration" }
+  | { request: "fit"; finger: number; again?: boolean }
+  | { request: "cancel_fit" }
   | { request: "scene"; scene: string }
   | { request: "objective"; finger: number; objective: string } // a name
   | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] }; // w, x, y, z

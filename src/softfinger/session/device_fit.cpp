@@ -50,7 +50,8 @@ class Fitting {
         late_(static_cast<std::size_t>(options.wear.late), 0.0) {}
 
   /// Presses until that is done or fails; the device is retracted then.
-  void run(PressProcedure& procedure, const std::atomic<bool>& stop, const RunObserver& observer) {
+  void run(PressProcedure& procedure, int presses, const std::atomic<bool>& stop,
+           const RunObserver& observer) {
     const auto began = std::chrono::steady_clock::now();
     const double period = 1.0 / rate_;
     for (std::int64_t tick = 0; !procedure.done() && procedure.failure().empty(); ++tick) {
@@ -80,6 +81,7 @@ class Fitting {
                          .force = force,
                          .readings = sensor_.new_readings()});
       if (observer.progress) observer.progress(procedure.progress(), 1.0);
+      tell(procedure, presses, force);
     }
     actuator_.finish();
   }
@@ -89,6 +91,17 @@ class Fitting {
   [[nodiscard]] const std::string& interruption() const { return interruption_; }
 
  private:
+  void tell(const PressProcedure& procedure, int presses, double force) const {
+    if (!options_.watch) return;
+    DeviceFitMoment now{.presses = presses, .force = force, .progress = procedure.progress()};
+    if (const PlannedPress* const press = procedure.under_way()) {
+      now.press = static_cast<int>(procedure.number()) + 1;
+      now.pitch = press->pitch;
+      now.roll = press->roll;
+    }
+    options_.watch(now);
+  }
+
   [[nodiscard]] bool is_live(const ForceSensorSettings& sensor) const {
     const auto& transport = worn_.device->settings().transport;
     const bool motors = transport && transport->port != "emulator";
@@ -266,7 +279,7 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   {
     Fitting fitting(options, worn, wearer, sensor, stops);
     procedure.emplace(*worn.device, plan, 1.0 / fitting.rate());
-    fitting.run(*procedure, stop, observer);
+    fitting.run(*procedure, static_cast<int>(plan.size()), stop, observer);
     fit.failure = fitting.interruption().empty() ? procedure->failure() : fitting.interruption();
     // An emulated wearer knows better than the sensor.
     const double felt = fitting.greatest_true_force();
@@ -283,7 +296,12 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
                                    {.noise = procedure->noise(),
                                     .mount_only = options.again,
                                     .known = known,
-                                    .progress = [&](double /*fraction*/) { return !stop.load(); }});
+                                    .progress = [&](double fraction) {
+                                      if (options.watch) {
+                                        options.watch({.estimating = true, .progress = fraction});
+                                      }
+                                      return !stop.load();
+                                    }});
   } catch (const OperationError& error) {
     fit.failure = error.what();
     return fit;

@@ -10,7 +10,8 @@
 
 #include "softfinger/loop/measured_force.hpp"
 #include "softfinger/person/person.hpp"
-#include "softfinger/session/live_session.hpp"
+#include "softfinger/sensing/force_sensor_emulator.hpp"
+#include "softfinger/session/run_observer.hpp"
 #include "softfinger/session/stop_signals.hpp"
 #include "softfinger/wearer/press_procedure.hpp"
 #include "softfinger/wearer/wearer_estimate.hpp"
@@ -25,6 +26,16 @@ struct EmulatedWear {
   double gain = 1.0;                           ///< of the sensor
   double backlash = 0.0;                       ///< of the advance, from end to end, m
   int late = 0;                                ///< ticks, of the sensor, beyond the one it takes
+};
+
+/// What a device does that learns its wearer, after one of its ticks.
+struct DeviceFitMoment {
+  bool estimating = false;         ///< it has retracted; what is pressed for the estimate is a twin
+  int press = 0;                   ///< under way, from 1; 0: the sensor's zero is looked for
+  int presses = 0;                 ///< of so many
+  double pitch = 0.0, roll = 0.0;  ///< of the press, rad
+  double force = 0.0;              ///< N, as the sensor says
+  double progress = 0.0;           ///< 0 to 1, of the presses, or of the estimate
 };
 
 /// Which device learns which wearer.
@@ -47,7 +58,8 @@ struct DeviceFitOptions {
   const StopSignals* stop_signals = nullptr;  ///< each stops the device, which ends it; null: none
   /// What is wrong with an emulated sensor, from so many seconds on.
   ForceSensorFault fault = ForceSensorFault::kNone;
-  double fault_at = 0.0;  ///< s
+  double fault_at = 0.0;                              ///< s
+  std::function<void(const DeviceFitMoment&)> watch;  ///< called in between; empty: nobody looks
 };
 
 /// What a device has learned of its wearer.

@@ -53,6 +53,7 @@ struct SceneDescription {
     HandSide hand_side = HandSide::kRight;
     HandFinger hand_finger = HandFinger::kIndex;
     bool registrable = false;  ///< what its tracker follows can be registered, for a person
+    bool fittable = false;     ///< its device can learn who wears it, for a person
     Pose X_WFt_start;          ///< where it is before anybody moves it
   };
   /// What a person should know of a finger's device before it moves.
@@ -162,16 +163,19 @@ struct LiveRequest {
     kRelease,  ///< asks to, from the stop that a snapshot told of
     kRegister,
     kCancelRegistration,
+    kFit,
+    kCancelFit,
     kReload,  ///< not of the page: the person's file has changed
   };
   Kind kind = Kind::kPause;
-  std::string scene;                   ///< for kScene: one of SceneDescription::scene_names
-  std::uint64_t generation = 0;        ///< for kRelease: of that snapshot
-  std::uint32_t stops = 0;             ///< for kRelease: of that snapshot
-  std::string objective;               ///< for kObjective: its name
-  std::size_t finger = 0;              ///< for kObjective, kPose, kRegister: which of the scene's
-  Pose X_WFt;                          ///< for kPose: where the person wants it
-  FingerSize measured;                 ///< for kRegister
+  std::string scene;             ///< for kScene: one of SceneDescription::scene_names
+  std::uint64_t generation = 0;  ///< for kRelease: of that snapshot
+  std::uint32_t stops = 0;       ///< for kRelease: of that snapshot
+  std::string objective;         ///< for kObjective: its name
+  std::size_t finger = 0;        ///< for kObjective, kPose, kRegister, kFit: which of the scene's
+  bool again = false;            ///< for kFit: see DeviceFitOptions
+  Pose X_WFt;                    ///< for kPose: where the person wants it
+  FingerSize measured;           ///< for kRegister
   std::optional<double> table_height;  ///< for kRegister: z of W, m; see RegistrationTask
 };
 
@@ -186,6 +190,31 @@ struct RegistrationState {
   std::string_view words;    ///< how, one sentence
   double progress = 0.0;     ///< of holding it, 0 to 1
   std::string message;       ///< what was found, or why nothing was saved
+};
+
+/// A fit of a device to its wearer that the page asked for.
+struct FitState {
+  enum class Phase {
+    kIdle,
+    kWaiting,  ///< until the run has ended and the device is retracted
+    kPressing,
+    kEstimating,
+    kSaved,
+    kRefused
+  };
+  Phase phase = Phase::kIdle;
+  std::size_t finger = 0;  ///< which of the scene's
+  int press = 0;           ///< under way, from 1; 0: none yet
+  int presses = 0;         ///< of so many
+  std::string words;       ///< what happens now, one sentence
+  double force = 0.0;      ///< N, as the sensor says
+  double progress = 0.0;   ///< of presses or estimate, 0 to 1
+  std::string message;     ///< what was found, or why nothing was saved
+
+  /// The device is led by it, or will be.
+  [[nodiscard]] bool is_under_way() const {
+    return phase == Phase::kWaiting || phase == Phase::kPressing || phase == Phase::kEstimating;
+  }
 };
 
 /// Something that happened to an object that moves by forces, see docs/files.md, events.csv.
@@ -221,6 +250,8 @@ class LiveFeed {
     static const RegistrationState kIdle;
     return kIdle;
   }
+  /// Idle for ever where none is offered.
+  [[nodiscard]] virtual FitState fit() { return {}; }
 };
 
 }  // namespace softfinger

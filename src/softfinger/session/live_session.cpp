@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/session/scene_snapshot.hpp"
@@ -146,7 +147,7 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
     run_->start();
     std::shared_ptr<const RunSetup> next;
     const auto begin_anew = [&] {
-      if (next || load_ || !repeat_ || stop.load()) return;
+      if (next || load_ || fit_awaited_ || !repeat_ || stop.load()) return;
       next = setup_;
       set_loading(setup_->scene.file.stem().string());
     };
@@ -165,12 +166,15 @@ RunSummary LiveSession::run(const std::atomic<bool>& stop, const RunObserver& to
     observe(*run_, observer);
     summary = run_->finish();
     observe(*run_, observer);
+    const bool fitted = std::exchange(fit_awaited_, false) && !stop.load();
+    if (fitted) fit_device(stop, observer);
     // A script may end while the scene that is to follow loads.
     while (load_ && !stop.load()) {
       next = take_loaded(observer);
       if (!next && !load_) next = obey_requests();  // a newer one may wait
       std::this_thread::sleep_for(kPollInterval);
     }
+    if (!next && fitted) next = setup_;  // nothing was learned, or it cannot be read
     begin_anew();
     if (next && !stop.load()) {
       begin(std::move(next));
@@ -205,12 +209,16 @@ std::shared_ptr<const RunSetup> LiveSession::obey_requests() {
       case LiveRequest::Kind::kReload:
         begin_loading(setup_->scene.file);
         break;
+      case LiveRequest::Kind::kFit:
+        await_fit(request);
+        break;
       case LiveRequest::Kind::kPose:
+      case LiveRequest::Kind::kCancelFit:
       case LiveRequest::Kind::kStop:
       case LiveRequest::Kind::kRelease:
       case LiveRequest::Kind::kRegister:
       case LiveRequest::Kind::kCancelRegistration:
-        break;  // went straight to the run, or to the registration
+        break;  // went straight to the run, to the registration or to the fit
     }
   }
   return nullptr;
@@ -222,6 +230,21 @@ void LiveSession::lead(const LiveRequest& request) {
   if (kind == nullptr || request.finger >= setup_->devices.size()) return;
   const Device* const device = setup_->devices[request.finger].get();
   if (device != nullptr && why_not(*kind, *device).empty()) run_->lead_by(request.finger, *kind);
+}
+
+/// Devices retract, and stay so when all is done until somebody releases them, as of a
+/// registration.
+void LiveSession::await_fit(const LiveRequest& request) {
+  if (load_ || fit_awaited_ || !is_fittable(*setup_, request.finger)) return;
+  fit_awaited_ = true;
+  fit_.await(request, options_);
+  const std::lock_guard lock(mutex_);
+  run_->stop_devices(StopCause::kRun);
+  run_->stop();
+}
+
+void LiveSession::fit_device(const std::atomic<bool>& stop, const RunObserver& observer) {
+  if (fit_.run(*setup_, options_, stop, observer)) begin_loading(setup_->scene.file);
 }
 
 bool LiveSession::has_scene(const std::string& name) const {
@@ -329,6 +352,8 @@ void LiveSession::request(const LiveRequest& request) {
   }
   if (request.kind == LiveRequest::Kind::kRegister) return begin_registration(request);
   if (request.kind == LiveRequest::Kind::kCancelRegistration) return registration_.cancel();
+  if (request.kind == LiveRequest::Kind::kCancelFit) return fit_.cancel();
+  if (request.kind == LiveRequest::Kind::kStop) fit_.stop_device();
   const std::lock_guard lock(mutex_);
   if (request.kind == LiveRequest::Kind::kStop) return run_->stop_devices(StopCause::kPerson);
   if (request.kind == LiveRequest::Kind::kRelease) return release(request);
@@ -338,11 +363,13 @@ void LiveSession::request(const LiveRequest& request) {
 /// With the lock.
 void LiveSession::release(const LiveRequest& request) {
   const bool registering = registration_.state().phase == RegistrationState::Phase::kRunning;
+  const bool fitting = fit_.state().is_under_way();
   const bool seen =
       request.generation == description_->generation && request.stops == run_->stops();
-  if (registering || !seen || !run_->ask_release(request.stops, StopCause::kPerson)) {
+  if (registering || fitting || !seen || !run_->ask_release(request.stops, StopCause::kPerson)) {
     if (messages_.size() >= kMostMessages) return;
     messages_.push_back(registering ? "the device is not released: a finger is being registered"
+                        : fitting   ? "the device is not released: it learns its wearer"
                                     : "the device is not released: it was stopped again");
   }
 }

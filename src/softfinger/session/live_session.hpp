@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <deque>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,19 +9,13 @@
 #include <vector>
 
 #include "softfinger/session/live_feed.hpp"
+#include "softfinger/session/live_fit.hpp"
 #include "softfinger/session/live_registration.hpp"
+#include "softfinger/session/run_observer.hpp"
 #include "softfinger/session/scene_load.hpp"
 #include "softfinger/session/scene_run.hpp"
 
 namespace softfinger {
-
-/// Follows runs from outside: every few milliseconds on the thread that called.
-struct RunObserver {
-  /// One line for people, e.g. that the device's port is gone.
-  std::function<void(const std::string&)> message;
-  /// Time reached (s) and when the run ends (s), if it does.
-  std::function<void(double, std::optional<double>)> progress;
-};
 
 /// Runs a scene without a page until it ends or `stop` becomes true; where that is while the scene
 /// loads nothing is opened, and the summary is empty. Throws InputError, and OperationError when
@@ -61,6 +54,7 @@ class LiveSession final : public LiveFeed {
   [[nodiscard]] std::optional<std::string> take_message() override;
   [[nodiscard]] std::optional<LiveEvent> take_event() override;
   [[nodiscard]] const RegistrationState& registration() const override;
+  [[nodiscard]] FitState fit() override { return fit_.state(); }
 
  private:
   void begin(std::shared_ptr<const RunSetup> setup);
@@ -74,6 +68,9 @@ class LiveSession final : public LiveFeed {
   void release(const LiveRequest& request);
   void begin_registration(const LiveRequest& request);
   void lead(const LiveRequest& request);
+  void await_fit(const LiveRequest& request);
+  /// In place of a run; the same scene follows, with what was learned.
+  void fit_device(const std::atomic<bool>& stop, const RunObserver& observer);
   [[nodiscard]] bool has_scene(const std::string& name) const;
   void begin_loading(const std::filesystem::path& scene);
   /// The scene that was loaded; null: none, or not yet, or it cannot be, which is told.
@@ -86,6 +83,7 @@ class LiveSession final : public LiveFeed {
   std::uint64_t generation_ = 0;
   std::shared_ptr<const RunSetup> setup_;
   std::unique_ptr<SceneLoad> load_;  ///< null: no scene loads
+  bool fit_awaited_ = false;         ///< the run that ends makes room for a fit
 
   // Between the viewer's thread and the session's; the loops never take it.
   std::mutex mutex_;
@@ -97,6 +95,7 @@ class LiveSession final : public LiveFeed {
   // Viewer's thread only: keeps the mailbox alive that latest() points into.
   std::shared_ptr<SceneRun> viewed_;
   LiveRegistration registration_;
+  LiveFit fit_;
 };
 
 }  // namespace softfinger

@@ -199,6 +199,12 @@ bool is_registrable(const RunSetup& setup, std::size_t finger) {
          follows_body(setup.scene.fingers[finger]);
 }
 
+bool is_fittable(const RunSetup& setup, std::size_t finger) {
+  if (!setup.person || finger >= setup.devices.size()) return false;
+  const Device* const device = setup.devices[finger].get();
+  return device != nullptr && device->advances() && device->settings().force_sensor;
+}
+
 FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,
                                  const ActuatorOptions& actuator) {
   FingerChainOptions options{.finger = static_cast<std::int64_t>(finger),

@@ -100,6 +100,10 @@ struct RunSetup {
 /// `page` move the finger itself.
 [[nodiscard]] bool is_registrable(const RunSetup& setup, std::size_t finger);
 
+/// Whether this finger's device can learn who wears it: there is a person to be of, and it advances
+/// and has a force sensor.
+[[nodiscard]] bool is_fittable(const RunSetup& setup, std::size_t finger);
+
 /// Of objects, then of fingers, as events number them.
 [[nodiscard]] std::vector<std::string> names_in_events(const RunSetup& setup);
 

@@ -63,6 +63,20 @@ std::optional<LiveRequest> register_request(const nlohmann::json& json) {
   return request;
 }
 
+std::optional<LiveRequest> fit_request(const nlohmann::json& json) {
+  const auto finger = finger_of(json);
+  const auto again = json.find("again");
+  const bool says_again = again != json.end();
+  if (!finger || json.size() != (says_again ? 3 : 2) || (says_again && !again->is_boolean())) {
+    return {};
+  }
+  LiveRequest request;
+  request.kind = LiveRequest::Kind::kFit;
+  request.finger = *finger;
+  request.again = says_again && again->get<bool>();
+  return request;
+}
+
 /// The session knows which objectives there are, and which the device can have.
 std::optional<LiveRequest> objective_request(const nlohmann::json& json) {
   const auto finger = finger_of(json);
@@ -132,6 +146,7 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
   if (word == "objective") return objective_request(json);
   if (word == "pose") return pose_request(json);
   if (word == "register") return register_request(json);
+  if (word == "fit") return fit_request(json);
   if (word == "release") return release_request(json);
   if (json.size() != 1) return {};
   LiveRequest plain;
@@ -145,6 +160,8 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
     plain.kind = Kind::kStop;
   } else if (word == "cancel_registration") {
     plain.kind = Kind::kCancelRegistration;
+  } else if (word == "cancel_fit") {
+    plain.kind = Kind::kCancelFit;
   } else {
     return {};
   }

@@ -16,7 +16,9 @@ namespace softfinger {
 /// {"request": "pose", "finger": INDEX, "position_mm": [x, y, z], "quaternion": [w, x, y, z]} with
 /// X_WFt within a metre of the origin and a quaternion of length 1 within 1 %, or
 /// {"request": "register", "finger": INDEX} with any of "length_mm", "breadth_mm", "depth_mm" (1 to
-/// 500) and "table_mm" (-5000 to 5000), {"request": "cancel_registration"}, and no other key.
+/// 500) and "table_mm" (-5000 to 5000), {"request": "cancel_registration"},
+/// {"request": "fit", "finger": INDEX} with or without "again" (true or false),
+/// {"request": "cancel_fit"}, and no other key.
 /// Empty where it is anything else.
 [[nodiscard]] std::optional<LiveRequest> parse_page_request(
     std::string_view message, std::span<const std::string> scene_names);

@@ -140,6 +140,7 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"twin", finger.twin},
           {"moved_here", finger.moved_here},
           {"registrable", finger.registrable},
+          {"fittable", finger.fittable},
           {"headset", headset_json(finger)}};
 }
 

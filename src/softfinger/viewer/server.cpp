@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "softfinger/viewer/events_message.hpp"
+#include "softfinger/viewer/fit_message.hpp"
 #include "softfinger/viewer/notification_message.hpp"
 #include "softfinger/viewer/own_address.hpp"
 #include "softfinger/viewer/registration_message.hpp"
@@ -106,6 +107,7 @@ struct Server::Implementation {
     }
     untold = hub.feed.refresh() || untold;
     tell_registration();
+    tell_fit();
     tell_loading();
     notify_people();
     // A snapshot of another generation waits for its description.
@@ -138,6 +140,14 @@ struct Server::Implementation {
     if (hub.registration && message == *hub.registration) return;
     hub.registration = std::make_shared<const std::string>(std::move(message));
     for_each_watcher([](WebSocketSession& session) { session.offer_registration(); });
+  }
+  void tell_fit() {
+    const FitState state = hub.feed.fit();
+    if (state.phase == FitState::Phase::kIdle && !hub.fit) return;
+    std::string message = fit_message(state);
+    if (hub.fit && message == *hub.fit) return;
+    hub.fit = std::make_shared<const std::string>(std::move(message));
+    for_each_watcher([](WebSocketSession& session) { session.offer_fit(); });
   }
   void tell_loading() {
     std::string scene = hub.feed.loading();

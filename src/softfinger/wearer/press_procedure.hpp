@@ -51,6 +51,12 @@ class PressProcedure {
   void advance(const PressTick& tick);
 
   [[nodiscard]] bool done() const { return stage_ == Stage::kDone; }
+  /// The press under way; null: the sensor's zero is looked for, or all is over.
+  [[nodiscard]] const PlannedPress* under_way() const {
+    return stage_ == Stage::kZero || done() ? nullptr : &planned();
+  }
+  /// Which of all that is, from 0.
+  [[nodiscard]] std::size_t number() const { return index_; }
   /// Why it ended, in one line; empty while it has not failed.
   [[nodiscard]] const std::string& failure() const { return failure_; }
   /// 0 to 1.

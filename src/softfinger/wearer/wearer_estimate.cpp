@@ -21,8 +21,16 @@ constexpr int kTouchSteps = 7;
 constexpr int kForceSteps = 5;
 /// What friction adds is found anew where the traits are nearly known.
 constexpr int kFrictionRounds = 2;
-constexpr double kLeastGain = 1e-3;   // of the cost, that a step is worth
-constexpr double kLongestStep = 1.5;  // standard deviations, of any trait
+constexpr double kLeastGain = 1e-3;          // of the cost, that a step is worth
+constexpr double kLongestStep = 1.5;         // standard deviations, of any trait
+constexpr double kLeastForceOfPress = 1e-3;  // N, all readings of a press together
+
+/// The upper one of an even number; of one value at least.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 /// How far q is advanced from the press's start, m.
 double advance_of(const Device& device, const PressRecord& press, const Configuration& q) {
@@ -105,6 +113,7 @@ class Estimation {
 
   WearerEstimate run() {
     TraitVector x = options_.known;
+    const double known_error = force_error(x);
     x = minimise(x, kTouchSteps, [this] { return touch_residuals(); });
     for (int round = 0; round < kFrictionRounds; ++round) {
       model_.put(x);
@@ -114,10 +123,29 @@ class Estimation {
       }
       x = minimise(x, kForceSteps, [this] { return force_residuals(); });
     }
-    return judge(x);
+    WearerEstimate found = judge(x);
+    found.known_force_error = known_error;
+    return found;
   }
 
  private:
+  /// Median over the presses, friction aside.
+  double force_error(const TraitVector& x) {
+    model_.put(x);
+    std::vector<double> errors;
+    for (const PressRecord& press : presses_) {
+      const std::vector<PredictedForce> felt = model_.press(press.start, path_of(press), false);
+      double lack = 0.0;
+      double force = 0.0;
+      for (std::size_t i = 0; i < felt.size(); ++i) {
+        lack += felt[i].force - press.readings[i].force;
+        force += std::max(press.readings[i].force, 0.0);
+      }
+      errors.push_back(std::abs(lack) / std::max(force, kLeastForceOfPress));
+    }
+    return median(std::move(errors));
+  }
+
   template <typename Evaluate>
   TraitVector minimise(TraitVector x, int steps, const Evaluate& evaluate) {
     model_.put(x);
@@ -254,14 +282,13 @@ class Estimation {
         force += std::max(reading.force, 0.0);
         square += deviation * deviation * r[i] * r[i];
       }
-      errors.push_back(std::abs(lack) / std::max(force, 1e-3));
-      misfits += std::abs(left) / std::max(force, 1e-3);
+      errors.push_back(std::abs(lack) / std::max(force, kLeastForceOfPress));
+      misfits += std::abs(left) / std::max(force, kLeastForceOfPress);
       row += count;
     }
     // One press may be told badly by the others and be right: half of them are what counts.
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    found.predicted_force_error = std::max(*middle, misfits / static_cast<double>(presses_.size()));
+    found.predicted_force_error =
+        std::max(median(std::move(errors)), misfits / static_cast<double>(presses_.size()));
     found.force_deviation = std::sqrt(square / std::max(rows, 1.0));
     return found;
   }

@@ -27,6 +27,9 @@ struct WearerEstimate {
   /// How far the force of a press is from what the others say of it, a fraction of that force:
   /// median over the presses; but not less than how far all together leave them off, the mean.
   double predicted_force_error = 0.0;
+  /// How far the wearer as known before leaves the forces of a press off, a fraction of these:
+  /// median over the presses.
+  double known_force_error = 0.0;
   double force_deviation = 0.0;  ///< of readings from the fit, root mean square, N
   int evaluations = 0;           ///< of all presses
 

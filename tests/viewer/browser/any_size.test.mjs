@@ -121,6 +121,24 @@ test("registering", async () => {
   await page.locator("#registration").waitFor({ state: "hidden" });
 });
 
+test("fitting", async () => {
+  await press("#fit");
+  await lookAtEverySize("asked to fit");
+  await press("#fit-start");
+  await body("fit", "pressing");
+  assert.match(await page.locator("#fit-run").textContent(), /Press 3 of 9, 0\.41 N/);
+  await lookAtEverySize("fitting");
+  await press("#fit-stop");
+  await body("fit", "refused");
+  await body("stopped", "true");
+  await lookAtEverySize("fit ended");
+  await press("#fit-done");
+  await page.locator("#fitting").waitFor({ state: "hidden" });
+  await press("#release");
+  await press("#release-now");
+  await body("stopped", "false");
+});
+
 test("loading", async () => {
   running.tell("loading hand");
   await body("loading", "hand");
@@ -191,7 +209,7 @@ test("Tab comes to every control, in the order of the page", async () => {
   assert.deepEqual(await tabStops(), ["scenes hand", "fingers All fingers", "pause", "restart", "stop", "virtual-view", "reset-view",
     ...Array(5).fill("hand-fingers")]);
   await showFinger("thumb");
-  assert.deepEqual(await tabStops(), ["scenes hand", "fingers thumb", "pause", "restart", "register", "stop", "virtual-view",
+  assert.deepEqual(await tabStops(), ["scenes hand", "fingers thumb", "pause", "restart", "register", "fit", "stop", "virtual-view",
     "reset-view", "rendered-view", "objective", "plot-step"]);
 });
 

@@ -43,6 +43,7 @@ struct PageHub {
   Text scene = nullptr;         ///< message of `description`
   Bytes snapshot = nullptr;     ///< newest one of that scene, may be null
   Text registration = nullptr;  ///< null until somebody asks for one
+  Text fit = nullptr;           ///< the same
   std::string loading;          ///< LiveFeed::loading()
 
   /// `local`: the address that the request came to.

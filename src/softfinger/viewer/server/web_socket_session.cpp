@@ -46,6 +46,7 @@ void WebSocketSession::accept(const HttpRequest& request) {
     self->open_ = true;
     self->offer_scene();
     self->offer_registration();
+    self->offer_fit();
     if (!self->hub_.loading.empty()) self->offer_loading();
     self->offer_snapshot();
     self->read();
@@ -61,6 +62,11 @@ void WebSocketSession::offer_scene() {
 
 void WebSocketSession::offer_registration() {
   next_registration_ = hub_.registration;
+  write();
+}
+
+void WebSocketSession::offer_fit() {
+  next_fit_ = hub_.fit;
   write();
 }
 
@@ -88,7 +94,7 @@ void WebSocketSession::tell_events(PageHub::Text message) {
 
 void WebSocketSession::write() {
   if (writing_ || !open_) return;
-  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_loading_}) {
+  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_fit_, &next_loading_}) {
     if (*next) return send_text(std::exchange(*next, nullptr));
   }
   for (auto* waiting : {&next_notifications_, &next_events_}) {

@@ -27,6 +27,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   // What the hub has now.
   void offer_scene();
   void offer_registration();
+  void offer_fit();
   void offer_loading();
   void offer_snapshot();
   /// What people are told. Waits for its turn, but for the last of very many.
@@ -50,7 +51,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   ConnectionCount count_;
   boost::beast::websocket::stream<PageStream> socket_;
   boost::beast::flat_buffer buffer_{PageHub::kMaxRequestBytes};
-  PageHub::Text next_scene_, next_registration_, next_loading_;
+  PageHub::Text next_scene_, next_registration_, next_fit_, next_loading_;
   std::deque<PageHub::Text> next_notifications_;  ///< each is told once
   std::deque<PageHub::Text> next_events_;         ///< likewise; they keep no notification waiting
   PageHub::Text text_in_flight_;

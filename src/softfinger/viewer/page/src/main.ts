@@ -7,6 +7,7 @@ import { emulateHeadset } from "./emulated_headset";
 import { EventList } from "./event_list";
 import { FingerLabel } from "./finger_label";
 import { FingerView, place } from "./finger_view";
+import { FitDialog } from "./fitting";
 import { Hand } from "./hand";
 import { fingerColor, stateOf, toneOf } from "./hand_table";
 import { Headset } from "./headset";
@@ -84,6 +85,7 @@ function begin(next: Scene, wanted: Shown): void {
   plots.reset(next, shown);
   panel.showScene(next, shown);
   registration.begin(next, shown);
+  fitting.begin(next, shown);
 }
 
 function show(snapshot: Snapshot): void {
@@ -165,6 +167,7 @@ const hand = new Hand(virtual, (request) => client.send(request));
 const notifications = new Notifications(element("notifications"));
 const events = new EventList(element("events"));
 const registration = new RegistrationDialog((request) => client.send(request));
+const fitting = new FitDialog((request) => client.send(request), () => client.stop());
 const room = new Room(stage.renderer, virtual);
 const headset = new Headset(room, (side, joints, time) => client.hand(side, joints, time));
 const wantsEmulation = new URLSearchParams(location.search).has("emulate-headset");
@@ -182,6 +185,7 @@ client.on("snapshot", (snapshot) => {
   panel.count(snapshot);
 });
 client.on("registration", (state) => registration.update(state));
+client.on("fit", (state) => fitting.update(state));
 client.on("notifications", ({ lines }) => lines.forEach((line) => notifications.add(line)));
 client.on("events", ({ events: happened }) => happened.forEach((event) => events.add(event)));
 client.on("loading", ({ scene: name }) => panel.showLoading(name));

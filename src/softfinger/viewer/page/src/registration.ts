@@ -1,18 +1,18 @@
 import type { Registration, Request, Scene } from "softfinger-client";
+import { GuidedDialog, setText } from "./guided_dialog";
 import { kHand, type Shown } from "./shown";
 
 const element = (id: string) => document.getElementById(id)!;
 const input = (id: string) => element(id) as HTMLInputElement;
 
 type Step = "ask" | "run" | "end";
-const kFirst: Record<Step, string> = { ask: "register-length", run: "register-cancel", end: "register-done" };
 
-/** The dialog that guides through a registration of the finger shown. It keeps the focus until it is closed. */
+/** The dialog that guides through a registration of the finger shown. */
 export class RegistrationDialog {
-  private readonly dialog = element("registration");
+  private readonly dialog = new GuidedDialog<Step>("registration", "register",
+    { ask: "register-length", run: "register-cancel", end: "register-done" },
+    (step) => (step === "ask" ? this.dialog.hide() : this.cancel()));
   private finger = 0; // of the scene's
-  private step: Step | null = null; // null: closed
-  private before: Element | null = null; // what had the focus
 
   constructor(private readonly send: (request: Request) => void) {
     element("register").onclick = () => this.show("ask");
@@ -21,14 +21,8 @@ export class RegistrationDialog {
       this.start();
     };
     element("register-cancel").onclick = () => this.cancel();
-    element("register-close").onclick = () => this.hide();
+    element("register-close").onclick = () => this.dialog.hide();
     element("register-done").onclick = () => this.cancel();
-    // What is typed here is no command to the page, but Escape stops the device from everywhere, and closes too.
-    this.dialog.addEventListener("keydown", (event) => {
-      if (event.key === "Escape") return this.step === "ask" ? this.hide() : this.cancel();
-      if (event.key === "Tab") this.keepFocus(event);
-      event.stopPropagation();
-    });
   }
 
   begin(scene: Scene, shown: Shown): void {
@@ -40,12 +34,12 @@ export class RegistrationDialog {
     document.body.dataset.registration = state.state;
     if (state.state === "running") {
       this.show("run");
-      this.dialog.dataset.posture = state.posture;
+      element("registration").dataset.posture = state.posture;
       setText("register-step", `${Math.min(state.held + 1, state.of)} of ${state.of}`);
       setText("register-posture", `${state.words} Hold still.`);
       element("register-progress").style.transform = `scaleX(${state.progress})`;
     } else if (state.state === "idle") {
-      this.hide();
+      this.dialog.hide();
     } else {
       this.show("end");
       setText("register-result", (state.state === "saved" ? "Saved: " : "Nothing was saved. ") + state.message + ".");
@@ -69,42 +63,11 @@ export class RegistrationDialog {
 
   private cancel(): void {
     this.send({ request: "cancel_registration" });
-    this.hide();
+    this.dialog.hide();
   }
 
   private show(step: Step): void {
-    if (this.step === step) return;
-    if (this.step === null) this.before = document.activeElement;
-    this.step = step;
-    this.dialog.hidden = false;
-    for (const each of ["ask", "run", "end"]) element(`register-${each}`).hidden = each !== step;
     setText("registration-title", step === "ask" ? "Register this finger" : "Registration");
-    element(kFirst[step]).focus();
+    this.dialog.show(step);
   }
-
-  private hide(): void {
-    if (this.step === null) return;
-    this.step = null;
-    this.dialog.hidden = true;
-    const register = element("register");
-    const back = this.before instanceof HTMLElement && this.before.isConnected && this.before !== document.body
-      ? this.before : register.hidden ? element("stop") : register;
-    back.focus();
-  }
-
-  /** Tab goes round within. */
-  private keepFocus(event: KeyboardEvent): void {
-    const inside = [...this.dialog.querySelectorAll<HTMLElement>("input, button")].filter((one) => one.offsetParent !== null);
-    const [first, last] = [inside[0], inside[inside.length - 1]];
-    const at = document.activeElement;
-    if (event.shiftKey ? at === first || at === this.dialog : at === last) {
-      event.preventDefault();
-      (event.shiftKey ? last : first)?.focus();
-    }
-  }
-}
-
-function setText(id: string, text: string): void {
-  const node = element(id);
-  if (node.textContent !== text) node.textContent = text;
 }
