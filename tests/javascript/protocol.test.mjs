@@ -263,6 +263,23 @@ test("register begins a registration, cancel_registration ends it", async () => 
   await until("registration", ({ state }) => state === "idle", "its end");
 });
 
+test("fit leads a device that learns its wearer, cancel_fit ends it, and it stays retracted", async () => {
+  const { generation } = client.scene;
+  client.fit("index");
+  const fit = await until("fit", ({ state }) => state === "pressing", "a fit");
+  sameKeys(fit, "Fit");
+  assert.equal(fit.finger, 0);
+  assert.ok(fit.of > 1 && fit.words !== "");
+  client.cancelFit();
+  const ended = await until("fit", ({ state }) => state === "refused", "its end");
+  assert.match(ended.message, /ended before it was done/);
+  await until("scene", (scene) => scene.generation > generation, "the scene anew");
+  await snapshot((one) => one.stopped, "a stopped device");
+  client.cancelFit();
+  await until("fit", ({ state }) => state === "idle", "a fit that is read and gone");
+  await meanwhile(() => client.release(), snapshot((one) => !one.stopped, "a release"));
+});
+
 test("scene: Notifications say what is wrong with one, and nothing else changes", async () => {
   const { generation } = client.scene;
   const told = client.next("notifications");
@@ -285,23 +302,6 @@ test("scene: Loading, then a Scene of its own; restart begins another", async ()
   const restarted = await until("scene", (scene) => scene.generation > other.generation, "a restart");
   assert.equal(restarted.scene, "again");
   await snapshot((one) => one.generation === restarted.generation, "a snapshot of it");
-});
-
-test("fit leads a device that learns its wearer, cancel_fit ends it, and it stays retracted", async () => {
-  const { generation } = client.scene;
-  client.fit("index");
-  const fit = await until("fit", ({ state }) => state === "pressing", "a fit");
-  sameKeys(fit, "Fit");
-  assert.equal(fit.finger, 0);
-  assert.ok(fit.of > 1 && fit.words !== "");
-  client.cancelFit();
-  const ended = await until("fit", ({ state }) => state === "refused", "its end");
-  assert.match(ended.message, /ended before it was done/);
-  await until("scene", (scene) => scene.generation > generation, "the scene anew");
-  await snapshot((one) => one.stopped, "a stopped device");
-  client.cancelFit();
-  await until("fit", ({ state }) => state === "idle", "a fit that is read and gone");
-  await meanwhile(() => client.release(), snapshot((one) => !one.stopped, "a release"));
 });
 
 test("what is no request ends the connection, with a reason", async () => {
