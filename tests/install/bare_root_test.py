@@ -28,7 +28,7 @@ for package in /packages/*.deb; do dpkg-deb -f $package Depends; done | tr ',' '
   sort -u | xargs apt-get install -qy --no-install-recommends
 # What examples are built and run with.
 apt-get install -qy --no-install-recommends gcc g++ make cmake pkgconf python3-matplotlib python3-tomlkit mono-mcs mono-runtime \
-  libmono-system-core4.0-cil nodejs npm
+  libmono-system-core4.0-cil nodejs node-ws
 everything() {
   find / -xdev \( -path /proc -o -path /dev/pts -o -path /tmp -o -path /packages -o -path /later -o -path /var/cache -o -path /var/lib/apt \
     -o -path /var/lib/dpkg -o -path /var/log \) -prune -o -print | sort
