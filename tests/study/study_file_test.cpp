@@ -114,6 +114,10 @@ TEST(StudyFile, TellsWhatIsWrongWithObjectives) {
                      "[constraints]\ng = { measure = \"iou\" }\n" + std::string(kLhs)),
               HasSubstr("needs at_most or at_least"));
   EXPECT_THAT(judged("f = { measure = \"iou\" }",
+                     "[constraints]\ng = { measure = \"iou\", at_least = 3, at_most = 2 }\n" +
+                         std::string(kLhs)),
+              HasSubstr("constraints.g.at_most: must be no less than at_least, 3"));
+  EXPECT_THAT(judged("f = { measure = \"iou\" }",
                      "[constraints]\nf = { measure = \"iou\" }\n" + std::string(kLhs)),
               HasSubstr("is an objective's name"));
 }

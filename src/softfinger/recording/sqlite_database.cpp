@@ -65,6 +65,12 @@ void SqliteDatabase::execute(const char* sql) {
   check(sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr));
 }
 
+void SqliteDatabase::read_what_is_there() {
+  // What tools that recover databases do; views and triggers stay off.
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 0, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
+}
+
 void SqliteDatabase::leave_checkpoints_to_others() {
   const auto note_pages = [](void* pages, sqlite3*, const char*, int now) {
     *static_cast<int*>(pages) = now;

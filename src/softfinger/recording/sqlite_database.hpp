@@ -36,6 +36,8 @@ class SqliteDatabase {
   /// Runs statements that return nothing of interest.
   void execute(const char* sql);
 
+  /// A file that is shorter than it says is read as far as it goes; without this nothing of it is.
+  void read_what_is_there();
   /// Commits of this connection do not copy the write-ahead log, however long it gets.
   void leave_checkpoints_to_others();
   /// Pages that the log had at the last commit after that.

@@ -63,6 +63,7 @@ Held held_in(const fs::path& file, SqliteDatabase::Mode mode) {
   Held held;
   try {
     SqliteDatabase database(file, mode);
+    database.read_what_is_there();
     SqliteStatement tables(database, "select 1 from sqlite_master");
     if (!tables.next()) return held;  // killed before it had begun
     SqliteStatement facts(database, "select what, value from fact");

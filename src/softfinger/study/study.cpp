@@ -137,6 +137,10 @@ void read_quantities(const ConfigTable& root, Study& study, FileNumbers& numbers
     if (!constraint.at_least && !constraint.at_most) {
       table.fail("", "needs at_most or at_least");
     }
+    if (constraint.at_least && constraint.at_most && *constraint.at_least > *constraint.at_most) {
+      table.fail("at_most", fmt::format("must be no less than at_least, {:g}: no design could be",
+                                        *constraint.at_least));
+    }
     if (constraint.at_least && constraint.at_most && constraint.over_people != Over::kMean) {
       table.fail("over_people", "of what has bounds on both sides must be the mean");
     }
