@@ -45,7 +45,7 @@ function(softfinger_viewer_page target)
   # As far from the page as in the sources.
   cmake_path(RELATIVE_PATH client BASE_DIRECTORY ${source} OUTPUT_VARIABLE client_from_page)
   cmake_path(ABSOLUTE_PATH client_from_page BASE_DIRECTORY ${work} NORMALIZE OUTPUT_VARIABLE client_copy)
-  set(settings ${source}/index.html ${source}/tsconfig.json ${source}/vite.config.ts)
+  set(settings ${source}/index.html ${source}/study.html ${source}/tsconfig.json ${source}/vite.config.ts)
   add_custom_command(OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${work}/src ${work}/public ${work}/dist ${client_copy}
     COMMAND ${CMAKE_COMMAND} -E copy_directory ${client} ${client_copy}

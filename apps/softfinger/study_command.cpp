@@ -9,14 +9,17 @@
 #include <utility>
 
 #include "commands.hpp"
+#include "port_option.hpp"
 #include "progress_bar.hpp"
 #include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/study/contacts/contact_file.hpp"
 #include "softfinger/study/contacts/run_contacts.hpp"
+#include "softfinger/study/report/study_page.hpp"
 #include "softfinger/study/report/study_report.hpp"
 #include "softfinger/study/run_study.hpp"
 #include "softfinger/study/study_table.hpp"
+#include "softfinger/viewer/report_server.hpp"
 #include "stop_signal.hpp"
 
 namespace {
@@ -25,6 +28,24 @@ using namespace softfinger;
 
 struct StudyFlags {
   std::string study, out, shard;
+  bool page = false;
+  std::uint16_t port = 0;
+};
+
+/// The page of a running study, where one is asked for, and its server.
+class ServedStudy {
+ public:
+  ServedStudy(PagePort port, StudyHeadings headings)
+      : page_(std::move(headings)),
+        server_(std::move(port), [this](std::string_view path) { return page_.file(path); }) {
+    fmt::print("softfinger: {}\n", server_.url());
+    std::fflush(stdout);
+  }
+  [[nodiscard]] StudyPage& page() { return page_; }
+
+ private:
+  StudyPage page_;
+  ReportServer server_;
 };
 
 struct StudyTableFlags {
@@ -90,9 +111,44 @@ auto load_on_every_rank(const Load& load, Ranks& ranks) {
   throw CLI::RuntimeError(2);
 }
 
+std::string_view end_words(StudyEnd end) {
+  switch (end) {
+    case StudyEnd::kFinished:
+      return "finished";
+    case StudyEnd::kShardDone:
+      return "shard done";
+    case StudyEnd::kAwaitsOthers:
+      return "awaits other shards";
+    case StudyEnd::kStopped:
+      break;
+  }
+  return "stopped";
+}
+
+/// Runs it, and tells its page how it ended.
+template <typename Run>
+StudySummary run_served(const Run& run, ServedStudy* served) {
+  try {
+    const StudySummary summary = run();
+    if (served != nullptr) served->page().end(std::string(end_words(summary.end)));
+    return summary;
+  } catch (...) {
+    if (served != nullptr) served->page().end("failed");
+    throw;
+  }
+}
+
 void run_study_command(const StudyFlags& flags) {
   StudyOptions options{.out = flags.out};
   const std::unique_ptr<Ranks> ranks = ranks_of_this_job();
+  // Refused before anything begins; the first rank alone has a page.
+  auto port = load_on_every_rank(
+      [&]() -> std::unique_ptr<PagePort> {
+        if (!flags.page || ranks->rank() > 0) return nullptr;
+        return std::make_unique<PagePort>(ServerOptions{.port = flags.port});
+      },
+      *ranks);
+  std::optional<ServedStudy> served;
   if (!flags.shard.empty()) {
     options.shard = load_on_every_rank([&flags] { return shard_of(flags.shard); }, *ranks);
   }
@@ -102,11 +158,15 @@ void run_study_command(const StudyFlags& flags) {
     bar.clear();
     fmt::print(stderr, "softfinger: {}\n", message);
   };
-  observer.progress = [&bar](const StudyProgress& at) {
+  observer.progress = [&bar, &served](const StudyProgress& at) {
+    if (served) served->page().at(at);
     if (at.cases == 0) return;
     bar.show(static_cast<double>(at.done) / static_cast<double>(at.cases),
              fmt::format("{} of {} evaluations, {} designs, {} not feasible", at.done, at.cases,
                          at.designs, at.infeasible));
+  };
+  observer.design = [&served](const StudyRow& row) {
+    if (served) served->page().add(row);
   };
   const bool of_contacts =
       load_on_every_rank([&flags] { return is_contact_study(flags.study); }, *ranks);
@@ -114,10 +174,16 @@ void run_study_command(const StudyFlags& flags) {
   if (of_contacts) {
     const ContactStudy study =
         load_on_every_rank([&flags] { return load_contact_study(flags.study); }, *ranks);
-    summary = run_contacts(study, options, *ranks, stop_on_signals(), observer);
+    if (port) served.emplace(std::move(*port), headings_of(study));
+    summary = run_served(
+        [&] { return run_contacts(study, options, *ranks, stop_on_signals(), observer); },
+        served ? &*served : nullptr);
   } else {
     const Study study = load_on_every_rank([&flags] { return load_study(flags.study); }, *ranks);
-    summary = run_study(study, options, *ranks, stop_on_signals(), observer);
+    if (port) served.emplace(std::move(*port), headings_of(study));
+    summary =
+        run_served([&] { return run_study(study, options, *ranks, stop_on_signals(), observer); },
+                   served ? &*served : nullptr);
   }
   bar.clear();
   if (ranks->rank() > 0) return;
@@ -180,6 +246,10 @@ void add_study_command(CLI::App& app) {
                       "folder of the study, made if absent; goes on with what is there");
   command->add_option("--shard", flags->shard,
                       "I/N: one of N equal parts, for job arrays; all into one --out");
+  CLI::Option* port = add_port_option(
+      *command, "--port", flags->port,
+      "a page of the running study at this port of this machine alone; 0: any free one");
+  port->default_str("");
   CLI::App* exporting =
       command->add_subcommand("export", "A row a design, as CSV; contacts as HDF5");
   auto to = std::make_shared<StudyTableFlags>();
@@ -199,7 +269,8 @@ void add_study_command(CLI::App& app) {
     write_study_report(read_study_table(page->folder), page->to);
     fmt::print("{}\n", (std::filesystem::path(page->to) / "report.html").string());
   });
-  command->callback([command, flags, study] {
+  command->callback([command, flags, study, port] {
+    flags->page = port->count() > 0;
     if (!command->get_subcommands().empty()) return;
     if (study->empty()) throw InputError("study: give a study file (TOML), or export");
     if (flags->out.empty()) throw InputError("study: give --out, the folder of what comes out");

@@ -10,10 +10,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "../support/child_process.hpp"
 #include "../support/temporary_directory.hpp"
+#include "../viewer/raw_client.hpp"
 #include "program.hpp"
 
 namespace softfinger {
@@ -108,6 +110,13 @@ TEST_F(StudyCommand, WhateverIsKilledItGoesOn) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20 + 60 * k));
+    // However slow the machine is, the last one has recorded some.
+    std::error_code error;
+    const std::string log = journal.string() + "-wal";
+    for (int i = 0; k == 6 && i < 4000 && fs::exists(log, error); ++i) {
+      if (fs::file_size(log, error) >= 150'000) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
     static_cast<void>(program.stop(SIGKILL));
   }
   const ProgramRun last = run_program(into("killed"));
@@ -167,6 +176,61 @@ TEST_F(StudyCommand, AFullDiskIsOneLineAndLosesNothing) {
   EXPECT_EQ(again.errors, "");
   static_cast<void>(run_program(into("alone")));
   EXPECT_EQ(csv("full"), csv("alone"));
+}
+
+/// The port in "http://127.0.0.1:PORT".
+std::uint16_t port_in(const std::string& output) {
+  const std::string before = "http://127.0.0.1:";
+  const std::size_t at = output.find(before);
+  if (at == std::string::npos) return 0;
+  return static_cast<std::uint16_t>(std::stoi(output.substr(at + before.size())));
+}
+
+TEST_F(StudyCommand, HasAPageWhileItRuns) {
+  write(20000);
+  std::vector<std::string> words = into("seen");
+  words.insert(words.end(), {"--port", "0"});
+  RunningProgram program(words);
+  ASSERT_TRUE(program.says("http://127.0.0.1:", 20.0));
+  const std::uint16_t port = port_in(program.output());
+  RawClient client(port);
+  EXPECT_EQ(client.get("/").status, 200);
+  const auto progress = [&] {
+    return nlohmann::json::parse(client.get("/progress.json").body, nullptr, false);
+  };
+  nlohmann::json first = progress();
+  for (int k = 0; k < 4000 && first.is_object() && first["best"].empty(); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    first = progress();
+  }
+  ASSERT_TRUE(first.is_object());
+  EXPECT_EQ(first["state"], "running");
+  EXPECT_EQ(first["evaluations"], 20000);
+  EXPECT_GT(first["best"][0]["value"], 0.0);
+  EXPECT_THAT(client.get("/report.html").body, HasSubstr("Best so far"));
+  nlohmann::json later = first;
+  for (int k = 0; k < 4000 && later["done"] == first["done"]; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    later = progress();
+    ASSERT_TRUE(later.is_object());
+  }
+  EXPECT_GT(later["done"], first["done"]);
+  // It is asked to end; who looks on is told.
+  ::kill(program.process(), SIGINT);
+  for (int k = 0; k < 4000 && later["state"] == "running"; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    later = progress();
+    ASSERT_TRUE(later.is_object());
+  }
+  EXPECT_EQ(later["state"], "stopped");
+  EXPECT_EQ(program.stop(0).status, 1);
+}
+
+TEST_F(StudyCommand, ItsPageIsRefusedBeforeItBegins) {
+  std::vector<std::string> words = into("seen");
+  words.insert(words.end(), {"--port", "70000"});
+  expect_refused(run_program(words), {"--port 70000"});
+  EXPECT_FALSE(fs::exists(path("seen")));
 }
 
 TEST_F(StudyCommand, RefusesWhatIsWrong) {

@@ -68,22 +68,6 @@ double beyond(const Quantity& constraint, double value, std::string& why) {
   return 0.0;
 }
 
-StudyHeadings headings_of(const Study& study) {
-  StudyHeadings headings{.title = study.file.stem().string(),
-                         .kind = std::string(row_of(kDesignKinds, study.plan.kind).name),
-                         .device = study.device.written,
-                         .device_text = study.device.text.text()};
-  for (const Parameter& parameter : study.parameters) {
-    headings.parameters.push_back({parameter.key, parameter.log, !parameter.is_free()});
-  }
-  for (std::size_t i = 0; const Quantity* quantity : study.quantities()) {
-    headings.quantities.push_back({quantity->name,
-                                   quantity->measure.empty() ? "formula" : quantity->measure,
-                                   i++ < study.objectives.size(), quantity->maximise});
-  }
-  return headings;
-}
-
 /// What thrown here ends a search, whose library must not see the reason.
 struct EndOfStudy {
   StudyEnd end;
@@ -218,6 +202,7 @@ class Leader {
       if (first_reason_.empty()) first_reason_ = row.reason;
     }
     if (!shard_) journal_->add(row);
+    if (observer_.design) observer_.design(row);
   }
 
   void judge(StudyRow& row, std::size_t design) const {
@@ -329,6 +314,22 @@ void follow(const Study& study, Ranks& ranks, CaseEvaluation& evaluation,
 }
 
 }  // namespace
+
+StudyHeadings headings_of(const Study& study) {
+  StudyHeadings headings{.title = study.file.stem().string(),
+                         .kind = std::string(row_of(kDesignKinds, study.plan.kind).name),
+                         .device = study.device.written,
+                         .device_text = study.device.text.text()};
+  for (const Parameter& parameter : study.parameters) {
+    headings.parameters.push_back({parameter.key, parameter.log, !parameter.is_free()});
+  }
+  for (std::size_t i = 0; const Quantity* quantity : study.quantities()) {
+    headings.quantities.push_back({quantity->name,
+                                   quantity->measure.empty() ? "formula" : quantity->measure,
+                                   i++ < study.objectives.size(), quantity->maximise});
+  }
+  return headings;
+}
 
 StudySummary run_study(const Study& study, const StudyOptions& options, Ranks& ranks,
                        const std::atomic<bool>& stop, const StudyObserver& observer) {

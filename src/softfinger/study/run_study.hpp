@@ -10,6 +10,7 @@
 #include "softfinger/study/journal.hpp"
 #include "softfinger/study/ranks.hpp"
 #include "softfinger/study/study.hpp"
+#include "softfinger/study/study_table.hpp"
 
 namespace softfinger {
 
@@ -30,6 +31,8 @@ struct StudyProgress {
 struct StudyObserver {
   std::function<void(const std::string&)> message;     ///< one line for people
   std::function<void(const StudyProgress&)> progress;  ///< on any thread, one at a time
+  /// All of a design is known, which may have been so before; on any thread, one at a time.
+  std::function<void(const StudyRow&)> design;
 };
 
 enum class StudyEnd {
@@ -44,6 +47,8 @@ struct StudySummary {
   StudyProgress progress;
   std::string first_reason;  ///< of the first design that is not feasible; empty: all are
 };
+
+[[nodiscard]] StudyHeadings headings_of(const Study& study);
 
 /// Evaluates what is not recorded yet and records it in the study's folder, on all `ranks`, every
 /// one of which calls it alike; rank 0 alone has a summary and an observer's ear. The same folder

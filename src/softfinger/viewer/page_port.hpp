@@ -33,6 +33,8 @@ class PagePort {
   PagePort& operator=(PagePort&&) = delete;
 
  private:
+  friend class PageListener;
+  friend class ReportServer;
   friend class Server;
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;

@@ -1,89 +1,39 @@
 #include "softfinger/viewer/server.hpp"
 
-#include <boost/asio/post.hpp>
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <vector>
 
 #include "softfinger/viewer/events_message.hpp"
 #include "softfinger/viewer/fit_message.hpp"
 #include "softfinger/viewer/notification_message.hpp"
-#include "softfinger/viewer/own_address.hpp"
 #include "softfinger/viewer/registration_message.hpp"
 #include "softfinger/viewer/scene_message.hpp"
-#include "softfinger/viewer/server/bound_port.hpp"
-#include "softfinger/viewer/server/http_session.hpp"
+#include "softfinger/viewer/server/live_hub.hpp"
+#include "softfinger/viewer/server/page_listener.hpp"
+#include "softfinger/viewer/server/web_socket_session.hpp"
 #include "softfinger/viewer/snapshot_message.hpp"
 
 namespace softfinger {
 
 namespace asio = boost::asio;
-using asio::ip::tcp;
 using boost::system::error_code;
-
-namespace {
-
-constexpr int kSendBufferBytes = 64 * 1024;  // small: what waits in it is no longer the newest
-
-}  // namespace
 
 struct Server::Implementation {
   Implementation(LiveFeed& feed, std::unique_ptr<PagePort::Implementation> bound,
                  std::span<const PageFile> page)
-      : hub{feed,
-            page,
-            bound->options.token,
-            bound->options.address,
-            bound->tls ? "https" : "http",
-            bound->options.port},
-        port(std::move(bound)),
-        period(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-            std::chrono::duration<double>(1.0 / port->options.update_rate))) {
-    thread = std::thread([this] { serve(); });
-  }
-  ~Implementation() {
-    context.stop();
-    thread.join();
-  }
-
-  void serve() {
-    asio::post(context, [this] {
-      accept();
+      : period(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+            std::chrono::duration<double>(1.0 / bound->options.update_rate))),
+        hub(feed, page, bound->options, bound->tls != nullptr),
+        listener(std::move(bound), hub) {
+    listener.begin([this] {
       next_update = std::chrono::steady_clock::now();
       schedule_update();
       update();
     });
-    while (!context.stopped()) {
-      try {
-        context.run();
-      } catch (const std::exception&) {
-        // One connection's failure (out of memory, say) must not end the others.
-      }
-    }
   }
-  void accept() {
-    acceptor.async_accept([this](error_code error, tcp::socket socket) {
-      if (error == asio::error::operation_aborted) return;
-      if (error) {  // e.g. out of descriptors: wait for some to be free
-        retry.expires_after(std::chrono::milliseconds(100));
-        retry.async_wait([this](error_code) { accept(); });
-        return;
-      }
-      accept();
-      error_code ignored;
-      const asio::ip::address visitor = socket.remote_endpoint(ignored).address();
-      if (hub.has_room_for(visitor)) {
-        socket.set_option(tcp::no_delay(true), ignored);
-        socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
-        PageStream stream(std::move(socket), port->tls.get());
-        std::make_shared<HttpSession>(std::move(stream), hub, watchers, visitor)->open();
-      }
-    });
-  }
+  ~Implementation() { listener.end(); }
+
   void schedule_update() {
     next_update = std::max(next_update + period, std::chrono::steady_clock::now());
     update_timer.expires_at(next_update);
@@ -164,24 +114,18 @@ struct Server::Implementation {
   }
   template <typename Action>
   void for_each_watcher(const Action& action) {
-    for (const auto& watcher : watchers) {
+    for (const auto& watcher : hub.watchers) {
       if (const auto session = watcher.lock()) action(*session);
     }
   }
 
-  // Connections point at the hub and are destroyed with the context: it comes after them.
-  PageHub hub;
-  Watchers watchers;
-  std::unique_ptr<PagePort::Implementation> port;
-  asio::io_context& context = port->context;
-  tcp::acceptor& acceptor = port->acceptor;
-  asio::steady_timer retry{context};
-  asio::steady_timer update_timer{context};
   std::chrono::steady_clock::duration period;
   std::chrono::steady_clock::time_point next_update;
   std::size_t message_size = 0;
   bool untold = false;  ///< the newest snapshot has not been sent yet
-  std::thread thread;
+  LiveHub hub;
+  PageListener listener;
+  asio::steady_timer update_timer{listener.context()};
 };
 
 Server::Server(LiveFeed& feed, const ServerOptions& options, std::span<const PageFile> page)
@@ -192,16 +136,6 @@ Server::Server(LiveFeed& feed, PagePort port, std::span<const PageFile> page)
 Server::~Server() = default;
 
 std::uint16_t Server::port() const { return implementation_->hub.port; }
-std::string Server::url() const {
-  const PageHub& hub = implementation_->hub;
-  std::vector<std::string> urls;
-  for (const std::string& address : hub.address == "0.0.0.0"
-                                        ? addresses_of_this_machine()
-                                        : std::vector<std::string>{hub.address}) {
-    urls.push_back(fmt::format("{}://{}:{}{}", hub.scheme, address, port(),
-                               hub.token.is_needed() ? "/?token=" + hub.token.text() : ""));
-  }
-  return fmt::format("{}", fmt::join(urls, " or "));
-}
+std::string Server::url() const { return implementation_->hub.url(); }
 
 }  // namespace softfinger

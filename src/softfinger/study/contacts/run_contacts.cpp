@@ -70,6 +70,7 @@ class ContactLeader {
     }
     StudyProgress progress{.cases = study_.presses()};
     progress.done = progress.recorded = file_->done();
+    if (observer.progress) observer.progress(progress);
     std::string message;
     message.resize(open.size() * sizeof(open[0]));
     std::copy_n(reinterpret_cast<const char*>(open.data()), message.size(), message.begin());
@@ -123,6 +124,10 @@ class ContactLeader {
 };
 
 }  // namespace
+
+StudyHeadings headings_of(const ContactStudy& study) {
+  return {.title = study.file.stem().string(), .kind = "contacts"};
+}
 
 StudySummary run_contacts(const ContactStudy& study, const StudyOptions& options, Ranks& ranks,
                           const std::atomic<bool>& stop, const StudyObserver& observer) {

@@ -8,6 +8,9 @@
 
 namespace softfinger {
 
+/// Of a study that has contacts in the place of designs, and so no parameters.
+[[nodiscard]] StudyHeadings headings_of(const ContactStudy& study);
+
 /// As run_study(), of contacts: presses take the place of cases, contacts.h5 that of the journal. A
 /// shard has contacts-I-of-N.h5, of which the run without one takes what is there, and removes it.
 [[nodiscard]] StudySummary run_contacts(const ContactStudy& study, const StudyOptions& options,

@@ -59,27 +59,32 @@ std::vector<std::size_t> thinned(const std::vector<std::size_t>& rows) {
 
 class Report {
  public:
-  Report(const StudyTable& table, fs::path folder)
-      : table_(table), folder_(std::move(folder)), front_(front_of(table)) {
+  explicit Report(const StudyTable& table) : table_(table), front_(front_of(table)) {
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
       if (table.rows[row].feasible()) feasible_.push_back(row);
     }
     objectives_ = objective_count(table.headings);
   }
 
-  void write() {
+  /// Throws OperationError.
+  void write(const fs::path& folder) {
+    best_found();
     if (!feasible_.empty()) {
-      if (objectives_ >= 2) {
-        fronts();
-      } else {
-        best_so_far();
-      }
       effects();
       indices();
     }
     best();
     reasons();
-    save("report.html", page());
+    for (const auto& [name, svg] : plots_) save(folder / name, svg);
+    save(folder / "report.html", page());
+  }
+
+  /// What is worth looking at before a study is finished.
+  [[nodiscard]] std::string so_far() {
+    best_found();
+    best();
+    reasons();
+    return body_;
   }
 
  private:
@@ -88,18 +93,26 @@ class Report {
   }
 
   /// A plot of its own, and in the page.
-  void add(const std::string& file, const std::string& svg) {
-    save(file, svg);
+  void add(std::string file, std::string svg) {
     body_ += svg;
+    plots_.emplace_back(std::move(file), std::move(svg));
   }
   void heading(const char* title, const char* words) {
     body_ += fmt::format("<h2>{}</h2><p>{}</p>", title, words);
   }
-  void save(const std::string& name, const std::string& text) const {
-    const fs::path file = folder_ / name;
+  static void save(const fs::path& file, const std::string& text) {
     if (write_file_whole(file, [&](std::ostream& stream) { stream << text; })) return;
     throw OperationError(
         fmt::format("{}: cannot be written (is there room on the disk?)", file.string()));
+  }
+
+  void best_found() {
+    if (feasible_.empty()) return;
+    if (objectives_ >= 2) {
+      fronts();
+    } else {
+      best_so_far();
+    }
   }
 
   void fronts() {
@@ -282,10 +295,10 @@ class Report {
   }
 
   const StudyTable& table_;
-  fs::path folder_;
   std::vector<std::size_t> front_, feasible_;
   std::size_t objectives_ = 0;
   std::string body_;
+  std::vector<std::pair<std::string, std::string>> plots_;  ///< files and what is in them
 };
 
 }  // namespace
@@ -297,7 +310,11 @@ void write_study_report(const StudyTable& table, const fs::path& folder) {
   if (!fs::is_directory(folder, error)) {
     throw InputError(fmt::format("{}: cannot be made a folder", folder.string()));
   }
-  Report(table, folder).write();
+  Report(table).write(folder);
+}
+
+std::string report_so_far(const StudyTable& table) {
+  return table.rows.empty() ? std::string() : Report(table).so_far();
 }
 
 }  // namespace softfinger

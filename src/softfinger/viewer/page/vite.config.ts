@@ -10,6 +10,7 @@ export default defineConfig({
     assetsInlineLimit: 0, // the page's content security policy allows no data: fonts
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 1500,
+    rollupOptions: { input: ["index.html", "study.html"] },
   },
   // `npm run dev -- --port 5173` beside a running program: the program only answers its own origin.
   server: {

@@ -22,12 +22,10 @@ constexpr std::string_view kContentSecurityPolicy =
 
 }  // namespace
 
-HttpSession::HttpSession(PageStream&& stream, PageHub& hub, Watchers& watchers,
-                         const boost::asio::ip::address& visitor)
+HttpSession::HttpSession(PageStream&& stream, PageHub& hub, const boost::asio::ip::address& visitor)
     : hub_(hub),
       count_(hub),
       stream_(std::move(stream)),
-      watchers_(watchers),
       buffer_(kMaxHeaderBytes + PageHub::kMaxRequestBytes) {
   if (hub.token.is_needed()) unproven_.emplace(hub, visitor);
   error_code error;
@@ -80,23 +78,23 @@ void HttpSession::answer(error_code error) {
     return refuse(http::status::unauthorized, "open /?token=TOKEN with the token of --token\n");
   }
   unproven_.reset();
-  if (target.substr(0, target.find('?')) == "/ws") return become_web_socket(request);
+  if (hub_.has_web_socket() && target.substr(0, target.find('?')) == "/ws") {
+    return become_web_socket(request);
+  }
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     return refuse(http::status::method_not_allowed, "only GET and HEAD\n");
   }
-  const PageFile* file = find_page_file(hub_.page, target);
-  if (file == nullptr) return respond(http::status::not_found, "text/plain", "no such page\n");
-  respond(http::status::ok, file->content_type, file->content);
+  const auto found = hub_.find(target);
+  if (!found) return respond(http::status::not_found, "text/plain", "no such page\n");
+  content_ = found->keeps;
+  respond(http::status::ok, found->file.content_type, found->file.content);
 }
 
 void HttpSession::become_web_socket(const HttpRequest& request) {
   if (!beast::websocket::is_upgrade(request)) {
     return refuse(http::status::upgrade_required, "/ws speaks WebSocket\n");
   }
-  auto session = std::make_shared<WebSocketSession>(std::move(stream_), hub_, std::move(count_));
-  std::erase_if(watchers_, [](const auto& watcher) { return watcher.expired(); });
-  watchers_.push_back(session);
-  session->accept(request);
+  hub_.take_web_socket(std::move(stream_), std::move(count_), request);
 }
 
 void HttpSession::admit() {

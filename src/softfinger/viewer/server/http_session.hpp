@@ -12,21 +12,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "softfinger/viewer/server/page_hub.hpp"
 #include "softfinger/viewer/server/page_stream.hpp"
-#include "softfinger/viewer/server/web_socket_session.hpp"
 
 namespace softfinger {
 
-using Watchers = std::vector<std::weak_ptr<WebSocketSession>>;
-
-/// One connection until it ends or becomes a WebSocket, which is then one of the watchers.
+/// One connection until it ends or becomes a WebSocket, which the hub then has.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(PageStream&& stream, PageHub& hub, Watchers& watchers,
-              const boost::asio::ip::address& visitor);
+  HttpSession(PageStream&& stream, PageHub& hub, const boost::asio::ip::address& visitor);
   void open();
 
  private:
@@ -49,10 +44,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::optional<Unproven> unproven_;  ///< empty: its visitor has shown that they may come
   std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();
   PageStream stream_;
-  Watchers& watchers_;
   std::string local_;  ///< address that the visitor came to
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;
+  std::shared_ptr<const void> content_;  ///< what the response's body points into
   boost::beast::http::response<Body> response_;
   std::optional<boost::beast::http::response_serializer<Body>> serializer_;
   bool keep_alive_ = true;

@@ -1,9 +1,12 @@
 #include "softfinger/viewer/server/page_hub.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "softfinger/viewer/own_address.hpp"
+#include "softfinger/viewer/server/page_stream.hpp"
 
 namespace softfinger {
 
@@ -16,6 +19,24 @@ std::string_view value_of(const HttpRequest& request, http::field name) {
 }
 
 }  // namespace
+
+PageHub::PageHub(const ServerOptions& options, bool encrypted)
+    : token(options.token),
+      address(options.address),
+      scheme(encrypted ? "https" : "http"),
+      port(options.port) {}
+
+void PageHub::take_web_socket(PageStream&&, ConnectionCount&&, const HttpRequest&) {}
+
+std::string PageHub::url() const {
+  std::vector<std::string> urls;
+  for (const std::string& at :
+       address == "0.0.0.0" ? addresses_of_this_machine() : std::vector<std::string>{address}) {
+    urls.push_back(fmt::format("{}://{}:{}{}", scheme, at, port,
+                               token.is_needed() ? "/?token=" + token.text() : ""));
+  }
+  return fmt::format("{}", fmt::join(urls, " or "));
+}
 
 bool PageHub::is_foreign(const HttpRequest& request, std::string_view local) const {
   const auto hosts = request.count(http::field::host);

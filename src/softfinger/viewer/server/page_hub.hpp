@@ -10,26 +10,43 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "softfinger/session/live_feed.hpp"
 #include "softfinger/viewer/access_token.hpp"
 #include "softfinger/viewer/page_file.hpp"
+#include "softfinger/viewer/page_port.hpp"
 
 namespace softfinger {
 
 using HttpRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 
+class ConnectionCount;
+class PageStream;
+
 /// What all connections of a server share; lives as long as the server, on its thread.
 struct PageHub {
-  using Bytes = std::shared_ptr<const std::vector<std::byte>>;
-  using Text = std::shared_ptr<const std::string>;
+  /// What is asked for, with what has to stay until it is sent.
+  struct Content {
+    PageFile file;
+    std::shared_ptr<const void> keeps = nullptr;
+  };
 
-  LiveFeed& feed;
-  std::span<const PageFile> page;
+  PageHub(const ServerOptions& options, bool encrypted);
+  PageHub(const PageHub&) = delete;
+  PageHub& operator=(const PageHub&) = delete;
+  virtual ~PageHub() = default;
+
+  /// Of a request's target; empty: there is none.
+  [[nodiscard]] virtual std::optional<Content> find(std::string_view target) = 0;
+  /// Whether /ws speaks WebSocket here.
+  [[nodiscard]] virtual bool has_web_socket() const { return false; }
+  /// Goes on with a connection that asked for it.
+  virtual void take_web_socket(PageStream&& stream, ConnectionCount&& count,
+                               const HttpRequest& request);
+
   AccessToken token;
   std::string address;
   std::string_view scheme;  ///< http or https
@@ -37,15 +54,9 @@ struct PageHub {
   VisitorCookie cookie = {};
   std::size_t connections = 0;
   std::vector<boost::asio::ip::address> unproven = {};  ///< who Unproven counts
-  /// The one page that moves fingers: the first that did, while it is there.
-  const void* mover = nullptr;
-  std::shared_ptr<const SceneDescription> description = nullptr;
-  Text scene = nullptr;         ///< message of `description`
-  Bytes snapshot = nullptr;     ///< newest one of that scene, may be null
-  Text registration = nullptr;  ///< null until somebody asks for one
-  Text fit = nullptr;           ///< the same
-  std::string loading;          ///< LiveFeed::loading()
 
+  /// Where the page is, see Server::url().
+  [[nodiscard]] std::string url() const;
   /// `local`: the address that the request came to.
   [[nodiscard]] bool is_foreign(const HttpRequest& request, std::string_view local) const;
   [[nodiscard]] bool is_admitted(const HttpRequest& request) const;

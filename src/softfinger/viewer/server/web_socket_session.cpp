@@ -29,7 +29,7 @@ constexpr std::size_t kMostEvents = 64;
 
 }  // namespace
 
-WebSocketSession::WebSocketSession(PageStream&& stream, PageHub& hub, ConnectionCount&& count)
+WebSocketSession::WebSocketSession(PageStream&& stream, LiveHub& hub, ConnectionCount&& count)
     : hub_(hub), count_(std::move(count)), socket_(std::move(stream)) {}
 
 WebSocketSession::~WebSocketSession() {
@@ -80,26 +80,26 @@ void WebSocketSession::offer_snapshot() {
   write();
 }
 
-void WebSocketSession::notify(PageHub::Text message) {
+void WebSocketSession::notify(LiveHub::Text message) {
   if (next_notifications_.size() < kMostNotifications) {
     next_notifications_.push_back(std::move(message));
   }
   write();
 }
 
-void WebSocketSession::tell_events(PageHub::Text message) {
+void WebSocketSession::tell_events(LiveHub::Text message) {
   if (next_events_.size() < kMostEvents) next_events_.push_back(std::move(message));
   write();
 }
 
 void WebSocketSession::write() {
   if (writing_ || !open_) return;
-  for (PageHub::Text* next : {&next_scene_, &next_registration_, &next_fit_, &next_loading_}) {
+  for (LiveHub::Text* next : {&next_scene_, &next_registration_, &next_fit_, &next_loading_}) {
     if (*next) return send_text(std::exchange(*next, nullptr));
   }
   for (auto* waiting : {&next_notifications_, &next_events_}) {
     if (waiting->empty()) continue;
-    PageHub::Text next = std::move(waiting->front());
+    LiveHub::Text next = std::move(waiting->front());
     waiting->pop_front();
     return send_text(std::move(next));
   }
@@ -109,7 +109,7 @@ void WebSocketSession::write() {
   send(asio::buffer(*snapshot_in_flight_));
 }
 
-void WebSocketSession::send_text(PageHub::Text message) {
+void WebSocketSession::send_text(LiveHub::Text message) {
   text_in_flight_ = std::move(message);
   socket_.text(true);
   send(asio::buffer(*text_in_flight_));

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string_view>
 
-#include "softfinger/viewer/server/page_hub.hpp"
+#include "softfinger/viewer/server/live_hub.hpp"
 #include "softfinger/viewer/server/page_stream.hpp"
 
 namespace softfinger {
@@ -18,7 +18,7 @@ namespace softfinger {
 /// One page that watches. Holds at most one message being sent, and the newest ones to send next.
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
-  WebSocketSession(PageStream&& stream, PageHub& hub, ConnectionCount&& count);
+  WebSocketSession(PageStream&& stream, LiveHub& hub, ConnectionCount&& count);
   ~WebSocketSession();
   WebSocketSession(const WebSocketSession&) = delete;
   WebSocketSession& operator=(const WebSocketSession&) = delete;
@@ -31,12 +31,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void offer_loading();
   void offer_snapshot();
   /// What people are told. Waits for its turn, but for the last of very many.
-  void notify(PageHub::Text message);
-  void tell_events(PageHub::Text message);
+  void notify(LiveHub::Text message);
+  void tell_events(LiveHub::Text message);
 
  private:
   void write();
-  void send_text(PageHub::Text message);
+  void send_text(LiveHub::Text message);
   void send(boost::asio::const_buffer message);
   void read();
   void obey();
@@ -47,15 +47,15 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   [[nodiscard]] bool is_flood();
   void refuse(const char* reason);
 
-  PageHub& hub_;
+  LiveHub& hub_;
   ConnectionCount count_;
   boost::beast::websocket::stream<PageStream> socket_;
   boost::beast::flat_buffer buffer_{PageHub::kMaxRequestBytes};
-  PageHub::Text next_scene_, next_registration_, next_fit_, next_loading_;
-  std::deque<PageHub::Text> next_notifications_;  ///< each is told once
-  std::deque<PageHub::Text> next_events_;         ///< likewise; they keep no notification waiting
-  PageHub::Text text_in_flight_;
-  PageHub::Bytes next_snapshot_, snapshot_in_flight_;
+  LiveHub::Text next_scene_, next_registration_, next_fit_, next_loading_;
+  std::deque<LiveHub::Text> next_notifications_;  ///< each is told once
+  std::deque<LiveHub::Text> next_events_;         ///< likewise; they keep no notification waiting
+  LiveHub::Text text_in_flight_;
+  LiveHub::Bytes next_snapshot_, snapshot_in_flight_;
   bool open_ = false;
   bool writing_ = false;
   std::chrono::steady_clock::time_point last_message_;
