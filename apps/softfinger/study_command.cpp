@@ -99,15 +99,18 @@ std::string summary_text(const StudySummary& summary, const StudyFlags& flags) {
 template <typename Load>
 auto load_on_every_rank(const Load& load, Ranks& ranks) {
   std::optional<decltype(load())> study;
-  std::exception_ptr thrown;
+  std::string why;
   try {
     study.emplace(load());
-  } catch (const InputError&) {
-    thrown = std::current_exception();
+  } catch (const InputError& error) {
+    if (ranks.size() == 1) throw;
+    why = error.what();
   }
   const bool first_has_it = ranks.broadcast(study ? "read" : "") == "read";
   if (ranks.all(study.has_value())) return std::move(*study);
-  if (thrown && (ranks.rank() == 0 || first_has_it)) std::rethrow_exception(thrown);
+  if (!study && (ranks.rank() == 0 || first_has_it)) fmt::print(stderr, "softfinger: {}\n", why);
+  // Said before any rank leaves: the first that does ends the job.
+  ranks.all(false);
   throw CLI::RuntimeError(2);
 }
 

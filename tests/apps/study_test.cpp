@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/wait.h>
 
 #include <fmt/format.h>
 
@@ -100,6 +101,13 @@ std::size_t recorded_in(const ProgramRun& run) {
   return begin == std::string::npos ? 0 : std::stoul(run.output.substr(begin + 2));
 }
 
+/// Of a child that nobody has waited for.
+bool has_ended(pid_t child) {
+  siginfo_t found{};
+  return ::waitid(P_PID, static_cast<id_t>(child), &found, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         found.si_pid == child;
+}
+
 TEST_F(StudyCommand, WhateverIsKilledItGoesOn) {
   static_cast<void>(run_program(into("alone")));
   // At instants a few evaluations apart, once it has begun.
@@ -113,8 +121,8 @@ TEST_F(StudyCommand, WhateverIsKilledItGoesOn) {
     // However slow the machine is, the last one has recorded some.
     std::error_code error;
     const std::string log = journal.string() + "-wal";
-    for (int i = 0; k == 6 && i < 4000 && fs::exists(log, error); ++i) {
-      if (fs::file_size(log, error) >= 150'000) break;
+    for (int i = 0; k == 6 && i < 4000 && !has_ended(program.process()); ++i) {
+      if (fs::exists(log, error) && fs::file_size(log, error) >= 150'000) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     static_cast<void>(program.stop(SIGKILL));

@@ -19,7 +19,9 @@ def run_of(*rows):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "run.json")
         file.write_text(json.dumps({"context": {}, "benchmarks": rows}))
-        return tool.Run(file)
+        python = pathlib.Path(folder, "python.json")
+        python.write_text(json.dumps({"matrix_us": 1.5, "pose_us": 6.5}))
+        return tool.Run(file, python)
 
 
 def press(name, **counters):
@@ -74,6 +76,11 @@ class PlotBenchmarks(unittest.TestCase):
         text = tool.threads(run_of(*({"name": f"{name}/iterations:9", **times} for name in tool.THREADS)))
         self.assertIn("| M, plane | 600 / 2,000 / 800 | 300 / 1,000 / 500 | **2.00**, **1.60** | 790, 900 | 300 / 600 "
                       "| median |", text)
+
+    def test_doors_may_cost_a_twentieth_or_five_microseconds(self):
+        text = tool.doors(run_of({"name": "door/S_sphere/iterations:9", "cpp_us": 128.0, "extra_us": 0.634}))
+        self.assertIn("| C | 129 | +0.63 | 5 % or 5 us | yes |", text)
+        self.assertIn("| Python, a (7,) pose | 134 | +6.50 | 5 % or 5 us | no |", text)
 
     def test_refuses_what_is_missing_or_failed(self):
         with self.assertRaisesRegex(SystemExit, "step/S_plane is not in this run"):
