@@ -81,14 +81,16 @@ bool LiveFit::run(const RunSetup& setup, const RunOptions& options, const std::a
 
 bool LiveFit::stopped_by_signal(const RunOptions& options) {
   if (options.stop_signals == nullptr) return false;
-  return options.stop_signals->stops.load() !=
-         std::exchange(signals_seen_, options.stop_signals->stops.load());
+  const std::uint32_t stops = options.stop_signals->stops.load();
+  return stops != std::exchange(signals_seen_, stops);
 }
 
 void LiveFit::stop_device() {
   stops_.stops.fetch_add(1);
   const std::lock_guard lock(mutex_);
-  if (state_.phase == FitState::Phase::kWaiting) ending_.store(true);
+  // Where the device does not press it has no stop to obey, and nothing is to be written all the
+  // same.
+  if (state_.phase != FitState::Phase::kPressing) ending_.store(true);
 }
 
 void LiveFit::watch(const DeviceFitMoment& now) {
