@@ -184,11 +184,15 @@ TEST_P(EveryDevice, HomeLeavesTheApproachDistanceToTheRestingSkin) {
 // The solid's thickness and rounded rims apart, it is the surface: nothing of it stands out.
 TEST_P(EveryDevice, SolidLiesWithinTheSurface) {
   std::vector<SolidPiece> pieces(static_cast<std::size_t>(device_->solid_piece_count()));
+  Configuration q;
   int inside = 0;
-  for (int i = 0; i < 300; ++i) {
-    const Configuration q = random_reachable(*device_, random_);
+  // Pins fill little of the pad's space: many points are thrown at each configuration.
+  for (int i = 0; i < 30 * 400; ++i) {
+    if (i % 400 == 0) {
+      q = random_reachable(*device_, random_);
+      device_->solid_pieces(q, pieces);
+    }
     const Vector3 p_F = random_pad_point(random_);
-    device_->solid_pieces(q, pieces);
     double least = 1.0;
     for (const SolidPiece& piece : pieces) {
       least = std::min(least, signed_distance(piece.shape, piece.X_FS.inverse() * p_F).distance);
@@ -200,7 +204,7 @@ TEST_P(EveryDevice, SolidLiesWithinTheSurface) {
     EXPECT_LT(device_->signed_distance(q, p_F).distance, 1e-9) << p_F.transpose();
     ++inside;
   }
-  EXPECT_GT(inside, 0);
+  EXPECT_GT(inside, 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, testing::ValuesIn(device_files()), file_stem);
