@@ -186,6 +186,18 @@ TEST_F(StudyCommand, AFullDiskIsOneLineAndLosesNothing) {
   EXPECT_EQ(csv("full"), csv("alone"));
 }
 
+TEST_F(StudyCommand, ByMpirunAChangedStudyIsRefusedInOneLine) {
+  if (!has_mpi()) GTEST_SKIP() << "built without MPI";
+  static_cast<void>(run_program(into("begun")));
+  write(61);
+  const ProgramRun run = run_in_shell(mpirun(2), into("begun"));
+  EXPECT_EQ(run.status, 2);
+  const std::string line = "was begun with another content of study.toml";
+  const std::size_t first = run.errors.find(line);
+  ASSERT_NE(first, std::string::npos) << run.errors;
+  EXPECT_EQ(run.errors.find(line, first + 1), std::string::npos) << run.errors;
+}
+
 /// The port in "http://127.0.0.1:PORT".
 std::uint16_t port_in(const std::string& output) {
   const std::string before = "http://127.0.0.1:";
@@ -194,44 +206,71 @@ std::uint16_t port_in(const std::string& output) {
   return static_cast<std::uint16_t>(std::stoi(output.substr(at + before.size())));
 }
 
+/// What a running study's page says of its progress; null if it says nothing.
+nlohmann::json progress_of(RawClient& page) {
+  nlohmann::json answer = nlohmann::json::parse(page.get("/progress.json").body, nullptr, false);
+  return answer.is_object() ? answer : nlohmann::json();
+}
+
+/// Asks until `is_so`, or the page is silent, or for long.
+template <typename IsSo>
+nlohmann::json progress_when(RawClient& page, const IsSo& is_so) {
+  nlohmann::json at = progress_of(page);
+  for (int k = 0; k < 4000 && !at.is_null() && !is_so(at); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    at = progress_of(page);
+  }
+  return at;
+}
+
+/// Looks on at the page of a study of 20000 designs until it has gone on.
+void expect_page_that_goes_on(RawClient& page) {
+  EXPECT_EQ(page.get("/").status, 200);
+  const nlohmann::json first =
+      progress_when(page, [](const nlohmann::json& at) { return !at["best"].empty(); });
+  ASSERT_FALSE(first.is_null());
+  EXPECT_EQ(first["state"], "running");
+  EXPECT_EQ(first["evaluations"], 20000);
+  ASSERT_FALSE(first["best"].empty());
+  EXPECT_GT(first["best"][0]["value"], 0.0);
+  EXPECT_THAT(page.get("/report.html").body, HasSubstr("Best so far"));
+  const nlohmann::json later = progress_when(
+      page, [&first](const nlohmann::json& at) { return at["done"] != first["done"]; });
+  ASSERT_FALSE(later.is_null());
+  EXPECT_GT(later["done"], first["done"]);
+}
+
 TEST_F(StudyCommand, HasAPageWhileItRuns) {
   write(20000);
   std::vector<std::string> words = into("seen");
   words.insert(words.end(), {"--port", "0"});
   RunningProgram program(words);
   ASSERT_TRUE(program.says("http://127.0.0.1:", 20.0));
-  const std::uint16_t port = port_in(program.output());
-  RawClient client(port);
-  EXPECT_EQ(client.get("/").status, 200);
-  const auto progress = [&] {
-    return nlohmann::json::parse(client.get("/progress.json").body, nullptr, false);
-  };
-  nlohmann::json first = progress();
-  for (int k = 0; k < 4000 && first.is_object() && first["best"].empty(); ++k) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    first = progress();
-  }
-  ASSERT_TRUE(first.is_object());
-  EXPECT_EQ(first["state"], "running");
-  EXPECT_EQ(first["evaluations"], 20000);
-  EXPECT_GT(first["best"][0]["value"], 0.0);
-  EXPECT_THAT(client.get("/report.html").body, HasSubstr("Best so far"));
-  nlohmann::json later = first;
-  for (int k = 0; k < 4000 && later["done"] == first["done"]; ++k) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    later = progress();
-    ASSERT_TRUE(later.is_object());
-  }
-  EXPECT_GT(later["done"], first["done"]);
+  RawClient page(port_in(program.output()));
+  ASSERT_NO_FATAL_FAILURE(expect_page_that_goes_on(page));
   // It is asked to end; who looks on is told.
   ::kill(program.process(), SIGINT);
-  for (int k = 0; k < 4000 && later["state"] == "running"; ++k) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    later = progress();
-    ASSERT_TRUE(later.is_object());
-  }
-  EXPECT_EQ(later["state"], "stopped");
+  const nlohmann::json last =
+      progress_when(page, [](const nlohmann::json& at) { return at["state"] != "running"; });
+  ASSERT_FALSE(last.is_null());
+  EXPECT_EQ(last["state"], "stopped");
   EXPECT_EQ(program.stop(0).status, 1);
+}
+
+// The first rank has the page, of what all ranks do; the others ask for no port.
+TEST_F(StudyCommand, ByMpirunTheFirstRankHasThePage) {
+  if (!has_mpi()) GTEST_SKIP() << "built without MPI";
+  write(20000);
+  std::vector<std::string> words = into("seen");
+  words.insert(words.end(), {"--port", "0"});
+  RunningProgram job(words, mpirun(2));
+  ASSERT_TRUE(job.says("http://127.0.0.1:", 20.0));
+  const std::uint16_t port = port_in(job.output());
+  RawClient page(port);
+  ASSERT_NO_FATAL_FAILURE(expect_page_that_goes_on(page));
+  const std::string said = job.output();
+  EXPECT_EQ(said.find("http://"), said.rfind("http://")) << said;
+  EXPECT_NE(job.stop(SIGINT).status, 0);
 }
 
 TEST_F(StudyCommand, ItsPageIsRefusedBeforeItBegins) {

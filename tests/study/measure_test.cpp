@@ -30,9 +30,13 @@ TEST(Measure, ManyNumbersBecomeOne) {
 }
 
 TEST(Measure, NeedsNoMoreThanItAsksFor) {
-  EXPECT_FALSE(sides_for({"normal_force_error"}).tissue);
+  using Depth = SkinComparison::Depth;
+  EXPECT_EQ(sides_for({"normal_force_error", "iou"}).depth, Depth::kContact);
+  EXPECT_EQ(sides_for({"lagged.pressure_error", "iou"}).depth, Depth::kSkin);
+  EXPECT_EQ(sides_for({"stress_error", "pressure_error"}).depth, Depth::kTissue);
+  EXPECT_EQ(sides_for({"strain_energy_density_error"}).depth, Depth::kTissue);
   EXPECT_FALSE(sides_for({"normal_force_error"}).lagged);
-  EXPECT_TRUE(sides_for({"iou", "loaded.stress_error"}).tissue);
+  EXPECT_EQ(sides_for({"iou", "loaded.stress_error"}).depth, Depth::kTissue);
   EXPECT_TRUE(sides_for({"loaded.stress_error"}).loaded);
   EXPECT_FALSE(sides_for({"loaded.stress_error"}).lagged);
   EXPECT_TRUE(sides_for({"lagged.iou"}).lagged);

@@ -70,6 +70,31 @@ TEST(SkinComparison, OfAFingerWithItselfFindsNothing) {
   }
 }
 
+// What is not looked at is undefined, and the rest the same to the bit.
+TEST(SkinComparison, OfLessDepthLeavesOutWhatLiesDeeper) {
+  using Depth = SkinComparison::Depth;
+  const Fingers model = shipped("index");
+  const Press a = pressed(*model, Indenter::ball(10 * mm, 1 * mm, 0.0), 1 * mm);
+  const Press b = pressed(*model, Indenter::plane(), 1.2 * mm);
+  const RenderingMeasures all = judged(model, a, model, b);
+  for (const Depth depth : {Depth::kContact, Depth::kSkin}) {
+    SkinComparison comparison(model, model, depth);
+    comparison.take_virtual(a.contact, {});
+    const RenderingMeasures some = comparison.compare(b.contact, {});
+    for (const MeasureName& name : measure_names()) {
+      const bool of_tissue =
+          name.name == "stress_error" || name.name == "strain_energy_density_error";
+      const bool of_pressure = name.name == "pressure_error";
+      ASSERT_GT(all.*name.member * all.*name.member, 0.0) << name.name;
+      if (of_tissue || (of_pressure && depth == Depth::kContact)) {
+        EXPECT_TRUE(std::isnan(some.*name.member)) << name.name;
+      } else {
+        EXPECT_EQ(some.*name.member, all.*name.member) << name.name;
+      }
+    }
+  }
+}
+
 // What two fingers of one shape and tissue feel of one obstacle at one depth is the same contact.
 // Their stresses are those of elements of 1 to 3 mm, and differ by more than their places.
 TEST(SkinComparison, TheSameContactIsTheSameOnAnyMesh) {

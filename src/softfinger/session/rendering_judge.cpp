@@ -22,8 +22,7 @@ RenderingJudge::RenderingJudge(std::shared_ptr<const FingerModel> model,
                                const JudgedSides& sides)
     : model_(std::move(model)),
       wearer_(std::move(wearer)),
-      comparison_(model_, wearer_,
-                  sides.tissue ? SkinComparison::Depth::kTissue : SkinComparison::Depth::kSkin),
+      comparison_(model_, wearer_, sides.depth),
       twin_(wearer_, device) {
   if (sides.lagged) lagged_.emplace(wearer_, device);
   if (sides.loaded && device->settings().statics) loaded_.emplace(wearer_, device);

@@ -16,7 +16,7 @@ namespace softfinger {
 struct JudgedSides {
   bool lagged = true;  ///< where the servos are, as far as the device has any
   bool loaded = true;  ///< where the motors hold it, as far as its file tells their statics
-  bool tissue = true;  ///< strain energy density and stress, else undefined
+  SkinComparison::Depth depth = SkinComparison::Depth::kTissue;
 };
 
 /// Presses a second finger, the twin, with each command of one finger's device, and compares what

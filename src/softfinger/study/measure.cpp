@@ -117,14 +117,18 @@ std::vector<std::string> measure_words() {
 }
 
 JudgedSides sides_for(const std::vector<std::string>& measures) {
-  JudgedSides sides{.lagged = false, .loaded = false, .tissue = false};
+  using Depth = SkinComparison::Depth;
+  JudgedSides sides{.lagged = false, .loaded = false, .depth = Depth::kContact};
   for (const std::string_view name : measures) {
     sides.lagged = sides.lagged || name.starts_with(kLagged);
     sides.loaded = sides.loaded || name.starts_with(kLoaded) || name == "frames_not_held";
     const auto row = std::ranges::find(kFrameNumbers, name, &FrameNumber::name);
     sides.loaded = sides.loaded || (row != kFrameNumbers.end() && row->loaded);
     const std::string_view bare = without(kLoaded, without(kLagged, name));
-    sides.tissue = sides.tissue || bare == "strain_energy_density_error" || bare == "stress_error";
+    if (bare == "pressure_error") sides.depth = std::max(sides.depth, Depth::kSkin);
+    if (bare == "strain_energy_density_error" || bare == "stress_error") {
+      sides.depth = Depth::kTissue;
+    }
   }
   return sides;
 }

@@ -123,6 +123,7 @@ SkinComparison::SkinComparison(std::shared_ptr<const FingerModel> model,
   bare_ = std::move(found.bare);
   build(virtual_, Vector3::Ones(), depth);
   build(twin_, size_ratio(*twin_.model, *virtual_.model), depth);
+  if (depth == Depth::kContact) return;
   pressure_weights_ = common_amounts(*virtual_.skin.field, *twin_.skin.field);
   if (depth == Depth::kTissue) {
     tissue_weights_ = common_amounts(virtual_.tissue->field, twin_.tissue->field);
@@ -134,6 +135,7 @@ void SkinComparison::build(Side& side, const Vector3& to_common, Depth depth) {
   Skin& skin = side.skin;
   skin.order = by_triangle(skin.places);
   skin.touched.resize(skin.places.size());
+  if (depth == Depth::kContact) return;
   skin.sample_pressures.resize(model.sample_nodes.size());
   skin.pressures.resize(cells_->size());
   skin.field.emplace(cells_);
@@ -163,6 +165,7 @@ void SkinComparison::take(Side& side, const ContactSet& contact, std::span<const
       skin.touched[*k] = touched.has(skin.places[*k].weights) ? 1 : 0;
     }
   }
+  if (!skin.field) return;
   for (std::size_t i = 0; i < contact.samples.size(); ++i) {
     const ContactSample& sample = contact.samples[i];
     skin.sample_pressures[i] = sample.normal_force / side.model->sample_rest_areas[i];

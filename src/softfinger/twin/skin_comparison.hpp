@@ -19,8 +19,12 @@ namespace softfinger {
 /// skin, the nearest to that. Allocates only in the constructor.
 class SkinComparison {
  public:
-  /// What of the tissue is compared besides the skin.
-  enum class Depth { kSkin, kTissue };
+  /// How much is compared, each with what stands before it; the measures of the rest are undefined.
+  enum class Depth {
+    kContact,  ///< forces, and which skin touches
+    kSkin,     ///< pressures on it
+    kTissue    ///< what the tissue bears
+  };
 
   SkinComparison(std::shared_ptr<const FingerModel> model,
                  std::shared_ptr<const FingerModel> wearer, Depth depth);
