@@ -19,7 +19,7 @@
 #include "softfinger/scene/scene_schema.hpp"
 #include "softfinger/session/report/run_report.hpp"
 #include "softfinger/session/run_setup.hpp"
-#include "softfinger/tracking/make_tracker.hpp"
+#include "softfinger/tracking/tracker_spec.hpp"
 
 namespace {
 
@@ -45,6 +45,12 @@ Json sizes_of(const RoundedCylinder& cylinder) {
   return {{"radius_mm", in_mm(cylinder.radius)},
           {"length_mm", in_mm(2.0 * cylinder.half_length)},
           {"edge_radius_mm", in_mm(cylinder.edge_radius)}};
+}
+
+Json sizes_of(const TaperedCapsule& capsule) {
+  return {{"back_mm", in_mm(capsule.back)},
+          {"front_mm", in_mm(capsule.front)},
+          {"length_mm", in_mm(2.0 * capsule.half_length)}};
 }
 
 Json sizes_of(const MeshShape& mesh) {
@@ -92,6 +98,22 @@ Json describe(const VirtualObject& object, const Scene& scene) {
   json["mass_g"] = in_g(object.dynamics->mass);
   json["joint"] = nullptr;
   if (object.dynamics->joint) json["joint"] = describe(*object.dynamics->joint, scene);
+  if (object.hand() >= 0) {
+    json["hand"] = scene.hands[static_cast<std::size_t>(object.hand())].name;
+  }
+  return json;
+}
+
+Json describe(const SceneHand& hand, const Scene& scene) {
+  const VirtualObject& bone = scene.objects[hand.first_object];
+  const TrackerKind tracker = hand.script ? TrackerKind::kScript : TrackerKind::kWebXr;
+  Json json{{"name", hand.name},
+            {"side", name_of(hand.side)},
+            {"tracker", row_of(kTrackers, tracker).name},
+            {"bones", kHandPieces.size()},
+            {"force_limit_N", bone.dynamics->following->force_limit},
+            {"duration_s", nullptr}};
+  if (hand.script) json["duration_s"] = hand.script->end_time();
   return json;
 }
 
@@ -126,17 +148,26 @@ Json check(const std::string& file) {
   std::optional<double> longest;
   for (std::size_t i = 0; i < scene.fingers.size(); ++i) {
     const SceneFinger& finger = scene.fingers[i];
-    const auto tracker = make_tracker(finger.tracker, scene.file.parent_path(), finger.waypoints);
+    const auto tracker = finger.make_tracker(scene.file.parent_path());
     const std::optional<double> end = tracker->end_time();
     if (end) longest = std::max(longest.value_or(0.0), *end);
     fingers.push_back(describe(finger, *setup->models[i], setup->devices[i].get(), end));
     fingers.back()["notices"] = notices_json(setup->notices[i]);
   }
+  Json hands = Json::array();
+  for (const SceneHand& hand : scene.hands) {
+    hands.push_back(describe(hand, scene));
+    if (hand.script) longest = std::max(longest.value_or(0.0), hand.script->end_time());
+  }
   Json objects = Json::array();
   for (const VirtualObject& object : scene.objects) objects.push_back(describe(object, scene));
-  Json result{{"scene", scene.file.string()},           {"description", scene.description},
-              {"simulation_Hz", scene.simulation_rate}, {"duration_s", nullptr},
-              {"fingers", std::move(fingers)},          {"objects", std::move(objects)}};
+  Json result{{"scene", scene.file.string()},
+              {"description", scene.description},
+              {"simulation_Hz", scene.simulation_rate},
+              {"duration_s", nullptr},
+              {"fingers", std::move(fingers)},
+              {"objects", std::move(objects)},
+              {"hands", std::move(hands)}};
   if (longest) result["duration_s"] = *longest;
   return result;
 }
@@ -161,6 +192,9 @@ std::string sizes(const Json& object) {
     case ShapeKind::kCylinder:
       return fmt::format(", radius {} mm, length {} mm, edge radius {} mm", number("radius_mm"),
                          number("length_mm"), number("edge_radius_mm"));
+    case ShapeKind::kCapsule:
+      return fmt::format(", radii {} and {} mm, length {} mm", number("back_mm"),
+                         number("front_mm"), number("length_mm"));
     case ShapeKind::kMesh:
       return fmt::format(" {}, {} triangles, {:.4g} mm", object.at("file").get<std::string>(),
                          object.at("triangles").get<std::uint64_t>(),
@@ -205,7 +239,13 @@ void print_summary(const Json& scene) {
       fmt::print("    {}: {}\n", text(notice, "key"), text(notice, "text"));
     }
   }
+  for (const Json& hand : scene.at("hands")) {
+    fmt::print("  hand {}: {}, {} bones, each pulled by at most {:g} N, tracker {}\n",
+               text(hand, "name"), text(hand, "side"), hand.at("bones").get<int>(),
+               hand.at("force_limit_N").get<double>(), text(hand, "tracker"));
+  }
   for (const Json& object : scene.at("objects")) {
+    if (object.contains("hand")) continue;
     const Json& friction = object.at("friction_coefficient");
     fmt::print("  object {}: {}{}, friction {}{}\n", text(object, "name"), text(object, "shape"),
                sizes(object),

@@ -12,6 +12,7 @@
 #include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/rendered_finger.hpp"
+#include "softfinger/session/run_hands.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/threads/thread_team.hpp"
 #include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
@@ -103,6 +104,7 @@ struct Rendering::Implementation {
     ThreadTeam* const shared = team ? &*team : nullptr;
     together.emplace(setup->scene.objects, setup->scene.gravity, rate, shared,
                      options.record_state && !options.recording.empty());
+    hands.emplace(setup->scene);
     for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {
       fingers.push_back(std::make_unique<RenderedFinger>(*setup, i, options, shared));
       together->add(fingers.back()->chain());
@@ -158,7 +160,7 @@ struct Rendering::Implementation {
     if (!begun) {
       begun = true;
       origin = time;
-      together->start();
+      together->start(track_hands(0));
       record_objects();
       for (const auto& finger : fingers) record(finger->chain().start(finger->target()));
       return;
@@ -174,7 +176,7 @@ struct Rendering::Implementation {
       for (std::size_t f = 0; f < fingers.size(); ++f) {
         tracked[f] = fingers[f]->on_the_way(i, steps, at);
       }
-      together->step(done, tracked);
+      together->step(done, tracked, track_hands(done));
       record_objects();
       for (const auto& finger : fingers) {
         if (finger->chain().tick_is_due()) record(finger->tick(arrival, origin));
@@ -183,6 +185,15 @@ struct Rendering::Implementation {
     }
     if (steps <= 0) return;
     for (const auto& finger : fingers) finger->arrive();
+  }
+
+  /// As their scripts say; a headset is nobody's who calls.
+  std::span<const BoneRecord> track_hands(std::int64_t step) {
+    const auto bones = hands->sample(step, static_cast<double>(step) / rate);
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+      if (hands->changed(b)) record(bones[b]);
+    }
+    return bones;
   }
 
   template <typename Record>
@@ -216,6 +227,7 @@ struct Rendering::Implementation {
   std::optional<ThreadTeam> team;  // none: one thread
   std::optional<SceneLoop> together;
   std::vector<std::unique_ptr<RenderedFinger>> fingers;
+  std::optional<RunHands> hands;
   std::vector<TrackedInput> tracked;           // of each, of the step under way
   std::unique_ptr<RecordingWriter> recording;  // null: none
   EventQueue events;

@@ -209,6 +209,30 @@ TEST(MovingScene, CupHangsBetweenTwoFingers) {
   EXPECT_NEAR(place_mm(objects_of("cup", "3.6"), "cup", 2), 79.0, 1.0);
 }
 
+TEST(MovingScene, WholeHandLiftsABottle) {
+  const json objects = objects_of("bottle", "3.4");
+  EXPECT_NEAR(place_mm(objects, "bottle", 2), 121.6, 2.0);
+  // It has wrapped around it: thumb and fingers are on both sides, with the palm between.
+  EXPECT_LT(place_mm(objects, "right-thumb-proximal", 0), -20.0);
+  EXPECT_GT(place_mm(objects, "right-index-proximal", 0), 20.0);
+  EXPECT_NEAR(place_mm(objects, "right-middle-metacarpal", 2) - 2.0, 128.0, 5.0);
+}
+
+TEST(MovingScene, BallIsHandedFromTheIndexToTheMiddleFinger) {
+  EXPECT_NEAR(place_mm(objects_of("handover", "4.4"), "ball", 2), 53.5, 2.0);
+}
+
+TEST(MovingScene, HandIsCheckedAndSaysHowItFollows) {
+  const ProgramRun text = run_program({"scene", "check", "bottle"});
+  EXPECT_EQ(text.status, 0) << text.errors;
+  EXPECT_THAT(text.output, HasSubstr("hand right: right, 14 bones, each pulled by at most 20 N"));
+  const json answer = json::parse(run_program({"scene", "check", "bottle", "--json"}).output);
+  EXPECT_EQ(answer.at("hands")[0].at("tracker"), "script");
+  EXPECT_EQ(answer.at("hands")[0].at("duration_s"), 6.0);
+  EXPECT_EQ(answer.at("duration_s"), 6.0);
+  EXPECT_EQ(answer.at("objects").back().at("hand"), "right");
+}
+
 TEST(MovingScene, SpongeIsLiftedAndSetDown) {
   EXPECT_NEAR(place_mm(objects_of("sponge", "2.3"), "sponge", 2), 40.0, 1.5);
   const json set_down = objects_of("sponge", "6");

@@ -26,7 +26,9 @@ std::vector<NamedShape> all_shapes() {
           {"cylinder", RoundedCylinder{0.01, 0.02, 0.001}},
           {"sharp_cylinder", RoundedCylinder{0.01, 0.02, 0.0}},
           {"capsule", RoundedCylinder{0.01, 0.02, 0.01}},
-          {"puck", RoundedCylinder{0.02, 0.005, 0.005}}};
+          {"puck", RoundedCylinder{0.02, 0.005, 0.005}},
+          {"tapered_capsule", TaperedCapsule{0.011, 0.006, 0.015}},
+          {"even_capsule", TaperedCapsule{0.008, 0.008, 0.012}}};
 }
 
 class EveryShape : public testing::TestWithParam<NamedShape> {};

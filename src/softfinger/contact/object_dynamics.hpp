@@ -46,6 +46,19 @@ struct Joint {
   std::optional<JointDetents> detents;
 };
 
+/// What pulls a part of a hand towards where it is tracked: springs and dampers in translation and
+/// rotation that together pull no harder than their limits.
+struct Following {
+  int hand = 0;                     ///< number of the hand; parts of one do not touch each other
+  double stiffness = 0.0;           ///< N/m
+  double damping = 0.0;             ///< N s/m
+  double rotation_stiffness = 0.0;  ///< N m/rad
+  double rotation_damping = 0.0;    ///< N m s/rad
+  double force_limit = 0.0;         ///< N
+  double torque_limit = 0.0;        ///< N m
+  double foundation = 0.0;          ///< of its flesh under contact, N/m^3
+};
+
 /// What a scene says of a rigid object that moves by the forces on it. Velocities are at the start,
 /// in W, of the centre of mass; of those of a jointed object what its joint allows counts.
 struct ObjectDynamics {
@@ -53,6 +66,7 @@ struct ObjectDynamics {
   Vector3 velocity_W = Vector3::Zero();          ///< m/s
   Vector3 angular_velocity_W = Vector3::Zero();  ///< rad/s
   std::optional<Joint> joint;                    ///< absent: free
+  std::optional<Following> following = {};       ///< a part of a hand; it has no weight
 };
 
 }  // namespace softfinger

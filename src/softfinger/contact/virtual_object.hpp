@@ -27,6 +27,10 @@ struct VirtualObject {
 
   /// Whether it moves by the forces on it, as a whole or in part.
   [[nodiscard]] bool moves_by_forces() const { return dynamics.has_value() || soft != nullptr; }
+  /// Number of the hand that it is a part of; -1: none.
+  [[nodiscard]] int hand() const {
+    return dynamics && dynamics->following ? dynamics->following->hand : -1;
+  }
 };
 
 /// Coefficient of friction between two objects: the larger of those given.

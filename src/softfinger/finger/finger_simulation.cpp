@@ -29,9 +29,10 @@ void add(Hash& hash, const ElementStress& stress) {
 
 struct FingerSimulation::Implementation {
   Implementation(std::shared_ptr<const FingerModel> m, std::span<const VirtualObject> things,
-                 std::size_t self, double dt, const FingerPotential::Options& options)
+                 std::size_t self, int own_hand, double dt, const FingerPotential::Options& options)
       : model(std::move(m)),
         objects(things),
+        hand(own_hand),
         time_step(dt),
         potential(
             *model,
@@ -47,17 +48,22 @@ struct FingerSimulation::Implementation {
         samples(model->sample_nodes.size()),
         contact(make_contact_set(*model)) {
     for (std::size_t o = 0; o < things.size(); ++o) {
-      obstacles[o].is_soft = things[o].soft != nullptr;
+      // What is soft is met by patches alone, and what is not to be met has none.
+      obstacles[o].is_soft = things[o].soft != nullptr || !may_touch(o);
       obstacles[o].shape = obstacles[o].is_soft ? &kNoShape : &things[o].shape;
       obstacles[o].friction_coefficient =
           self == kNone ? things[o].friction_coefficient.value_or(model->friction_coefficient)
                         : friction_between(things[self], things[o]);
       // A soft object does not meet itself.
-      patches.emplace_back(obstacles[o].is_soft && o != self ? samples.size() : 0);
+      patches.emplace_back(things[o].soft != nullptr && o != self ? samples.size() : 0);
       obstacles[o].moves = things[o].dynamics.has_value();
       obstacles[o].X_WO = things[o].motion.sample(0.0);
     }
     for (std::size_t o = 0; o < things.size(); ++o) obstacles[o].patches = patches[o].patches();
+  }
+
+  [[nodiscard]] bool may_touch(std::size_t o) const {
+    return hand < 0 || objects[o].hand() != hand;
   }
 
   void place_obstacles(double time) {
@@ -123,6 +129,7 @@ struct FingerSimulation::Implementation {
 
   std::shared_ptr<const FingerModel> model;
   std::span<const VirtualObject> objects;
+  int hand;  ///< whose finger it is; -1: none's
   double time_step;
   FingerPotential potential;
   std::vector<Obstacle> obstacles;
@@ -142,15 +149,16 @@ struct FingerSimulation::Implementation {
 
 FingerSimulation::FingerSimulation(std::shared_ptr<const FingerModel> model,
                                    std::span<const VirtualObject> objects, double time_step,
-                                   ThreadTeam* team)
-    : implementation_(std::make_unique<Implementation>(std::move(model), objects, kNone, time_step,
+                                   ThreadTeam* team, int hand)
+    : implementation_(std::make_unique<Implementation>(std::move(model), objects, kNone, hand,
+                                                       time_step,
                                                        FingerPotential::Options{.team = team})) {
   reset(Pose{});
 }
 FingerSimulation::FingerSimulation(std::span<const VirtualObject> objects, std::size_t self,
                                    const Vector3& gravity, double time_step, ThreadTeam* team)
     : implementation_(std::make_unique<Implementation>(
-          std::make_shared<const FingerModel>(*objects[self].soft), objects, self, time_step,
+          std::make_shared<const FingerModel>(*objects[self].soft), objects, self, -1, time_step,
           FingerPotential::Options{.team = team, .gravity = gravity})) {
   reset(objects[self].motion.sample(0.0));
 }
@@ -224,6 +232,7 @@ void FingerSimulation::expect_object(std::size_t o, const Pose& X_WO) {
 }
 
 void FingerSimulation::move_object(std::size_t o, const Pose& X_WO) {
+  if (!may_touch(o)) return;
   implementation_->obstacles[o].X_WO = X_WO;
   implementation_->potential.follow_obstacle(o);
 }
@@ -249,6 +258,7 @@ FingerPotential& FingerSimulation::potential() { return implementation_->potenti
 const FingerPotential& FingerSimulation::potential() const { return implementation_->potential; }
 
 const FingerModel& FingerSimulation::model() const { return *implementation_->model; }
+bool FingerSimulation::may_touch(std::size_t o) const { return implementation_->may_touch(o); }
 const Pose& FingerSimulation::bone_pose() const { return implementation_->bone.X_WF; }
 const ContactSet& FingerSimulation::contact() const { return implementation_->contact; }
 std::span<const Vector3> FingerSimulation::positions() const { return implementation_->positions; }

@@ -30,9 +30,10 @@ struct StepSummary {
 class FingerSimulation {
  public:
   /// `objects` must outlive the simulation, as must the `team` that shares the steps of large
-  /// meshes; the bits are the same with and without. time_step in s.
+  /// meshes; the bits are the same with and without. time_step in s. `hand`: the number of the hand
+  /// whose finger it is, which meets none of that hand's bones; -1: none's.
   FingerSimulation(std::shared_ptr<const FingerModel> model, std::span<const VirtualObject> objects,
-                   double time_step, ThreadTeam* team = nullptr);
+                   double time_step, ThreadTeam* team = nullptr, int hand = -1);
   /// Object `self` of them, a soft one: a finger whose bone, the nodes that are held, is where it
   /// is put. gravity in W, m/s^2.
   FingerSimulation(std::span<const VirtualObject> objects, std::size_t self, const Vector3& gravity,
@@ -71,6 +72,8 @@ class FingerSimulation {
   [[nodiscard]] const FingerPotential& potential() const;
 
   [[nodiscard]] const FingerModel& model() const;
+  /// Whether object o can be touched at all: none of its own hand.
+  [[nodiscard]] bool may_touch(std::size_t o) const;
   [[nodiscard]] const Pose& bone_pose() const;                ///< X_WF
   [[nodiscard]] const ContactSet& contact() const;            ///< of the last step
   [[nodiscard]] std::span<const Vector3> positions() const;   ///< all nodes, in W, m

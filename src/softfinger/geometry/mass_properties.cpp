@@ -71,6 +71,42 @@ MassProperties of_sections(double straight, double edge, const SectionAt& sectio
   return sum;
 }
 
+/// By discs across the axis.
+MassProperties of_capsule(const TaperedCapsule& capsule) {
+  constexpr int kDiscs = 2000;
+  const double lean = (capsule.back - capsule.front) / (2.0 * capsule.half_length);
+  const double across = std::sqrt(1.0 - lean * lean);
+  // The balls meet the cone beside their middles.
+  const double cone_from = -capsule.half_length + lean * capsule.back;
+  const double cone_to = capsule.half_length + lean * capsule.front;
+  const double from = -capsule.half_length - capsule.back;
+  const double width = (capsule.half_length + capsule.front - from) / kDiscs;
+  MassProperties sum;
+  double first = 0.0;
+  double second = 0.0;
+  for (int k = 0; k < kDiscs; ++k) {
+    const double x = from + (k + 0.5) * width;
+    double r2 = 0.0;
+    if (x < cone_from) {
+      r2 = capsule.back * capsule.back - (x + capsule.half_length) * (x + capsule.half_length);
+    } else if (x > cone_to) {
+      r2 = capsule.front * capsule.front - (x - capsule.half_length) * (x - capsule.half_length);
+    } else {
+      const double r = (capsule.back - lean * (x + capsule.half_length)) / across;
+      r2 = r * r;
+    }
+    const Section section = disc(std::sqrt(std::max(0.0, r2)));
+    sum.volume += width * section.area;
+    first += width * section.area * x;
+    second += width * section.area * x * x;
+    sum.second_moment_O(1, 1) += width * section.xx;
+    sum.second_moment_O(2, 2) += width * section.yy;
+  }
+  sum.centre_O.x() = first / sum.volume;
+  sum.second_moment_O(0, 0) = second - first * first / sum.volume;
+  return sum;
+}
+
 /// By cells that the surface cuts in proportion to its distance from their middle.
 MassProperties of_distance(const Shape& shape) {
   constexpr int kMomentCells = 96;  // along the longest side
@@ -121,6 +157,9 @@ struct Moments {
     const double inner = cylinder.radius - cylinder.edge_radius;
     return of_sections(cylinder.half_length - cylinder.edge_radius, cylinder.edge_radius,
                        [&](double radius) { return disc(inner + radius); });
+  }
+  std::optional<MassProperties> operator()(const TaperedCapsule& capsule) const {
+    return of_capsule(capsule);
   }
   std::optional<MassProperties> operator()(const MeshShape& mesh) const {
     const MassProperties even = of_distance(mesh);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <unordered_map>
 
 #include "softfinger/base/stop_check.hpp"
@@ -66,6 +67,42 @@ TriangleMesh drawing_of(const TriangleMesh& mesh, std::size_t most, const std::s
     TriangleMesh result = clustered(mesh, bounds.min(), cell, check);
     if (result.triangles.size() <= most) return result;
   }
+}
+
+TriangleMesh drawing_of(const TaperedCapsule& capsule) {
+  constexpr int kAround = 16;
+  constexpr int kRings = 5;  // of each end
+  const double lean = (capsule.back - capsule.front) / (2.0 * capsule.half_length);
+  const double seam = std::acos(lean);  // where the cone meets the balls, from +x
+  TriangleMesh mesh;
+  const auto add_ring = [&](double centre, double radius, double angle) {
+    for (int a = 0; a < kAround; ++a) {
+      const double turn = 2.0 * std::numbers::pi * a / kAround;
+      mesh.positions.emplace_back(centre + radius * std::cos(angle),
+                                  radius * std::sin(angle) * std::cos(turn),
+                                  radius * std::sin(angle) * std::sin(turn));
+    }
+  };
+  mesh.positions.emplace_back(-capsule.half_length - capsule.back, 0.0, 0.0);
+  for (int k = 1; k <= kRings; ++k) {
+    const double angle = std::numbers::pi + (seam - std::numbers::pi) * k / kRings;
+    add_ring(-capsule.half_length, capsule.back, angle);
+  }
+  for (int k = kRings; k > 0; --k) {
+    add_ring(capsule.half_length, capsule.front, seam * k / kRings);
+  }
+  mesh.positions.emplace_back(capsule.half_length + capsule.front, 0.0, 0.0);
+  const auto at = [](int ring, int a) { return 1 + ring * kAround + a % kAround; };
+  const int last = 2 * kRings - 1;
+  for (int a = 0; a < kAround; ++a) {
+    mesh.triangles.push_back({0, at(0, a + 1), at(0, a)});
+    for (int ring = 0; ring < last; ++ring) {
+      mesh.triangles.push_back({at(ring, a), at(ring, a + 1), at(ring + 1, a)});
+      mesh.triangles.push_back({at(ring, a + 1), at(ring + 1, a + 1), at(ring + 1, a)});
+    }
+    mesh.triangles.push_back({at(last, a), at(last, a + 1), at(last + 1, 0)});
+  }
+  return mesh;
 }
 
 }  // namespace softfinger

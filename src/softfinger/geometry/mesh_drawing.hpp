@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <stop_token>
 
+#include "softfinger/geometry/signed_distance.hpp"
 #include "softfinger/geometry/triangle_mesh.hpp"
 
 namespace softfinger {
@@ -12,5 +13,8 @@ namespace softfinger {
 /// Throws InputError when `stop` asks for an end.
 [[nodiscard]] TriangleMesh drawing_of(const TriangleMesh& mesh, std::size_t most,
                                       const std::stop_token& stop = {});
+
+/// Its surface in rings about the axis.
+[[nodiscard]] TriangleMesh drawing_of(const TaperedCapsule& capsule);
 
 }  // namespace softfinger

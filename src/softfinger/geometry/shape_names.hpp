@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "softfinger/base/name_table.hpp"
 #include "softfinger/geometry/signed_distance.hpp"
@@ -10,7 +12,7 @@
 namespace softfinger {
 
 /// The alternatives of Shape, in their order.
-enum class ShapeKind { kPlane, kSphere, kBox, kCylinder, kMesh };
+enum class ShapeKind { kPlane, kSphere, kBox, kCylinder, kMesh, kCapsule };
 
 inline constexpr std::array<NameRow<ShapeKind>, std::variant_size_v<Shape>> kShapes{{
     {ShapeKind::kPlane, "plane"},
@@ -18,7 +20,15 @@ inline constexpr std::array<NameRow<ShapeKind>, std::variant_size_v<Shape>> kSha
     {ShapeKind::kBox, "box"},
     {ShapeKind::kCylinder, "cylinder"},
     {ShapeKind::kMesh, "mesh"},
+    {ShapeKind::kCapsule, "capsule"},
 }};
+
+/// Those that a scene's object may have: capsules are parts of hands.
+[[nodiscard]] inline std::vector<std::string> object_shape_names() {
+  std::vector<std::string> names = names_of(kShapes);
+  names.pop_back();
+  return names;
+}
 
 /// What a scene calls an object of tetrahedra, which has no Shape.
 inline constexpr const char* kSoftShape = "soft";

@@ -92,6 +92,33 @@ SignedDistance distance_to(const RoundedCylinder& cylinder, const Vector3& p) {
   return result;
 }
 
+SignedDistance distance_to_ball(const Vector3& centre, double radius, const Vector3& p) {
+  return distance_to(Ball{radius}, p - centre);
+}
+
+SignedDistance distance_to(const TaperedCapsule& capsule, const Vector3& p) {
+  // The side is a cone whose normal leans by this much towards the thinner end.
+  const double lean = (capsule.back - capsule.front) / (2.0 * capsule.half_length);
+  const double across = std::sqrt(1.0 - lean * lean);
+  const double rho = std::hypot(p.y(), p.z());
+  const Vector3 back(-capsule.half_length, 0.0, 0.0);
+  const double from_back = p.x() + capsule.half_length;
+  const double along_side = across * from_back - lean * rho;  // from where the back's ball ends
+  if (along_side <= 0.0) return distance_to_ball(back, capsule.back, p);
+  if (along_side >= 2.0 * capsule.half_length * across) {
+    return distance_to_ball(-back, capsule.front, p);
+  }
+  const bool on_axis = rho < kNoDirection;
+  const Vector3 radial = on_axis ? Vector3::UnitZ() : Vector3(0.0, p.y() / rho, p.z() / rho);
+  SignedDistance result;
+  result.distance = across * rho + lean * from_back - capsule.back;
+  result.gradient = across * radial + lean * Vector3::UnitX();
+  if (on_axis) return result;
+  const Vector3 around(0.0, -radial.z(), radial.y());
+  result.hessian = across / rho * around * around.transpose();
+  return result;
+}
+
 SignedDistance distance_to(const MeshShape& mesh, const Vector3& p) {
   return mesh->signed_distance(p);
 }
@@ -107,6 +134,11 @@ Eigen::AlignedBox3d bounds_of(const Ball& ball) {
 Eigen::AlignedBox3d bounds_of(const RoundedBox& box) { return centred_box(box.half_size); }
 Eigen::AlignedBox3d bounds_of(const RoundedCylinder& cylinder) {
   return centred_box({cylinder.radius, cylinder.radius, cylinder.half_length});
+}
+Eigen::AlignedBox3d bounds_of(const TaperedCapsule& capsule) {
+  const double thickest = std::max(capsule.back, capsule.front);
+  return {Vector3(-capsule.half_length - capsule.back, -thickest, -thickest),
+          Vector3(capsule.half_length + capsule.front, thickest, thickest)};
 }
 Eigen::AlignedBox3d bounds_of(const MeshShape& mesh) { return mesh->content().bounds; }
 

@@ -36,11 +36,20 @@ struct RoundedCylinder {
   double edge_radius;
 };
 
+/// Two balls whose centres lie on the x axis, `back` at -half_length and `front` at +half_length,
+/// and all that lies between them: their convex hull. radii > 0, |back - front| < 2 half_length;
+/// metres.
+struct TaperedCapsule {
+  double back;
+  double front;
+  double half_length;
+};
+
 class SignedDistanceGrid;
 /// The solid a closed triangle mesh encloses, about its own origin; never null.
 using MeshShape = std::shared_ptr<const SignedDistanceGrid>;
 
-using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder, MeshShape>;
+using Shape = std::variant<HalfSpace, Ball, RoundedBox, RoundedCylinder, MeshShape, TaperedCapsule>;
 
 /// Signed distance of the point p_O, all in the shape's own frame O. The gradient is continuous
 /// outside the solid and inside it as far as the edge radius (C1 distance, so Newton does not

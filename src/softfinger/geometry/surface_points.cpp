@@ -14,6 +14,8 @@ constexpr int kEdgeParts = 4;
 /// Points around a rim: a circle that rolls on them goes up and down by radius / 2 (pi / n)^2.
 constexpr int kRimPoints = 120;  // on 29 mm a hundredth of a millimetre between them
 constexpr int kLengthParts = 4;
+/// Of the balls along a capsule at most, m.
+constexpr double kCapsuleSpacing = 5e-3;
 
 /// Where the distance is almost zero, by its gradient from cells about the surface.
 std::vector<Vector3> on_surface(const Shape& shape) {
@@ -128,6 +130,19 @@ struct Points {
     return points;
   }
   std::vector<SurfacePoint> operator()(const MeshShape& mesh) const { return spread(mesh); }
+  std::vector<SurfacePoint> operator()(const TaperedCapsule& capsule) const {
+    const double length = 2.0 * capsule.half_length;
+    const auto parts = static_cast<int>(std::ceil(length / kCapsuleSpacing));
+    std::vector<SurfacePoint> points;
+    for (int k = 0; k <= parts; ++k) {
+      const double at = static_cast<double>(k) / parts;
+      const double radius = capsule.back + at * (capsule.front - capsule.back);
+      points.push_back({.centre_O = {length * (at - 0.5), 0.0, 0.0},
+                        .radius = radius,
+                        .area = length / parts * radius});
+    }
+    return points;
+  }
 };
 
 }  // namespace

@@ -12,11 +12,14 @@ struct SurfacePoint {
   double radius = 0.0;
   /// Of a rim about z, to the next point, rad; else 0.
   double spacing = 0.0;
+  /// Of a tapered capsule, of the strip that it stands for: as long as to its neighbours and as
+  /// broad as its radius, m^2; else 0.
+  double area = 0.0;
 };
 
 /// Where a rigid solid may touch another: balls at its corners and along its edges, as round as
-/// these are, and on large faces; always the same in the same order. One ball for a ball; none for
-/// a half space.
+/// these are, and on large faces; always the same in the same order. One ball for a ball; balls
+/// along the axis of a tapered capsule; none for a half space.
 [[nodiscard]] std::vector<SurfacePoint> surface_points(const Shape& shape);
 
 }  // namespace softfinger

@@ -4,7 +4,7 @@ namespace softfinger {
 
 FingerChain::FingerChain(const FingerChainOptions& options)
     : loop_(options.finger, options.model, options.objects, options.simulation_rate,
-            options.with_state, options.team),
+            options.with_state, options.team, options.hand),
       clock_(options.simulation_rate, options.device ? device_rate(*options.device) : 1.0) {
   if (!options.device) return;
   device_ = std::make_unique<DeviceLoop>(options.finger, options.device, options.model,

@@ -19,6 +19,7 @@ struct FingerChainOptions {
   double simulation_rate = 1000.0;            ///< Hz
   bool with_state = false;                    ///< step records carry nodes and samples
   ThreadTeam* team = nullptr;                 ///< see FingerSimulation
+  int hand = -1;                              ///< likewise
   std::shared_ptr<const Device> device = {};  ///< null: none
   DeviceLoopOptions device_loop = {};
 };

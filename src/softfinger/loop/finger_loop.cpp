@@ -10,8 +10,8 @@ namespace softfinger {
 
 FingerLoop::FingerLoop(std::int64_t finger, std::shared_ptr<const FingerModel> model,
                        std::span<const VirtualObject> objects, double simulation_rate,
-                       bool with_state, ThreadTeam* team)
-    : simulation_(std::move(model), objects, 1.0 / simulation_rate, team),
+                       bool with_state, ThreadTeam* team, int hand)
+    : simulation_(std::move(model), objects, 1.0 / simulation_rate, team, hand),
       simulation_rate_(simulation_rate) {
   record_.finger = finger;
   if (with_state) {

@@ -20,10 +20,10 @@ inline constexpr double kMaxTrackedAngularSpeed = 67.0;  ///< rad/s
 class FingerLoop {
  public:
   /// `objects` must outlive the loop. simulation_rate in Hz. `with_state`: records carry nodes and
-  /// samples. `team`: see FingerSimulation.
+  /// samples. `team`, `hand`: see FingerSimulation.
   FingerLoop(std::int64_t finger, std::shared_ptr<const FingerModel> model,
              std::span<const VirtualObject> objects, double simulation_rate, bool with_state,
-             ThreadTeam* team = nullptr);
+             ThreadTeam* team = nullptr, int hand = -1);
 
   /// Step 0: at rest at the tracked pose; before the first valid one the finger is nowhere and
   /// touches nothing.

@@ -21,6 +21,7 @@ SceneLoop::SceneLoop(std::span<const VirtualObject> objects, const Vector3& grav
     ObjectRecord& record = records_.emplace_back();
     record.object = static_cast<std::int64_t>(o);
     if (with_state) record.nodes_W.resize(world_->nodes(o).size());
+    if (objects[o].hand() >= 0) bones_.push_back({.object = o});
   }
 }
 
@@ -32,11 +33,28 @@ void SceneLoop::add(FingerChain& chain) {
   if (world_) world_->add(chain.simulation());
 }
 
-void SceneLoop::start() {
+void SceneLoop::follow(std::span<const BoneRecord> bones) {
+  for (std::size_t b = 0; b < bones_.size(); ++b) {
+    Bone& bone = bones_[b];
+    if (b < bones.size() && bones[b].valid) {
+      const Pose X_WT = bones[b].X_WT.pose();
+      bone.X_WT = bone.seen ? moved_towards(bone.X_WT, X_WT, kMaxTrackedSpeed / simulation_rate_,
+                                            kMaxTrackedAngularSpeed / simulation_rate_)
+                            : X_WT;
+      bone.seen = true;
+    }
+    world_->follow(bone.object, bone.seen ? &bone.X_WT : nullptr);
+  }
+}
+
+void SceneLoop::start(std::span<const BoneRecord> bones) {
   step_ = 0;
   unconverged_steps_ = 0;
   if (!world_) return;
   world_->reset();
+  for (Bone& bone : bones_) bone.seen = false;
+  follow({});  // nowhere: each appears where it is seen first
+  follow(bones);
   events_.clear();
   events_told_ = 0;
   record();
@@ -48,7 +66,8 @@ void SceneLoop::finish() {
   record_events();
 }
 
-void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked) {
+void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked,
+                     std::span<const BoneRecord> bones) {
   step_ = step;
   const auto for_each_chain = [&](const auto& work) {
     if (team_ != nullptr) {
@@ -61,6 +80,7 @@ void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked) {
     for_each_chain([&](std::size_t i) { chains_[i]->step(step, tracked[i]); });
     return;
   }
+  follow(bones);
   world_->begin_step(static_cast<double>(step) / simulation_rate_);
   for_each_chain(
       [&](std::size_t i) { takes_part_[i] = chains_[i]->begin_step(step, tracked[i]) ? 1 : 0; });

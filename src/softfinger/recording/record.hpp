@@ -113,6 +113,15 @@ struct ObjectRecord {
   std::vector<Vector3> nodes_W;  ///< of a soft one, with the whole state recorded; else empty; m
 };
 
+/// Where a bone of a hand is tracked from this step on, an input; step 0 is where it starts. A row
+/// where that changes.
+struct BoneRecord {
+  std::int64_t object = 0;  ///< its number in the scene
+  std::int64_t step = 0;
+  StoredPose X_WT;
+  bool valid = false;  ///< false while tracking is lost, with the last pose
+};
+
 /// Something that happened to an object that moves, as told in a step; what is told after the last
 /// one has its number. Compared bit by bit by a replay.
 struct EventRecord {

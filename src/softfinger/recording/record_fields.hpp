@@ -200,6 +200,22 @@ struct ObjectFields {
 inline constexpr ObjectFields kObjectFields;
 
 template <auto... Path>
+constexpr Field<BoneRecord, Path...> bone_field(const FieldUse<BoneRecord>& use) {
+  return {use};
+}
+
+struct BoneFields {
+  static constexpr std::tuple all{
+      bone_field<&BoneRecord::step>({.columns = "step", .part = RecordPart::kObject}),
+      bone_field<&BoneRecord::object>({.columns = "object", .part = RecordPart::kObject}),
+      bone_field<&BoneRecord::X_WT>(
+          {.columns = "x_m,y_m,z_m,qw,qx,qy,qz", .part = RecordPart::kObject}),
+      bone_field<&BoneRecord::valid>({.columns = "valid", .part = RecordPart::kObject}),
+  };
+};
+inline constexpr BoneFields kBoneFields;
+
+template <auto... Path>
 constexpr Field<EventRecord, Path...> event_field(const FieldUse<EventRecord>& use) {
   return {use};
 }

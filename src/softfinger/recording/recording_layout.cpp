@@ -93,7 +93,8 @@ std::string create_tables() {
   return kOtherTables + create<StepRecord>("steps", kStepFields, "step, finger") +
          create<TickRecord>("ticks", kTickFields, "step, finger, tick") +
          create<ObjectRecord>("objects", kObjectFields, "step, object") +
-         create<EventRecord>("events", kEventFields, "step, number");
+         create<EventRecord>("events", kEventFields, "step, number") +
+         create<BoneRecord>("bones", kBoneFields, "step, object");
 }
 
 std::string insert_into(const char* table, int columns) {
@@ -106,6 +107,7 @@ std::string insert_step() { return insert("steps", kStepFields); }
 std::string insert_tick() { return insert("ticks", kTickFields); }
 std::string insert_object() { return insert("objects", kObjectFields); }
 std::string insert_event() { return insert("events", kEventFields); }
+std::string insert_bone() { return insert("bones", kBoneFields); }
 
 std::string step_query(const std::set<std::string>& present) {
   return query(kStepFields, present, "steps order by step, finger");
@@ -118,6 +120,9 @@ std::string object_query(const std::set<std::string>& present) {
 }
 std::string event_query(const std::set<std::string>& present) {
   return query(kEventFields, present, "events order by step, number");
+}
+std::string bone_query(const std::set<std::string>& present) {
+  return query(kBoneFields, present, "bones order by step, object");
 }
 
 }  // namespace softfinger::recording_layout

@@ -40,6 +40,7 @@ inline constexpr int kObjectColumn = 1;
 [[nodiscard]] std::string insert_tick();
 [[nodiscard]] std::string insert_object();
 [[nodiscard]] std::string insert_event();
+[[nodiscard]] std::string insert_bone();
 
 /// All rows of steps, of ticks, in order. `present` are the columns that the recording has: what
 /// may be lacking (FieldUse::newer) is null then.
@@ -47,5 +48,6 @@ inline constexpr int kObjectColumn = 1;
 [[nodiscard]] std::string tick_query(const std::set<std::string>& present);
 [[nodiscard]] std::string object_query(const std::set<std::string>& present);
 [[nodiscard]] std::string event_query(const std::set<std::string>& present);
+[[nodiscard]] std::string bone_query(const std::set<std::string>& present);
 
 }  // namespace softfinger::recording_layout

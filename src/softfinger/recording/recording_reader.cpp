@@ -102,14 +102,17 @@ std::uint64_t hash_of(const std::string& hexadecimal) {
   return hash;
 }
 
-bool read_next(SqliteStatement& rows, const RecordingInfo& info, ObjectRecord& record) {
+/// A row of an object that moves.
+template <typename Fields, typename Record>
+bool read_next_object(SqliteStatement& rows, Fields fields, const RecordingInfo& info,
+                      Record& record) {
   if (!rows.next()) return false;
   const std::int64_t object = rows.integer(recording_layout::kObjectColumn);
   const bool known = std::ranges::any_of(
       info.objects, [&](const RecordingInfo::Object& one) { return one.object == object; });
   if (!known) throw SqliteFailure{true};
   RowReader reader{rows, 1.0};
-  for_each_field(kObjectFields, [&](const auto& field) { reader.read(field.of(record)); });
+  for_each_field(fields, [&](const auto& field) { reader.read(field.of(record)); });
   return true;
 }
 
@@ -180,6 +183,8 @@ struct RecordingReader::Database {
     }
     const std::set<std::string> of_events = columns_of("events");
     if (!of_events.empty()) events.emplace(connection, recording_layout::event_query(of_events));
+    const std::set<std::string> of_bones = columns_of("bones");
+    if (!of_bones.empty()) bones.emplace(connection, recording_layout::bone_query(of_bones));
   }
 
   [[nodiscard]] std::set<std::string> columns_of(const char* table) {
@@ -271,7 +276,7 @@ struct RecordingReader::Database {
   }
 
   SqliteDatabase connection;
-  std::optional<SqliteStatement> steps, states, ticks, objects, object_states, events;
+  std::optional<SqliteStatement> steps, states, ticks, objects, object_states, events, bones;
   bool with_state = false;
 };
 
@@ -418,7 +423,9 @@ bool RecordingReader::next(StepRecord& r) {
 
 bool RecordingReader::next(ObjectRecord& r) {
   try {
-    if (!database_->objects || !read_next(*database_->objects, info_, r)) return false;
+    if (!database_->objects || !read_next_object(*database_->objects, kObjectFields, info_, r)) {
+      return false;
+    }
     r.nodes_W.clear();
     if (database_->with_state && database_->object_states) {
       SqliteStatement& state = *database_->object_states;
@@ -439,6 +446,14 @@ bool RecordingReader::next(ObjectRecord& r) {
 bool RecordingReader::next(EventRecord& r) {
   try {
     return database_->events && read_next(*database_->events, info_, r);
+  } catch (const SqliteFailure&) {
+    fail();
+  }
+}
+
+bool RecordingReader::next(BoneRecord& r) {
+  try {
+    return database_->bones && read_next_object(*database_->bones, kBoneFields, info_, r);
   } catch (const SqliteFailure&) {
     fail();
   }

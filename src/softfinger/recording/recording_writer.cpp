@@ -112,6 +112,7 @@ struct RecordingWriter::Database {
     insert_tick.emplace(connection, recording_layout::insert_tick());
     insert_object.emplace(connection, recording_layout::insert_object());
     insert_event.emplace(connection, recording_layout::insert_event());
+    insert_bone.emplace(connection, recording_layout::insert_bone());
     insert_state.emplace(connection, recording_layout::insert_into("states", 4));
     insert_object_state.emplace(connection, recording_layout::insert_into("object_states", 3));
     insert_message.emplace(connection, recording_layout::insert_into("messages", 5));
@@ -125,6 +126,7 @@ struct RecordingWriter::Database {
     insert_tick.reset();
     insert_object.reset();
     insert_event.reset();
+    insert_bone.reset();
     insert_state.reset();
     insert_object_state.reset();
     insert_message.reset();
@@ -231,6 +233,7 @@ struct RecordingWriter::Database {
     insert_object_state->run();
   }
   void write(const EventRecord& r) { insert(*insert_event, kEventFields, r, 1.0); }
+  void write(const BoneRecord& r) { insert(*insert_bone, kBoneFields, r, 1.0); }
 
   void write(const RecordedMessage& message) {
     insert_message->bind(0, ++messages);
@@ -261,7 +264,7 @@ struct RecordingWriter::Database {
   SqliteDatabase connection;
   std::vector<double> servo_steps;  ///< of the fingers
   std::optional<SqliteStatement> insert_meta, insert_step, insert_tick, insert_object, insert_event,
-      insert_state, insert_object_state, insert_message;
+      insert_bone, insert_state, insert_object_state, insert_message;
   std::int64_t messages = 0;  ///< written
   bool in_transaction = true;
   bool syncs_header = true;  ///< of the log, where it begins anew
@@ -277,7 +280,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
       objects_(std::max<std::size_t>(1, info.objects.size()) *
                    (info.with_state ? kStateObjectCapacity : kObjectCapacity),
                object_prototype),
-      events_(info.objects.empty() ? 1 : kEventCapacity) {
+      events_(info.objects.empty() ? 1 : kEventCapacity),
+      bones_(std::max<std::size_t>(1, info.objects.size()) * kObjectCapacity) {
   create_empty(file);
   for (std::size_t i = 0; i < info.fingers.size(); ++i) {
     ticks_.push_back(std::make_unique<RingBuffer<TickRecord>>(kTickCapacity));
@@ -321,6 +325,8 @@ void RecordingWriter::push(const StepRecord& record) { push_to(steps_, record); 
 void RecordingWriter::push(const ObjectRecord& record) { push_to(objects_, record); }
 
 void RecordingWriter::push(const EventRecord& record) { push_to(events_, record); }
+
+void RecordingWriter::push(const BoneRecord& record) { push_to(bones_, record); }
 
 void RecordingWriter::push(const TickRecord& record) {
   push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);
@@ -369,13 +375,14 @@ bool RecordingWriter::drain() {
   bool more = take(steps_, kStepsARound);
   more = take(objects_, kObjectsARound) || more;
   more = take(events_, kEventCapacity) || more;
+  more = take(bones_, kObjectsARound) || more;
   for (auto& ring : ticks_) more = take(*ring, ring->capacity()) || more;
   return more;
 }
 
 bool RecordingWriter::rows_wait() {
   if (steps_.front() != nullptr || objects_.front() != nullptr) return true;
-  if (events_.front() != nullptr) return true;
+  if (events_.front() != nullptr || bones_.front() != nullptr) return true;
   if (std::ranges::any_of(ticks_, [](auto& ring) { return ring->front() != nullptr; })) return true;
   const std::lock_guard lock(messages_mutex_);
   return !messages_.empty();

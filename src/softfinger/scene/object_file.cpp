@@ -85,7 +85,7 @@ ReadObject::Mesh read_mesh(const ConfigTable& table) {
 
 /// Empty: it is soft.
 std::optional<ShapeKind> read_shape_kind(const ConfigTable& table) {
-  std::vector<std::string> names = names_of(kShapes);
+  std::vector<std::string> names = object_shape_names();
   names.emplace_back(kSoftShape);
   const std::string name = table.choice("shape", names);
   if (name == kSoftShape) return std::nullopt;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include "softfinger/contact/virtual_object.hpp"
 #include "softfinger/geometry/mesh_shape.hpp"
 #include "softfinger/geometry/trajectory.hpp"
+#include "softfinger/tracking/hand_script.hpp"
 
 namespace softfinger {
 
@@ -19,14 +21,35 @@ struct SceneFinger {
   std::optional<std::filesystem::path> device;  ///< device file, resolved
   std::string tracker = "script";               ///< as written: script, csv:FILE, ...
   std::vector<Waypoint> waypoints;              ///< X_WFt; only tracker "script" uses them
+  int hand = -1;                                ///< whose finger it is, by number; -1: none's
+  HandFinger hand_finger = HandFinger::kIndex;  ///< which of it
+  /// Its hand's, which tracker "script" follows instead of waypoints; empty: there is none.
+  std::optional<HandScript> hand_script = {};
+
+  /// The tracker that is named, files in it relative to `directory`. Throws as make_tracker() of
+  /// tracking does.
+  [[nodiscard]] std::unique_ptr<Tracker> make_tracker(const std::filesystem::path& directory) const;
 };
+
+/// A whole hand of the scene. Its bones, but for the distal phalanges, are objects.
+struct SceneHand {
+  std::string name;
+  HandSide side = HandSide::kRight;
+  std::optional<HandScript> script;  ///< empty: a headset tracks it
+  std::size_t first_object = 0;      ///< the object that is the first of kHandPieces
+};
+
+struct Scene;
+/// The hand of this number follows a headset, and is nowhere before that sees it.
+void leave_to_headset(Scene& scene, std::size_t hand);
 
 /// What one run explores. Built from a scene file (TOML, keys in docs/files.md).
 struct Scene {
   std::filesystem::path file;
   std::string description;  ///< one line for people; may be empty
   std::vector<SceneFinger> fingers;
-  std::vector<VirtualObject> objects;
+  std::vector<VirtualObject> objects;  ///< those of hands come last
+  std::vector<SceneHand> hands;
   double simulation_rate = 1000.0;   ///< Hz
   Vector3 gravity{0.0, 0.0, -9.81};  ///< on objects that move by the forces on them, W, m/s^2
 };

@@ -11,6 +11,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/text_file.hpp"
+#include "softfinger/scene/hand_file.hpp"
 #include "softfinger/scene/object_file.hpp"
 #include "softfinger/scene/pose_keys.hpp"
 #include "softfinger/scene/scene.hpp"
@@ -24,7 +25,8 @@ namespace {
 const Range kSimulationRate = Range::between(100.0, 20000.0);  // Hz
 const Range kGravity = Range::between(-100.0, 100.0);          // m/s^2
 
-SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
+SceneFinger read_finger(const ConfigTable& table, const std::vector<ReadHand>& hands,
+                        bool trackers_given) {
   SceneFinger finger;
   finger.name = table.text("name");
   table.matches("name", kFingerNamePattern);
@@ -35,6 +37,7 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
   finger.device = table.optional_path("device");
   finger.tracker = table.text("tracker", "script");
   table.matches("tracker", fmt::format("^({})(:|$)", fmt::join(names_of(kTrackers), "|")));
+  read_hand_of(table, hands, finger);
   TrackerSpec tracker;
   try {
     tracker = parse_tracker_spec(finger.tracker);
@@ -42,20 +45,32 @@ SceneFinger read_finger(const ConfigTable& table, bool trackers_given) {
     table.fail("tracker", error.what());
   }
   finger.waypoints = read_waypoints(table, nullptr);
-  if (tracker.kind == TrackerKind::kScript && finger.waypoints.empty() && !trackers_given) {
+  if (tracker.kind == TrackerKind::kScript && finger.waypoints.empty() && !finger.hand_script &&
+      !trackers_given) {
     table.finish();  // a misspelt key may be the reason
     table.fail("tracker", "tracker script needs at least one [[finger.waypoint]]");
   }
   return finger;
 }
 
-std::vector<SceneFinger> read_fingers(const std::vector<ConfigTable>& tables, bool trackers_given) {
+std::vector<SceneFinger> read_fingers(const std::vector<ConfigTable>& tables,
+                                      const std::vector<ReadHand>& hands, bool trackers_given) {
   std::vector<SceneFinger> fingers;
   std::set<std::string> names;
   for (const ConfigTable& table : tables) {
-    fingers.push_back(read_finger(table, trackers_given));
+    fingers.push_back(read_finger(table, hands, trackers_given));
     if (!names.insert(fingers.back().name).second) {
       table.fail("name", fmt::format("two fingers are named '{}'", fingers.back().name));
+    }
+    const SceneFinger& last = fingers.back();
+    const auto same = [&](const SceneFinger& other) {
+      return &other != &last && other.hand >= 0 && other.hand == last.hand &&
+             other.hand_finger == last.hand_finger;
+    };
+    if (std::ranges::any_of(fingers, same)) {
+      table.fail("hand", fmt::format("hand '{}' has two fingers that are its {}",
+                                     hands[static_cast<std::size_t>(last.hand)].hand.name,
+                                     name_of(last.hand_finger)));
     }
   }
   return fingers;
@@ -65,6 +80,7 @@ std::vector<SceneFinger> read_fingers(const std::vector<ConfigTable>& tables, bo
 struct ReadScene {
   Scene scene;
   std::vector<ReadObject> objects;
+  std::vector<ReadHand> hands;
 };
 
 ReadScene read_scene(const ConfigFile& config, bool trackers_given, bool with_files = true) {
@@ -75,16 +91,18 @@ ReadScene read_scene(const ConfigFile& config, bool trackers_given, bool with_fi
   scene.description = root.text("description", "");
   const auto fingers = root.tables("finger");
   const auto objects = root.tables("object");
+  const auto hands = root.tables("hand");
   const ConfigTable rates = root.table_or_empty("rates");
   scene.simulation_rate = rates.number("simulation_Hz", kSimulationRate, scene.simulation_rate);
   scene.gravity =
       root.table_or_empty("world").numbers("gravity_m_per_s2", 3, kGravity, scene.gravity);
-  scene.fingers = read_fingers(fingers, trackers_given);
+  read.hands = read_hands(hands);
+  scene.fingers = read_fingers(fingers, read.hands, trackers_given);
   read.objects = read_objects(objects, with_files);
   root.finish();  // first: a misspelt key may be the reason that there is no finger
   const bool moves = std::ranges::any_of(
       read.objects, [](const ReadObject& each) { return each.object.moves_by_forces(); });
-  if (fingers.empty() && !moves) {
+  if (fingers.empty() && !moves && read.hands.empty()) {
     root.fail("finger",
               "a scene needs at least one [[finger]], or an object that is dynamic or soft");
   }
@@ -96,7 +114,12 @@ constexpr const char* kExample = R"toml(
 name = "index"
 model = "index.toml"
 device = "thimble-3rrs.toml"
+hand = "right"
 [[finger.waypoint]]
+time_s = 0.0
+position_mm = [0.0, 0.0, 40.0]
+[[hand]]
+[[hand.waypoint]]
 time_s = 0.0
 position_mm = [0.0, 0.0, 40.0]
 )toml";
@@ -158,6 +181,7 @@ Scene load_scene(const std::filesystem::path& file, const std::string& text, boo
   const ConfigFile config(file, text);
   ReadScene read = read_scene(config, trackers_given);
   read.scene.objects = complete(read.objects, observer);
+  add_hands(read.hands, read.scene);
   return std::move(read.scene);
 }
 

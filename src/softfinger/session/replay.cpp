@@ -32,6 +32,10 @@ class Replayer {
   Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
     const Scene& scene = setup_->scene;
     scene_.emplace(scene.objects, scene.gravity, scene.simulation_rate, nullptr, with_state);
+    for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+      if (scene.objects[o].hand() < 0) continue;
+      bones_.push_back({.object = static_cast<std::int64_t>(o)});
+    }
     for (std::size_t i = 0; i < setup_->models.size(); ++i) {
       FingerChainOptions options =
           chain_options(*setup_, i, {.port = "emulator", .simulated_time = true});
@@ -42,15 +46,22 @@ class Replayer {
     }
   }
 
+  /// Where a bone is tracked from the next step on.
+  void track(const BoneRecord& recorded) {
+    for (BoneRecord& bone : bones_) {
+      if (bone.object == recorded.object) bone = recorded;
+    }
+  }
+
   /// The part of a step that only needs the recorded poses: a row a finger.
   void simulate(std::int64_t step, std::span<const StepRecord> recorded) {
     tracked_.clear();
     for (const StepRecord& row : recorded) tracked_.push_back(row.tracked);
     if (step > 0) {
-      scene_->step(step, tracked_);
+      scene_->step(step, tracked_, bones_);
       return;
     }
-    scene_->start();
+    scene_->start(bones_);
     for (std::size_t i = 0; i < fingers_.size(); ++i) fingers_[i].chain->start(tracked_[i]);
   }
 
@@ -120,6 +131,7 @@ class Replayer {
   std::optional<SceneLoop> scene_;
   std::vector<Finger> fingers_;
   std::vector<TrackedInput> tracked_;
+  std::vector<BoneRecord> bones_;
 };
 
 }  // namespace
@@ -188,6 +200,8 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
   std::vector<StepRecord> rows(info.fingers.size());
   TickRecord tick;
   bool more_ticks = reader.next(tick);
+  BoneRecord bone;
+  bool more_bones = reader.next(bone);
   for (std::int64_t step = 0; step <= result.steps; ++step) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto finger = static_cast<std::int64_t>(i);
@@ -198,6 +212,7 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
         return differ(step, finger, "a missing row");
       }
     }
+    for (; more_bones && bone.step <= step; more_bones = reader.next(bone)) replayer.track(bone);
     replayer.simulate(step, rows);
     for (const StepRecord& row : rows) {
       while (more_ticks && tick.step == step && tick.finger == row.finger) {

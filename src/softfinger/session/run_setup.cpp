@@ -79,6 +79,9 @@ void override_trackers(const std::vector<std::string>& overrides, RunSetup& setu
   });
   for (SceneFinger& finger : setup.scene.fingers) {
     finger.tracker = tracker_of_finger(finger.tracker, finger.name);
+    if (finger.hand >= 0 && parse_tracker_spec(finger.tracker).kind == TrackerKind::kWebXr) {
+      leave_to_headset(setup.scene, static_cast<std::size_t>(finger.hand));
+    }
   }
 }
 
@@ -211,6 +214,7 @@ FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,
                              .model = setup.models[finger],
                              .objects = setup.scene.objects,
                              .simulation_rate = setup.scene.simulation_rate,
+                             .hand = setup.scene.fingers[finger].hand,
                              .device = setup.devices[finger]};
   options.device_loop.actuator = actuator;
   options.device_loop.actuator.ceiling = setup.ceilings[finger];

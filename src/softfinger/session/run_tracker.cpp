@@ -4,7 +4,6 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
-#include "softfinger/tracking/make_tracker.hpp"
 #include "softfinger/tracking/page_tracker.hpp"
 #include "softfinger/tracking/registration/registered_tracker.hpp"
 #include "softfinger/tracking/tracker_spec.hpp"
@@ -22,8 +21,7 @@ RunTracker::RunTracker(const RunSetup& setup, std::size_t finger, const RunOptio
                     "does not wait for it; use script or csv:FILE",
                     scene_finger.name, scene_finger.tracker));
   }
-  tracker_ =
-      make_tracker(scene_finger.tracker, setup.tracker_directories[finger], scene_finger.waypoints);
+  tracker_ = scene_finger.make_tracker(setup.tracker_directories[finger]);
   page_tracker_ = dynamic_cast<PageTracker*>(tracker_.get());
   webxr_tracker_ = dynamic_cast<WebXrTracker*>(tracker_.get());
   const bool at_page = page_tracker_ != nullptr || webxr_tracker_ != nullptr;

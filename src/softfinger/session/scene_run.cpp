@@ -28,6 +28,7 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       paced_(mode == Mode::kLive || !options.as_fast_as_possible),
       rate_(setup_->scene.simulation_rate),
       hooks_(std::move(hooks)),
+      hands_(setup_->scene),
       snapshot_interval_(
           std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))),
       signals_(options.stop_signals) {
@@ -44,6 +45,11 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       if (hooks_.on_loop_thread) hooks_.on_loop_thread();
     });
   }
+  for (const SceneHand& hand : setup_->scene.hands) {
+    if (hand.script || mode == Mode::kLive) continue;
+    throw InputError(fmt::format(
+        "hand {}: tracker webxr is a person at the live page; a headless run has none", hand.name));
+  }
   const std::size_t count = setup_->scene.fingers.size();
   for (std::size_t i = 0; i < count; ++i) {
     fingers_.push_back(std::make_unique<RunFinger>(*setup_, i, options, mode == Mode::kLive));
@@ -59,7 +65,8 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
                  options.record_state && options.recording);
   for (const auto& finger : fingers_) scene_->add(*finger->chain);
   tracked_.resize(count);
-  if (fingers_.empty() && !options.duration) {
+  const std::optional<double> hands_end = hands_.end_time();
+  if (fingers_.empty() && !hands_end && !options.duration) {
     throw InputError(
         fmt::format("{}: has no finger whose script would end the run; give "
                     "--duration-s",
@@ -67,7 +74,7 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
   }
   std::optional<double> end = options.duration;
   if (!end) {
-    end = 0.0;
+    end = hands_end.value_or(0.0);
     for (const auto& finger : fingers_) {
       const std::optional<double> one = finger->tracker.end_time();
       end = end && one ? std::optional(std::max(*end, *one)) : std::nullopt;
@@ -129,6 +136,7 @@ void SceneRun::offer_pose(std::size_t finger, const Pose& X_WFt) noexcept {
 
 void SceneRun::offer_hand(const XrHand& hand) noexcept {
   for (const auto& finger : fingers_) finger->tracker.offer(hand);
+  hands_.offer(hand);
 }
 
 void SceneRun::stop_devices(StopCause cause) noexcept {
@@ -209,7 +217,7 @@ void SceneRun::simulate() {
     prefer_this_thread(LoopThread::kSimulation);
     awake.emplace();
   }
-  scene_->start();
+  scene_->start(track_hands(0));
   record_objects();
   for (const auto& finger : fingers_) {
     const StepRecord& record = finger->chain->start(TrackedInput(finger->tracker.sample(0.0)));
@@ -251,10 +259,18 @@ void SceneRun::simulate_step(std::int64_t step) {
     finger.tracked = finger.tracker.sample(static_cast<double>(step) / rate_);
     tracked_[i] = TrackedInput(finger.tracked);
   }
-  scene_->step(step, tracked_);
+  scene_->step(step, tracked_, track_hands(step));
   record_objects();
   tell_events();
   for (const auto& finger : fingers_) conclude_step(*finger, step);
+}
+
+std::span<const BoneRecord> SceneRun::track_hands(std::int64_t step) {
+  const std::span<const BoneRecord> bones = hands_.sample(step, static_cast<double>(step) / rate_);
+  for (std::size_t b = 0; recording_ && b < bones.size(); ++b) {
+    if (hands_.changed(b)) recording_->push(bones[b]);
+  }
+  return bones;
 }
 
 void SceneRun::record_objects() {

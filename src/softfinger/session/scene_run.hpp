@@ -13,6 +13,7 @@
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/event_sender.hpp"
 #include "softfinger/session/run_finger.hpp"
+#include "softfinger/session/run_hands.hpp"
 #include "softfinger/session/run_messages.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/session/run_summary.hpp"
@@ -98,6 +99,7 @@ class SceneRun {
   void open_recording();
   void simulate();
   void simulate_step(std::int64_t step);
+  std::span<const BoneRecord> track_hands(std::int64_t step);
   void record_objects();
   void tell_events();
   void conclude_step(RunFinger& finger, std::int64_t step);
@@ -116,7 +118,8 @@ class SceneRun {
   std::optional<std::int64_t> total_steps_;
   std::unique_ptr<ThreadTeam> team_;  ///< null: one thread
   std::vector<std::unique_ptr<RunFinger>> fingers_;
-  std::optional<SceneLoop> scene_;        ///< of their chains
+  std::optional<SceneLoop> scene_;  ///< of their chains
+  RunHands hands_;
   std::vector<TrackedInput> tracked_;     ///< by finger, of the step under way
   std::filesystem::path recording_file_;  ///< empty: none
   bool record_state_ = false;

@@ -4,8 +4,8 @@
 
 namespace softfinger {
 
-WebXrTracker::WebXrTracker(const Pose& start, HandSide side, HandFinger finger)
-    : side_(side), finger_(finger) {
+WebXrTracker::WebXrTracker(const Pose& start, HandSide side, std::size_t joint)
+    : side_(side), joint_(joint) {
   newest_.X_WFt = start;
 }
 
@@ -15,7 +15,7 @@ void WebXrTracker::offer(const XrHand& hand) noexcept {
   draft.time = hand.time;
   draft.received = monotonic_time();
   draft.tracked = hand.tracked;
-  if (hand.tracked) draft.X_WFt = distal_phalanx_pose(hand, finger_);
+  if (hand.tracked) draft.X_WFt = bone_pose(hand, joint_);
   offered_.publish();
 }
 

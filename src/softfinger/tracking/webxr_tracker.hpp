@@ -8,15 +8,18 @@
 
 namespace softfinger {
 
-/// A finger of a hand that a headset tracks, as its page tells frame by frame. Tracking is lost
-/// when the headset says so, says nothing new for kLostAfter of the run's time, or what it says is
-/// older than kLostOnWallAfter by its own clock (by a second or more: its clock was set, and
-/// nobody knows); the last pose is then held. Before the first it is nowhere but at its start.
-/// Glitches are left out, see JumpGate.
+/// A finger, or another bone, of a hand that a headset tracks, as its page tells frame by frame.
+/// Tracking is lost when the headset says so, says nothing new for kLostAfter of the run's time, or
+/// what it says is older than kLostOnWallAfter by its own clock (by a second or more: its clock was
+/// set, and nobody knows); the last pose is then held. Before the first it is nowhere but at its
+/// start. Glitches are left out, see JumpGate.
 class WebXrTracker final : public Tracker {
  public:
   /// `start`: X_WFt until the headset has seen the hand.
-  WebXrTracker(const Pose& start, HandSide side, HandFinger finger);
+  WebXrTracker(const Pose& start, HandSide side, HandFinger finger)
+      : WebXrTracker(start, side, distal_joint(finger)) {}
+  /// The bone that begins at this joint, see bone_pose().
+  WebXrTracker(const Pose& start, HandSide side, std::size_t joint);
   /// A hand of the other side changes nothing. Any one thread; wait-free.
   void offer(const XrHand& hand) noexcept;
 
@@ -32,7 +35,7 @@ class WebXrTracker final : public Tracker {
   };
 
   HandSide side_;
-  HandFinger finger_;
+  std::size_t joint_;
   Mailbox<Offer> offered_;
   JumpGate gate_;
   SenderClock headset_clock_;

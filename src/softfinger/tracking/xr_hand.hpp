@@ -28,6 +28,12 @@ struct XrHand {
   std::array<XrJoint, kXrJointCount> joints;
 };
 
+/// Of the bone from a joint of the hand to the next, its origin in the middle, x to the next joint,
+/// z out of the back of the hand; W and K as below.
+[[nodiscard]] Pose bone_pose(const XrHand& hand, std::size_t joint);
+
+/// Where the distal phalanx begins; the tip follows.
+[[nodiscard]] std::size_t distal_joint(HandFinger finger);
 /// X_WFt of a finger of a tracked hand, where W lies in K as a z-up world in a y-up one: x_W = -z,
 /// y_W = -x, z_W = y. Ft has its origin halfway from the distal joint to the tip, x to the tip.
 [[nodiscard]] Pose distal_phalanx_pose(const XrHand& hand, HandFinger finger);

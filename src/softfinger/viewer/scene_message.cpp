@@ -5,6 +5,7 @@
 
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/geometry/mesh_drawing.hpp"
 #include "softfinger/geometry/shape_names.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
 #include "softfinger/recording/latency_stages.hpp"
@@ -46,6 +47,10 @@ struct SizesToJson {
             {"length_mm", 2 * cylinder.half_length / mm},
             {"edge_radius_mm", cylinder.edge_radius / mm}};
   }
+  Json operator()(const TaperedCapsule& capsule) const {
+    const TriangleMesh drawing = drawing_of(capsule);
+    return {{"positions_mm", flat(drawing.positions)}, {"triangles", flat(drawing.triangles)}};
+  }
   Json operator()(const MeshShape& mesh) const {
     const TriangleMesh& drawing = mesh->content().drawing;
     return {{"positions_mm", flat(drawing.positions)}, {"triangles", flat(drawing.triangles)}};
@@ -53,7 +58,9 @@ struct SizesToJson {
 };
 
 Json to_json(const Shape& shape) {
-  Json json{{"kind", name_of(shape)}};
+  // Clients draw meshes; a capsule is one to them.
+  const bool drawn = std::holds_alternative<TaperedCapsule>(shape);
+  Json json{{"kind", drawn ? row_of(kShapes, ShapeKind::kMesh).name : name_of(shape)}};
   json.update(std::visit(SizesToJson{}, shape));
   return json;
 }

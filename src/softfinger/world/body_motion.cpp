@@ -35,6 +35,16 @@ BodyMotion::BodyMotion(const Body& body, const BodyPlace& start, const Vector3& 
       reference_centre_(centre_),
       reference_rotation_(rotation_) {}
 
+void BodyMotion::rest_at(const Pose& X_WO) {
+  now_.X_WO = X_WO;
+  predicted_ = now_;
+  reference_centre_ = centre_ = old_centre_ = centre_of(X_WO);
+  reference_rotation_ = rotation_ = old_rotation_ = X_WO.rotation;
+  velocity_ = old_velocity_ = momentum_ = Vector3::Zero();
+  rotation_rate_ = old_rotation_rate_ = Matrix3::Zero();
+  steps_ = 0;
+}
+
 Matrix3 BodyMotion::inertia_about_centre(const Matrix3& R_WO) const {
   const Matrix3 second = R_WO * body_.inertia.second_O * R_WO.transpose();
   return second.trace() * Matrix3::Identity() - second;

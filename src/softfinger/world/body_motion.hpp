@@ -22,6 +22,9 @@ class BodyMotion {
   BodyMotion(const Body& body, const BodyPlace& start, const Vector3& velocity_W,
              const Vector3& angular_velocity_W, double rate);
 
+  /// At rest there from now on.
+  void rest_at(const Pose& X_WO);
+
   /// Before a step of time_step (s). `smooth`: nothing touched the body of late.
   void begin(double time_step, bool smooth);
   /// Where the step leads without forces: q, turn, pose. What is jointed is to be put on its

@@ -56,6 +56,11 @@ class BodyTree {
   /// The body that is this object; -1: it follows its script.
   [[nodiscard]] int body_of(std::size_t object) const { return body_of_object_[object]; }
 
+  /// What pulls a body that is a bone of a hand; empty: it is none.
+  [[nodiscard]] const std::optional<Following>& following(std::size_t body) const {
+    return objects_[bodies_[body].object].dynamics->following;
+  }
+
   /// Where bodies stand at the start, one a body.
   [[nodiscard]] std::vector<BodyPlace> start() const;
   /// From `from` along `direction` (one a coordinate), with what they hang on where it is at

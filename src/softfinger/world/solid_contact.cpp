@@ -75,7 +75,10 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
     });
   };
   // The heaviest one may come to rest on any other.
-  const double heaviest = masses.empty() ? 0.0 : *std::ranges::max_element(masses);
+  double heaviest = 0.0;
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    if (objects[o].hand() < 0) heaviest = std::max(heaviest, masses[o]);
+  }
   const double stiffness =
       std::max(kStiffness * heaviest / (time_step * time_step), kLeastForce / kDepth);
   for (std::size_t a = 0; a < objects.size(); ++a) {
@@ -83,6 +86,10 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
       if (!(masses[a] > 0.0 || masses[b] > 0.0) || are_apart(a, b)) continue;
       if (objects[a].soft || objects[b].soft) continue;  // they meet as skin meets objects
       const double friction = friction_between(objects[a], objects[b]);
+      if (objects[a].hand() >= 0 || objects[b].hand() >= 0) {
+        add_hand_pairs(a, b, friction);
+        continue;
+      }
       const bool both = !points_[a].empty() && !points_[b].empty();
       const double share = both ? 0.5 : 1.0;
       if (!points_[a].empty()) pairs_.push_back({a, b, share * stiffness, friction});
@@ -92,6 +99,21 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
   std::size_t most = 0;
   for (const Pair& pair : pairs_) most += points_[pair.of].size();
   candidates_.resize(std::min(most, kMostCandidates));
+}
+
+void SolidContact::add_hand_pairs(std::size_t a, std::size_t b, double friction) {
+  const int hand = objects_[a].hand();
+  const int other = objects_[b].hand();
+  if (hand == other) return;
+  const double share = hand >= 0 && other >= 0 ? 0.5 : 1.0;
+  const auto add = [&](std::size_t of, std::size_t on) {
+    if (objects_[of].hand() < 0) return;
+    const double foundation = share * objects_[of].dynamics->following->foundation;
+    pairs_.push_back(
+        {.of = of, .on = on, .friction_coefficient = friction, .foundation = foundation});
+  };
+  add(a, b);
+  add(b, a);
 }
 
 void SolidContact::reset() {
@@ -161,6 +183,10 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
                   .stiffness = place.share * pair.stiffness,
                   .friction_coefficient = pair.friction_coefficient,
                   .allowed = std::min(0.0, at.distance - point.radius + parting_)};
+    if (pair.foundation > 0.0) {
+      c.stiffness = pair.foundation * point.area;
+      if (memory != nullptr) c.allowed = std::min(0.0, memory->allowed + parting_);
+    }
     const Vector3 surface_on = centre_on - point.radius * at.gradient;
     c.material_of = X_on_of.inverse() * surface_on;
     c.free_on = surface_on;
@@ -284,6 +310,7 @@ void SolidContact::end(std::span<const Pose> X_WO) {
     }
     memory->slip_O = X_WO[c.on].rotation.transpose() * slip;
     memory->limit = limit;
+    memory->allowed = objects_[c.of].hand() >= 0 ? c.allowed : 0.0;
   }
 }
 

@@ -26,6 +26,10 @@ namespace softfinger {
 /// expected, and share what it bears: else what rolls would roll on a polygon. On what is round
 /// itself they may bear less, down to nothing midway; then the other object's own points bear it.
 ///
+/// Bones of hands bear as an elastic foundation instead: a ball of one has the stiffness of the
+/// strip that it stands for, and only the other object's distance is looked at. One that is inside
+/// another before it touches is let be there, and parts at kParting.
+///
 /// What is deeper inside another at the start of a step than it could part in it at kParting is let
 /// be there so far: objects that start inside each other part at that speed.
 class SolidContact {
@@ -109,6 +113,7 @@ class SolidContact {
         for (const Memory& memory : point) {
           if (memory.on < 0) continue;
           hash.add(memory.on).add(memory.slip_O).add(memory.normal_O).add(memory.limit);
+          if (memory.allowed < 0.0) hash.add(memory.allowed);
         }
       }
     }
@@ -121,7 +126,8 @@ class SolidContact {
     int on = -1;
     Vector3 slip_O = Vector3::Zero();  ///< in the frame of that object, m
     Vector3 normal_O = Vector3::UnitZ();
-    double limit = 0.0;  ///< N
+    double limit = 0.0;    ///< N
+    double allowed = 0.0;  ///< of a bone of a hand, see Candidate
   };
   /// A point that may touch in this step.
   struct Candidate {
@@ -146,7 +152,9 @@ class SolidContact {
   struct Pair {
     std::size_t of = 0, on = 0;
     double stiffness = 0.0, friction_coefficient = 0.0;
+    double foundation = 0.0;  ///< instead of the stiffness, where `of` is of a hand, N/m^3
   };
+  void add_hand_pairs(std::size_t a, std::size_t b, double friction);
   void add_candidates(const Pair& pair, std::span<const Pose> X_WO,
                       std::span<const Pose> X_WO_expected);
   double evaluate(Candidate& candidate, std::span<const Pose> X_WO) const;

@@ -19,6 +19,8 @@ namespace {
 constexpr double kTakesPart = 5e-3;
 /// Steps without contact after which motion counts as smooth.
 constexpr int kSmoothAfter = 2;
+/// Where a bone is that nobody has seen, m.
+const Vector3 kNowhere(0.0, 0.0, -1000.0);
 /// Residual of a step without fingers, whose matrix is exact.
 constexpr double kBodiesTolerance = 1e-10;
 
@@ -181,7 +183,7 @@ struct World::Implementation {
   void predict(double end) {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       const Body& body = tree.bodies()[b];
-      motions[b].begin(time_step, quiet[b] >= kSmoothAfter);
+      motions[b].begin(time_step, quiet[b] >= kSmoothAfter && !tree.following(b));
       places[b] = motions[b].prediction();
       if (body.joint) tree.put_on_parent(b, end, places);
       motions[b].refer_to(places[b].X_WO);
@@ -198,6 +200,7 @@ struct World::Implementation {
     }
     for (std::size_t b = 0; b < quiet.size(); ++b) {
       const std::size_t object = tree.bodies()[b].object;
+      if (tree.following(b)) continue;
       const bool near_finger = std::ranges::any_of(
           boxes, [&](const Eigen::AlignedBox3d& box) { return reaches(box, object); });
       if (quiet[b] < kSmoothAfter || !(contact.is_near(object) || near_finger)) continue;
@@ -212,8 +215,9 @@ struct World::Implementation {
     const auto meets = [&](const auto& soft) { return finger.patches(soft->object()).any(); };
     if (std::ranges::any_of(softs, meets)) return true;
     const Eigen::AlignedBox3d box = box_around(finger);
-    return std::ranges::any_of(tree.bodies(),
-                               [&](const Body& body) { return reaches(box, body.object); });
+    return std::ranges::any_of(tree.bodies(), [&](const Body& body) {
+      return finger.may_touch(body.object) && reaches(box, body.object);
+    });
   }
 
   /// Whether an object comes into the box in this step.
@@ -405,6 +409,23 @@ void World::reset() {
   }
 }
 
+void World::follow(std::size_t o, const Pose* X_WT) {
+  Implementation& self = *implementation_;
+  const auto b = static_cast<std::size_t>(self.tree.body_of(o));
+  const bool present = X_WT != nullptr;
+  if (present == self.problem->is_present(b)) {
+    if (present) self.problem->follow(b, *X_WT);
+    return;
+  }
+  const Pose X_WO = present ? *X_WT : Pose{Matrix3::Identity(), kNowhere};
+  self.motions[b].rest_at(X_WO);
+  self.problem->put(b, X_WO, present);
+  self.poses[o] = X_WO;
+  for (FingerSimulation* finger : self.fingers) finger->put_object(o, X_WO);
+  for (const auto& soft : self.softs) soft->simulation().put_object(o, X_WO);
+  self.tell();
+}
+
 void World::begin_step(double time) {
   Implementation& self = *implementation_;
   self.time = time;
@@ -474,6 +495,7 @@ std::uint64_t World::state_hash() const {
   for (const BodyMotion& motion : self.motions) motion.add_to(hash);
   for (std::size_t b = 0; b < self.motions.size(); ++b) hash.add(self.problem->anchor(b));
   self.contact.add_to(hash);
+  self.problem->add_to(hash);
   for (const int steps : self.quiet) hash.add(steps);
   for (const auto& soft : self.softs) hash.add(soft->simulation().state_hash());
   return hash.value();

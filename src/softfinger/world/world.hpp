@@ -49,6 +49,10 @@ class World {
   /// Which of them, at least one of two moving, start inside each other; they part slowly.
   [[nodiscard]] std::span<const Overlap> overlaps() const;
 
+  /// Where object o, a bone of a hand, is tracked at the end of the next step; null: it is nowhere,
+  /// as it is until somebody has seen it. It is pulled there, and appears where it was nowhere.
+  void follow(std::size_t o, const Pose* X_WT);
+
   void begin_step(double time);
   /// Ends the step of objects together with that of the fingers, which have begun theirs. One
   /// summary a finger.

@@ -70,6 +70,13 @@ WorldProblem::WorldProblem(const BodyTree& tree, std::span<BodyMotion> motions,
     }
     joints_.back().emplace(JointForces{.law = law, .damping = body.joint->damping});
   }
+  const std::vector<BodyPlace> starts = tree.start();
+  for (std::size_t b = 0; b < tree.bodies().size(); ++b) {
+    pulls_.emplace_back();
+    if (const auto& following = tree.following(b)) {
+      pulls_.back().emplace(Pulled{.pull = BodyPull(*following, starts[b].X_WO)});
+    }
+  }
   const auto freedoms = static_cast<Eigen::Index>(tree.freedoms());
   for (Point* point : {&current_, &trial_}) {
     point->places = tree.start();
@@ -99,6 +106,11 @@ void WorldProblem::reserve(FingerSimulation& finger, int object) {
   fingers_.reserve(partners_.size());
 }
 
+void WorldProblem::put(std::size_t b, const Pose& X_WT, bool present) {
+  pulls_[b]->pull.put(X_WT);
+  pulls_[b]->present = present;
+}
+
 void WorldProblem::forget() {
   has_factor_ = false;
   for (Partner& partner : partners_) partner.bodies.clear();
@@ -125,6 +137,7 @@ void WorldProblem::begin(double time, std::span<Pose> X_WO, std::span<const Body
   soft_.begin(taking_part_);
   for (std::size_t b = 0; b < joints_.size(); ++b) {
     if (joints_[b]) joints_[b]->old_q = motions_[b].place().q;
+    if (pulls_[b]) pulls_[b]->pull.begin(time_step_, motions_[b].place().X_WO);
   }
   std::copy(places.begin(), places.end(), current_.places.begin());
   show(current_.places);
@@ -142,6 +155,9 @@ void WorldProblem::evaluate_fingers(At at) {
 }
 
 void WorldProblem::end() {
+  for (std::optional<Pulled>& pulled : pulls_) {
+    if (pulled) pulled->pull.end();
+  }
   for (std::size_t b = 0; b < joints_.size(); ++b) {
     if (!joints_[b]) continue;
     JointForces& joint = *joints_[b];
@@ -152,6 +168,10 @@ void WorldProblem::end() {
 void WorldProblem::reset() {
   for (std::optional<JointForces>& joint : joints_) {
     if (joint) joint->anchor = 0.0;
+  }
+  const std::vector<BodyPlace> starts = tree_.start();
+  for (std::size_t b = 0; b < pulls_.size(); ++b) {
+    if (pulls_[b]) put(b, starts[b].X_WO, true);
   }
   forget();
 }
@@ -198,21 +218,31 @@ void WorldProblem::add_bodies(Point& point) {
   point.gradient.setZero();
   double scale = contact_.force_norm() * contact_.force_norm();
   for (std::size_t b = 0; b < motions_.size(); ++b) {
+    if (is_nowhere(b)) continue;
     const Body& body = tree_.bodies()[b];
     Vector6& wrench = wrenches_[body.object];
     scale += wrench.head<3>().squaredNorm();
     const Pose& X_WO = point.places[b].X_WO;
     const BodyMotion::Value inertia = motions_[b].evaluate(X_WO);
     const Vector3 centre = tree_.centre(b, X_WO);
-    const Vector3 force = inertia.by_centre - body.inertia.mass * gravity_;
+    // A hand bears itself.
+    const Vector3 gravity = pulls_[b] ? Vector3(Vector3::Zero()) : gravity_;
+    const Vector3 force = inertia.by_centre - body.inertia.mass * gravity;
     point.energy +=
-        inertia.energy + body.inertia.mass * (kLevel * gravity_.norm() - gravity_.dot(centre));
+        inertia.energy + body.inertia.mass * (kLevel * gravity.norm() - gravity.dot(centre));
     wrench.head<3>() += force;
     wrench.tail<3>() += inertia.by_turn + (centre - X_WO.translation).cross(force);
+    if (pulls_[b]) {
+      const BodyPull::Value pull = pulls_[b]->pull.evaluate(X_WO);
+      point.energy += pull.energy;
+      wrench.head<3>() += pull.by_origin;
+      wrench.tail<3>() += pull.by_turn;
+      scale += pull.by_origin.squaredNorm();
+    }
     const double stiffness =
         motions_[b].weight() * body.inertia.mass + contact_.stiffness(body.object);
     const double rounding = kRounding / kAccuracy * stiffness * (centre.norm() + reaches_[b]);
-    scale += inertia.by_centre.squaredNorm() + (body.inertia.mass * gravity_).squaredNorm() +
+    scale += inertia.by_centre.squaredNorm() + (body.inertia.mass * gravity).squaredNorm() +
              rounding * rounding;
     for (const BodyTree::Column& column : columns_[b].all()) {
       point.gradient[column.coordinate] += column.twist.dot(wrench);

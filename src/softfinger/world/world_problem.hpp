@@ -9,6 +9,7 @@
 #include "softfinger/numerics/newton.hpp"
 #include "softfinger/threads/thread_team.hpp"
 #include "softfinger/world/body_motion.hpp"
+#include "softfinger/world/body_pull.hpp"
 #include "softfinger/world/body_tree.hpp"
 #include "softfinger/world/joint_law.hpp"
 #include "softfinger/world/soft_contact.hpp"
@@ -50,8 +51,21 @@ class WorldProblem {
   [[nodiscard]] double anchor(std::size_t body) const {
     return joints_[body] ? joints_[body]->anchor : 0.0;
   }
+  /// Where body `b`, a bone of a hand, is tracked at the end of the next step.
+  void follow(std::size_t b, const Pose& X_WT) { pulls_[b]->pull.follow(X_WT); }
+  /// It appears there, at rest, or where not `present` it is nowhere and takes no part.
+  void put(std::size_t b, const Pose& X_WT, bool present);
   /// Forgets factors.
   void forget();
+  [[nodiscard]] bool is_present(std::size_t b) const { return pulls_[b]->present; }
+  template <typename Hash>
+  void add_to(Hash& hash) const {
+    for (const std::optional<Pulled>& pulled : pulls_) {
+      if (!pulled) continue;
+      hash.add(pulled->present ? 1 : 0);
+      pulled->pull.add_to(hash);
+    }
+  }
 
   // What minimise_in_cone() asks for.
   [[nodiscard]] double energy() const { return current_.energy; }
@@ -94,6 +108,14 @@ class WorldProblem {
     double anchor = 0.0;   ///< q where dry friction holds
     double old_q = 0.0;    ///< at the start of the step
   };
+  /// A bone of a hand.
+  struct Pulled {
+    BodyPull pull;
+    bool present = true;
+  };
+  [[nodiscard]] bool is_nowhere(std::size_t body) const {
+    return pulls_[body] && !pulls_[body]->present;
+  }
   [[nodiscard]] LawValue joint_value(const JointForces& joint, double q) const;
   template <typename Work>
   void for_each_finger(const Work& work);
@@ -118,6 +140,7 @@ class WorldProblem {
   double time_step_;
   ThreadTeam* team_;
   std::vector<std::optional<JointForces>> joints_;  ///< by body
+  std::vector<std::optional<Pulled>> pulls_;        ///< likewise
   std::vector<Partner> partners_;
   std::vector<std::uint8_t> taking_part_;  ///< by partner
   std::vector<Partner*> fingers_;          ///< that take part
