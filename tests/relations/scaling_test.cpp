@@ -30,6 +30,9 @@ Shape scaled(const Shape& shape, double length) {
       return RoundedCylinder{length * cylinder.radius, length * cylinder.half_length,
                              length * cylinder.edge_radius};
     }
+    Shape operator()(const TaperedCapsule& bone) const {
+      return TaperedCapsule{length * bone.back, length * bone.front, length * bone.half_length};
+    }
     Shape operator()(const MeshShape& mesh) const { return mesh; }
   };
   return std::visit(Scale{length}, shape);
