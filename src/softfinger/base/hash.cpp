@@ -26,14 +26,17 @@ Hash::Hash() : state_{} {
   std::memcpy(state_.data(), &state, sizeof state);
 }
 
-void Hash::add_bytes(std::span<const std::byte> bytes) {
+void Hash::take_in(std::span<const std::byte> bytes) {
   XXH64_state_t state = load(state_.data());
+  XXH64_update(&state, waiting_.data(), waiting_count_);
   XXH64_update(&state, bytes.data(), bytes.size());
+  waiting_count_ = 0;
   std::memcpy(state_.data(), &state, sizeof state);
 }
 
 std::uint64_t Hash::value() const {
-  const XXH64_state_t state = load(state_.data());
+  XXH64_state_t state = load(state_.data());
+  XXH64_update(&state, waiting_.data(), waiting_count_);
   return XXH64_digest(&state);
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <type_traits>
 
@@ -30,12 +31,22 @@ class Hash {
     return add(std::span<const typename Matrix::Scalar>(
         matrix.data(), static_cast<std::size_t>(Matrix::SizeAtCompileTime)));
   }
-  void add_bytes(std::span<const std::byte> bytes);
+  void add_bytes(std::span<const std::byte> bytes) {
+    if (bytes.size() > waiting_.size() - waiting_count_) return take_in(bytes);
+    std::memcpy(waiting_.data() + waiting_count_, bytes.data(), bytes.size());
+    waiting_count_ += bytes.size();
+  }
 
   [[nodiscard]] std::uint64_t value() const;
 
  private:
+  /// What waits, and then these.
+  void take_in(std::span<const std::byte> bytes);
+
   alignas(8) std::array<std::byte, 88> state_;  // XXH64_state_t
+  // Most values are small: they wait for company.
+  std::array<std::byte, 1024> waiting_;
+  std::size_t waiting_count_ = 0;
 };
 
 }  // namespace softfinger

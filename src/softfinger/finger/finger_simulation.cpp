@@ -275,7 +275,10 @@ std::uint64_t FingerSimulation::state_hash() const {
   hash.add(self.bone.X_WF.rotation);
   hash.add(self.bone.velocity);
   hash.add(self.bone.rotation_rate);
-  for (const FrictionAnchor& anchor : self.anchors) {
+  const std::size_t count = self.objects.size();
+  for (std::size_t k = 0; k < self.anchors.size(); ++k) {
+    if (!self.may_touch(k % count)) continue;
+    const FrictionAnchor& anchor = self.anchors[k];
     hash.add(anchor.anchor_O);
     hash.add(anchor.limit);
     if (anchor.side.known) hash.add(anchor.side.point_O).add(anchor.side.normal_O);
