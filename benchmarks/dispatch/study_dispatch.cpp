@@ -3,8 +3,8 @@
 //
 //     mpirun --oversubscribe -n 64 build/softfinger_study_dispatch 50 20
 //
-// Milliseconds a task, tasks a rank. Prints ranks, tasks, and the time that the tasks alone take on
-// as many ranks over the time that passed.
+// Milliseconds a task, then tasks a rank, as often as they are to be shared out. Prints ranks,
+// tasks, and the time that the tasks alone take on as many ranks over the time that passed.
 
 #include <fmt/core.h>
 
@@ -17,17 +17,17 @@
 
 #include "softfinger/study/ranks.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+/// Whether all tasks were done.
+bool share_out(softfinger::Ranks& ranks, double task_ms, std::size_t each) {
   using Clock = std::chrono::steady_clock;
-  const double task_ms = argc > 1 ? std::atof(argv[1]) : 50.0;
-  const std::size_t each = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 20;
-  const std::unique_ptr<softfinger::Ranks> ranks = softfinger::ranks_of_this_job();
-  const std::size_t count = each * static_cast<std::size_t>(ranks->size());
+  const std::size_t count = each * static_cast<std::size_t>(ranks.size());
   const std::atomic<bool> stop{false};
   std::size_t taken = 0;
-  ranks->broadcast("begin");  // who starts late is no part of it
+  ranks.broadcast("begin");  // who starts late is no part of it
   const auto begin = Clock::now();
-  ranks->share(
+  ranks.share(
       count,
       [task_ms](std::size_t task) {
         std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(task_ms));
@@ -35,8 +35,20 @@ int main(int argc, char** argv) {
       },
       [&taken](std::size_t, std::string_view) { ++taken; }, stop);
   const double passed = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-  if (ranks->rank() != 0) return 0;
-  fmt::print("{} ranks, {} of {} tasks of {} ms in {:.0f} ms: {:.1f} %\n", ranks->size(), taken,
+  if (ranks.rank() != 0) return true;
+  fmt::print("{} ranks, {} of {} tasks of {} ms in {:.0f} ms: {:.1f} %\n", ranks.size(), taken,
              count, task_ms, passed, 100.0 * task_ms * static_cast<double>(each) / passed);
-  return taken == count ? 0 : 1;
+  return taken == count;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double task_ms = argc > 1 ? std::atof(argv[1]) : 50.0;
+  const std::unique_ptr<softfinger::Ranks> ranks = softfinger::ranks_of_this_job();
+  bool all = argc > 2 || share_out(*ranks, task_ms, 20);
+  for (int k = 2; k < argc; ++k) {
+    all = share_out(*ranks, task_ms, std::strtoull(argv[k], nullptr, 10)) && all;
+  }
+  return all ? 0 : 1;
 }
