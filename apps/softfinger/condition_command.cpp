@@ -1,20 +1,16 @@
 #include <fmt/core.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "commands.hpp"
-#include "pose_source.hpp"
-#include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/tracking/conditioning/conditioning_effect.hpp"
+#include "softfinger/session/report/conditioning_report.hpp"
 
 namespace {
 
 using namespace softfinger;
-using Json = nlohmann::ordered_json;
 
 struct ConditionFlags {
   std::string file, finger;
@@ -27,20 +23,6 @@ struct ConditionFlags {
   bool json = false;
 };
 
-void check_range(const char* flag, double value, double least, double most) {
-  if (value >= least && value <= most) return;
-  throw InputError(fmt::format("{} {}: must be {} to {}", flag, value, least, most));
-}
-
-Json json_of(const PoseError& error) {
-  return {{"distance_mm", error.distance / mm}, {"turn_deg", error.turn / deg}};
-}
-
-Json json_of(const ConditioningEffect::Part& part) {
-  if (!(part.time > 0.0)) return nullptr;
-  return {{"time_s", part.time}, {"before", json_of(part.before)}, {"after", json_of(part.after)}};
-}
-
 void print(const char* what, const ConditioningEffect::Part& part) {
   if (!(part.time > 0.0)) return;
   fmt::print("  {:<8} {:6.1f} s   {:.3f} -> {:.3f} mm   {:.2f} -> {:.2f} deg\n", what, part.time,
@@ -49,30 +31,16 @@ void print(const char* what, const ConditioningEffect::Part& part) {
 }
 
 void condition(const ConditionFlags& flags) {
-  check_range("--rate-Hz", flags.rate_Hz, 1.0, 1000.0);
-  check_range("--age-ms", flags.age_ms, 0.0, 200.0);
-  check_range("--noise-mm", flags.noise_mm, 0.0, 10.0);
-  check_range("--noise-deg", flags.noise_deg, 0.0, 30.0);
-  if (flags.predict_ms) {
-    check_range("--predict-ms", *flags.predict_ms, 0.0, PoseConditioning::kMostLead / ms);
-  }
-  PoseConditioning conditioning;
-  if (flags.filter) conditioning.filter.emplace();
-  if (flags.predict_ms) conditioning.lead = *flags.predict_ms * ms;
-  if (!conditioning.changes_poses()) {
-    throw InputError("--filter, --predict-ms: give one of them, or both");
-  }
-  CsvTracker poses = read_poses(flags.file, flags.finger);
-  const auto motion = [&poses](double time) { return poses.sample(time).X_WFt; };
-  const TrackingQuality quality{.rate = flags.rate_Hz,
-                                .age = flags.age_ms * ms,
-                                .noise = flags.noise_mm * mm,
-                                .turn_noise = flags.noise_deg * deg};
-  const ConditioningEffect effect =
-      conditioning_effect(motion, *poses.end_time(), quality, conditioning);
+  ConditioningQuestion question{.motion = flags.file, .finger = flags.finger};
+  question.quality = {.rate = flags.rate_Hz,
+                      .age = flags.age_ms * ms,
+                      .noise = flags.noise_mm * mm,
+                      .turn_noise = flags.noise_deg * deg};
+  question.filter = flags.filter;
+  if (flags.predict_ms) question.predict = *flags.predict_ms * ms;
+  const ConditioningEffect effect = conditioning_effect(question);
   if (flags.json) {
-    const Json report = {{"resting", json_of(effect.resting)}, {"moving", json_of(effect.moving)}};
-    fmt::print("{}\n", report.dump(2));
+    fmt::print("{}\n", conditioning_report(effect).dump(2));
     return;
   }
   fmt::print("distance from the truth, root of the mean square, as poses come -> conditioned:\n");

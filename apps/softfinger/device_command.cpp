@@ -19,6 +19,7 @@
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/device/kinds/device_kinds.hpp"
 #include "softfinger/files/config_file.hpp"
+#include "softfinger/session/report/workspace_report.hpp"
 
 using nlohmann::ordered_json;
 using namespace softfinger;
@@ -148,18 +149,7 @@ void pose(const DeviceFlags& flags) {
 }
 
 void workspace(const DeviceFlags& flags) {
-  const WorkspaceSummary w = load_device(flags.device)->workspace_summary();
-  ordered_json result = ordered_json::object();
-  for (const AxisReach& reach : w.reaches) {
-    result[reach.name] = {reach.min / reach.unit, reach.max / reach.unit};
-  }
-  if (w.reaches.empty()) {
-    result = {{"travel_mm", {w.min_travel / mm, w.max_travel / mm}},
-              {"mid_travel_mm", w.mid_travel / mm},
-              {"min_tilt_at_mid_travel_deg", w.min_tilt_at_mid_travel / deg},
-              {"max_tilt_deg", w.max_tilt / deg}};
-  }
-  answer(result, flags.json);
+  answer(workspace_report(load_device(flags.device)->workspace_summary()), flags.json);
 }
 
 /// The word itself where it means no file: an unknown kind, which is told with those there are.
@@ -171,20 +161,13 @@ std::string kind_of_file(const std::string& word) {
 }
 
 void schema(const DeviceFlags& flags) {
-  const std::vector<std::string> kinds = device_kind_names();
   if (!flags.device.empty()) {
+    const std::vector<std::string> kinds = device_kind_names();
     const bool is_kind = std::ranges::find(kinds, flags.device) != kinds.end();
     fmt::print("{}\n", device_schema(is_kind ? flags.device : kind_of_file(flags.device)));
     return;
   }
-  ordered_json any = ordered_json::array();
-  for (const std::string& kind : kinds) any.push_back(ordered_json::parse(device_schema(kind)));
-  fmt::print("{}\n", ordered_json{{"$schema", any[0]["$schema"]},
-                                  {"title", "softfinger device file"},
-                                  {"properties", {{"kind", {{"enum", kinds}}}}},
-                                  {"required", {"kind"}},
-                                  {"anyOf", any}}
-                         .dump(2));
+  fmt::print("{}\n", device_schema());
 }
 
 CLI::App* add_device_action(CLI::App& command, const std::string& name, const std::string& text,

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,21 +11,17 @@
 
 #include "guard_option.hpp"
 #include "progress_bar.hpp"
-#include "rounded.hpp"
 #include "shipped_option.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/scene/scene.hpp"
 #include "softfinger/sensing/force_sensor_emulator.hpp"
 #include "softfinger/session/device_fit.hpp"
+#include "softfinger/session/report/device_fit_report.hpp"
 #include "stop_signal.hpp"
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using namespace softfinger;
-
-constexpr double kMostNoise_N = 10.0;
 
 struct DeviceFitFlags {
   std::string device, finger, person, wearer, sensor, fault;
@@ -40,18 +35,6 @@ struct DeviceFitFlags {
 };
 
 DeviceFitOptions options_of(const DeviceFitFlags& flags) {
-  if (!is_finger_name(flags.name)) {
-    throw InputError(fmt::format(
-        "--name {}: no name of a finger; expected 1 to 64 letters, digits, - or _", flags.name));
-  }
-  const auto& noise = flags.sensor_noise_N;
-  if (noise && !(*noise >= 0.0 && *noise <= kMostNoise_N)) {
-    throw InputError(fmt::format("--sensor-noise-N {}: must be 0 to {:g} N", *noise, kMostNoise_N));
-  }
-  if (!(flags.fault_at_s >= 0.0 && std::isfinite(flags.fault_at_s))) {
-    throw InputError(
-        fmt::format("--fault-at-s {}: must be a time from 0 in seconds", flags.fault_at_s));
-  }
   DeviceFitOptions options;
   options.device = flags.device;
   options.finger = flags.finger;
@@ -59,7 +42,7 @@ DeviceFitOptions options_of(const DeviceFitFlags& flags) {
   options.name = flags.name;
   if (!flags.wearer.empty()) options.wearer = flags.wearer;
   if (!flags.sensor.empty()) options.sensor = row_named(kForceSensorKinds, flags.sensor)->value;
-  options.sensor_noise = noise;
+  options.sensor_noise = flags.sensor_noise_N;
   options.seed = flags.seed;
   options.again = flags.again;
   options.real_time = flags.real_time;
@@ -67,35 +50,6 @@ DeviceFitOptions options_of(const DeviceFitFlags& flags) {
   if (!flags.fault.empty()) options.fault = row_named(kForceSensorFaults, flags.fault)->value;
   options.fault_at = flags.fault_at_s;
   return options;
-}
-
-Json report(const DeviceFit& fit) {
-  Json answer{{"presses", fit.presses},
-              {"duration_s", micro_rounded(fit.duration)},
-              {"max_force_N", micro_rounded(fit.greatest_force)},
-              {"sensor_noise_N", micro_rounded(fit.noise)},
-              {"parameters", Json::object()},
-              {"at_prior", Json::array()},
-              {"known_force_error", nullptr},
-              {"predicted_force_error", nullptr},
-              {"written", nullptr},
-              {"failure", nullptr}};
-  for (const DeviceFit::Told& told : fit.traits) {
-    const WearerTraitRow& row = row_of(kWearerTraitRows, told.trait);
-    answer["parameters"][std::string(row.name)] = {
-        {"value", micro_rounded(told.value / row.unit)},
-        {"ci95_low", micro_rounded(told.ci95_low / row.unit)},
-        {"ci95_high", micro_rounded(told.ci95_high / row.unit)},
-        {"prior", micro_rounded(told.prior / row.unit)}};
-    if (!fit.estimate.is_told(told.trait)) answer["at_prior"].push_back(row.name);
-  }
-  if (!fit.traits.empty()) {
-    answer["known_force_error"] = micro_rounded(fit.estimate.known_force_error);
-    answer["predicted_force_error"] = micro_rounded(fit.estimate.predicted_force_error);
-  }
-  if (!fit.written.empty()) answer["written"] = fit.written.string();
-  if (!fit.failure.empty()) answer["failure"] = fit.failure;
-  return answer;
 }
 
 void print(const DeviceFit& fit, const DeviceFitFlags& flags) {
@@ -134,7 +88,7 @@ void fit(const DeviceFitFlags& flags) {
   };
   const DeviceFit found = fit_device(options, stop, observer);
   bar.clear();
-  if (flags.json) fmt::print("{}\n", report(found).dump(2));
+  if (flags.json) fmt::print("{}\n", device_fit_report(found).dump(2));
   if (!found.failure.empty()) {
     throw OperationError(fmt::format("device fit: {}; nothing written", found.failure));
   }

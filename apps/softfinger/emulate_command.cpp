@@ -11,8 +11,8 @@
 
 #include "commands.hpp"
 #include "port_option.hpp"
-#include "pose_source.hpp"
 #include "softfinger/base/error.hpp"
+#include "softfinger/recording/recorded_poses.hpp"
 #include "softfinger/threads/thread_clock.hpp"
 #include "softfinger/tracking/natnet/natnet_emulator.hpp"
 #include "softfinger/tracking/stream/osc_pose.hpp"

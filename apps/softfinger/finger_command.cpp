@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,12 +7,11 @@
 #include "commands.hpp"
 #include "finger_fit_command.hpp"
 #include "finger_register_command.hpp"
-#include "rounded.hpp"
 #include "shipped_option.hpp"
-#include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/person/person.hpp"
+#include "softfinger/session/report/finger_report.hpp"
 
 namespace {
 
@@ -26,40 +22,6 @@ struct FingerShowFlags {
   std::string finger;
   bool json = false;
 };
-
-Json in_mm(const Vector3& metres) {
-  return {micro_rounded(metres.x() / mm), micro_rounded(metres.y() / mm),
-          micro_rounded(metres.z() / mm)};
-}
-
-Json mesh_statistics(const FingerModel& model) {
-  const TetrahedralMesh& mesh = model.mesh;
-  Eigen::AlignedBox3d box;
-  double volume = 0.0, area = 0.0;
-  for (const int node : model.sample_nodes) {
-    box.extend(mesh.nodes[static_cast<std::size_t>(node)]);
-  }
-  for (const auto& tetrahedron : mesh.tetrahedra) {
-    const auto arm = [&](std::size_t k) {
-      return Vector3(mesh.nodes[static_cast<std::size_t>(tetrahedron[k])] -
-                     mesh.nodes[static_cast<std::size_t>(tetrahedron[0])]);
-    };
-    volume += arm(1).cross(arm(2)).dot(arm(3)) / 6.0;
-  }
-  for (const double sample : model.sample_rest_areas) area += sample;
-  const auto rigid = std::count(model.node_is_rigid.begin(), model.node_is_rigid.end(), true);
-  return {{"tetrahedra", mesh.tetrahedra.size()},
-          {"nodes", mesh.nodes.size()},
-          {"rigid_nodes", rigid},
-          {"skin_samples", model.sample_nodes.size()},
-          {"skin_triangles", model.skin_triangles.size()},
-          {"volumes", mesh.volume_names},
-          {"surfaces", mesh.surface_names},
-          {"skin_min_mm", in_mm(box.min())},
-          {"skin_max_mm", in_mm(box.max())},
-          {"skin_area_mm2", micro_rounded(area / mm2)},
-          {"volume_mm3", micro_rounded(volume / (mm * mm2))}};
-}
 
 /// A file's keys as text, one a line under their tables.
 void print_table(const Json& table, const std::string& path) {
@@ -89,16 +51,14 @@ void print_statistics(const Json& mesh) {
 }
 
 void show(const FingerShowFlags& flags) {
-  const auto model = FingerModel::load(flags.finger);
-  Json keys = Json::parse(model->as_read);
-  const Json statistics = mesh_statistics(*model);
+  Json keys = finger_report(*FingerModel::load(flags.finger));
   if (flags.json) {
-    keys["mesh_statistics"] = statistics;
     fmt::print("{}\n", keys.dump(2));
     return;
   }
   fmt::print("{}\n", flags.finger);
-  print_statistics(statistics);
+  print_statistics(keys.at("mesh_statistics"));
+  keys.erase("mesh_statistics");
   print_table(keys, "");
 }
 

@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,11 +12,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
-#include "softfinger/matching/contact_plane.hpp"
-#include "softfinger/matching/contact_surface_matching.hpp"
-#include "softfinger/matching/levenberg_marquardt.hpp"
-#include "softfinger/matching/packed_samples.hpp"
-#include "softfinger/objectives/objective_kinds.hpp"
+#include "softfinger/objectives/first_touch_match.hpp"
 
 namespace {
 
@@ -28,24 +23,12 @@ struct MatchFlags {
   bool json = false;
 };
 
-/// What the paper has is no choice.
-void check_published(const MatchFlags& flags) {
-  if (flags.limits == "inside") {
-    throw InputError(
-        "match: --limits inside: \"published\" cuts to limits afterwards; clamp, or none");
-  }
-  if (flags.separation == "scene") {
-    throw InputError("match: --separation scene: \"published\" has one for all; constant");
-  }
-}
-
 MatchingOptions matching_options(const MatchFlags& flags, const ContactPointsFile& points) {
   static const std::map<std::string, MatchingLimits> kLimits{{"inside", MatchingLimits::kInside},
                                                              {"clamp", MatchingLimits::kClamp},
                                                              {"none", MatchingLimits::kNone}};
   MatchingOptions options;
   const bool as_published = flags.objective == "published";
-  if (as_published) check_published(flags);
   options.limits = kLimits.at(!flags.limits.empty() ? flags.limits
                               : as_published        ? "clamp"
                                                     : "inside");
@@ -53,9 +36,9 @@ MatchingOptions matching_options(const MatchFlags& flags, const ContactPointsFil
   if (flags.separation == "scene" && !has_gaps) {
     throw InputError("match: --separation scene needs distance_mm in " + flags.points);
   }
-  options.separation = flags.separation == "constant" || as_published || !has_gaps
-                           ? Separation::kConstant
-                           : Separation::kScene;
+  const bool constant =
+      flags.separation.empty() ? as_published || !has_gaps : flags.separation == "constant";
+  options.separation = constant ? Separation::kConstant : Separation::kScene;
   if (flags.weights == "area") {
     if (points.areas.empty()) {
       throw InputError("match: --weights area needs area_mm2 in " + flags.points);
@@ -66,41 +49,14 @@ MatchingOptions matching_options(const MatchFlags& flags, const ContactPointsFil
   return options;
 }
 
-/// Like the running loop's objective of that name, at first touch.
-MatchingResult matched(const MatchFlags& flags, const std::shared_ptr<const Device>& device,
-                       const ContactPoints& points, const MatchingOptions& options,
-                       ContactSurfaceMatching& matching) {
-  if (flags.objective == "published") {
-    PackedSamples packed(static_cast<int>(points.points_F.size()));
-    const LevenbergMarquardt::Outcome found = LevenbergMarquardt(*device).minimise(
-        packed.pack(points, options, device->settings().matching.separation_tolerance),
-        device->home());
-    MatchingResult result = matching.answer(points, options, found.q);
-    result.iterations = found.iterations;
-    result.termination = found.termination;
-    return result;
-  }
-  if (flags.objective != "plane") return matching.solve(points, options);
-  if (!takes_plane(*device)) {
-    throw InputError(flags.device + ": " + why_not(*objective_kind("plane"), *device));
-  }
-  MatchingOptions within = options;  // there is nothing to optimise
-  if (within.limits == MatchingLimits::kInside) within.limits = MatchingLimits::kClamp;
-  const FittedPlane plane = contact_plane(points, options.weights, *device);
-  return matching.answer(points, within,
-                         std::ranges::count(points.in_contact, 0) == std::ssize(points.in_contact)
-                             ? device->home()
-                             : on_plane(*device, plane));
-}
-
 void match(const MatchFlags& flags) {
   const auto device = load_device(flags.device);
   const ContactPointsFile points = read_contact_points(flags.points);
   const MatchingOptions options = matching_options(flags, points);
   ContactSurfaceMatching matching(device, static_cast<int>(points.points_F.size()));
-  const MatchingResult result =
-      matched(flags, device, {points.points_F, points.in_contact, points.areas, points.gaps},
-              options, matching);
+  const MatchingResult result = first_touch_match(
+      *objective_kind(flags.objective), device,
+      {points.points_F, points.in_contact, points.areas, points.gaps}, options, matching);
   nlohmann::ordered_json answer{
       {"configuration", configuration_json(*device, result.configuration)}};
   add_joints(answer, *device, result.joints_exist ? &result.joints : nullptr);

@@ -1,12 +1,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +14,7 @@
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/indentation.hpp"
 #include "softfinger/identification/indentation_columns.hpp"
+#include "softfinger/identification/indentation_export.hpp"
 
 namespace {
 
@@ -98,104 +96,6 @@ nlohmann::ordered_json to_json(const softfinger::IndentationRow& row) {
   return result;
 }
 
-/// A file that is written anew; whatever does not fit on the disk is an error by the end of
-/// close().
-class NewFile {
- public:
-  explicit NewFile(const std::filesystem::path& file)
-      : file_(file), stream_(std::fopen(file.c_str(), "w"), std::fclose) {
-    if (!stream_) fail();
-  }
-  template <typename... Values>
-  void print(fmt::format_string<Values...> form, Values&&... values) {
-    const std::string text = fmt::format(form, std::forward<Values>(values)...);
-    if (std::fwrite(text.data(), 1, text.size(), stream_.get()) != text.size()) fail();
-  }
-  void close() {
-    if (std::fclose(stream_.release()) != 0) fail();
-  }
-
- private:
-  [[noreturn]] void fail() const {
-    throw softfinger::OperationError(
-        fmt::format("{}: cannot be written (is there room on the disk?)", file_.string()));
-  }
-  std::filesystem::path file_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_;
-};
-
-/// nodes.csv, contact.csv and features.csv, and patches.csv where dilatation is taken over patches:
-/// enough for anyone to recompute the balance of forces.
-class Export {
- public:
-  Export(const std::string& directory, const softfinger::FingerModel& model)
-      : directory_(directory),
-        sample_nodes_(model.sample_nodes),
-        nodes_(open(directory, "nodes.csv")),
-        contact_(open(directory, "contact.csv")),
-        features_(open(directory, "features.csv")) {
-    nodes_.print("row,node,x_mm,y_mm,z_mm\n");
-    contact_.print("row,sample,gap_mm,force_x_N,force_y_N,force_z_N,in_contact\n");
-    features_.print(
-        "row,node_a,node_b,node_c,weight_a,weight_b,weight_c,gap_mm,force_x_N,force_y_N,"
-        "force_z_N\n");
-  }
-
-  void write(int row, const softfinger::IndentationState& state) {
-    using softfinger::mm;
-    if (row == 1 && !state.patches.empty()) write_patches(state.patches);
-    for (std::size_t n = 0; n < state.positions.size(); ++n) {
-      const softfinger::Vector3 p = state.positions[n] / mm;
-      nodes_.print("{},{},{},{},{}\n", row, n, p.x(), p.y(), p.z());
-    }
-    for (std::size_t i = 0; i < state.contact.samples.size(); ++i) {
-      const softfinger::ContactSample& s = state.contact.samples[i];
-      const softfinger::Vector3 f =
-          state.X_WF.rotation * softfinger::Vector3(s.normal_force_F + s.tangential_force_F);
-      contact_.print("{},{},{},{},{},{},{}\n", row, i, s.gap / mm, f.x(), f.y(), f.z(),
-                     s.in_contact ? 1 : 0);
-    }
-    for (const softfinger::ContactFeature& feature : state.contact.features()) {
-      const softfinger::Vector3 f =
-          state.X_WF.rotation *
-          softfinger::Vector3(feature.normal_force_F + feature.tangential_force_F);
-      const auto& w = feature.weights;
-      features_.print("{},{},{},{},{},{},{},{},{},{},{}\n", row, node(feature.samples[0]),
-                      node(feature.samples[1]), node(feature.samples[2]), w[0], w[1], w[2],
-                      feature.gap / mm, f.x(), f.y(), f.z());
-    }
-  }
-
-  void close() {
-    nodes_.close();
-    contact_.close();
-    features_.close();
-  }
-
- private:
-  [[nodiscard]] int node(int sample) const {
-    return sample_nodes_[static_cast<std::size_t>(sample)];
-  }
-  static NewFile open(const std::string& directory, const char* name) {
-    std::error_code failure;
-    std::filesystem::create_directories(directory, failure);
-    return NewFile(std::filesystem::path(directory) / name);
-  }
-  /// Tetrahedra in the order of the mesh file; those that do not deform are in no patch.
-  void write_patches(std::span<const int> patches) const {
-    NewFile file = open(directory_, "patches.csv");
-    file.print("tetrahedron,patch\n");
-    for (std::size_t t = 0; t < patches.size(); ++t) {
-      if (patches[t] >= 0) file.print("{},{}\n", t, patches[t]);
-    }
-    file.close();
-  }
-
-  std::string directory_;
-  const std::vector<int>& sample_nodes_;
-  NewFile nodes_, contact_, features_;
-};
-
 void press(const PressFlags& flags) {
   using namespace softfinger;
   check(flags);
@@ -210,7 +110,7 @@ void press(const PressFlags& flags) {
   options.speed = flags.speed_mm_per_s * mm;
   options.hold = flags.hold_ms * ms;
   options.unload = flags.unload;
-  std::optional<Export> files;
+  std::optional<IndentationExport> files;
   if (!flags.export_directory.empty()) files.emplace(flags.export_directory, *model);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   bool all_converged = true;

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -10,6 +9,7 @@
 #include "shipped_option.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/session/replay.hpp"
+#include "softfinger/session/report/replay_report.hpp"
 
 namespace {
 
@@ -34,16 +34,7 @@ void run(ReplayFlags flags) {
   bar.clear();
   if (!result.cut.empty()) fmt::print(stderr, "softfinger: {}\n", result.cut);
   if (flags.json) {
-    nlohmann::ordered_json json{{"agree", result.agree},
-                                {"steps", result.steps},
-                                {"complete", result.cut.empty()},
-                                {"first_difference", nullptr},
-                                {"difference", nullptr}};
-    if (result.first_difference) {
-      json["first_difference"] = *result.first_difference;
-      json["difference"] = result.difference;
-    }
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", replay_report(result).dump(2));
   } else if (result.agree) {
     fmt::print("{} steps agree to the bit\n", result.steps);
   } else {

@@ -114,26 +114,12 @@ auto load_on_every_rank(const Load& load, Ranks& ranks) {
   throw CLI::RuntimeError(2);
 }
 
-std::string_view end_words(StudyEnd end) {
-  switch (end) {
-    case StudyEnd::kFinished:
-      return "finished";
-    case StudyEnd::kShardDone:
-      return "shard done";
-    case StudyEnd::kAwaitsOthers:
-      return "awaits other shards";
-    case StudyEnd::kStopped:
-      break;
-  }
-  return "stopped";
-}
-
 /// Runs it, and tells its page how it ended.
 template <typename Run>
 StudySummary run_served(const Run& run, ServedStudy* served) {
   try {
     const StudySummary summary = run();
-    if (served != nullptr) served->page().end(std::string(end_words(summary.end)));
+    if (served != nullptr) served->page().end(std::string(name_of(summary.end)));
     return summary;
   } catch (...) {
     if (served != nullptr) served->page().end("failed");

@@ -25,5 +25,7 @@ namespace softfinger {
 /// A JSON Schema of the device files of one kind, by what their reader asks for. Throws InputError
 /// for an unknown kind.
 [[nodiscard]] std::string device_schema(const std::string& kind);
+/// Of all kinds.
+[[nodiscard]] std::string device_schema();
 
 }  // namespace softfinger

@@ -92,4 +92,16 @@ std::string device_schema(const std::string& name) {
       .dump(2);
 }
 
+std::string device_schema() {
+  const std::vector<std::string> kinds = device_kind_names();
+  Json any = Json::array();
+  for (const std::string& kind : kinds) any.push_back(Json::parse(device_schema(kind)));
+  return Json{{"$schema", any[0]["$schema"]},
+              {"title", "softfinger device file"},
+              {"properties", {{"kind", {{"enum", kinds}}}}},
+              {"required", {"kind"}},
+              {"anyOf", any}}
+      .dump(2);
+}
+
 }  // namespace softfinger

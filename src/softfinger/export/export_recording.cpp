@@ -22,13 +22,16 @@ namespace fs = std::filesystem;
       "{}: cannot be written (is its folder there, and room on the disk?)", file.string()));
 }
 
-std::string export_file(const fs::path& recording, const fs::path& to,
+using Progress = std::function<void(double)>;
+
+std::string export_file(const fs::path& recording, const fs::path& to, const Progress& progress,
                         Exported (*write)(RecordingReader&, FileBeside&)) {
   std::error_code error;
   if (fs::exists(fs::symlink_status(to, error))) {
     throw InputError(fmt::format("{}: exists already; export into a new file", to.string()));
   }
   RecordingReader reader(recording);
+  reader.watch(progress);
   FileBeside file(to);
   if (file.descriptor() < 0) fail(to);
   const Exported exported = write(reader, file);
@@ -39,12 +42,13 @@ std::string export_file(const fs::path& recording, const fs::path& to,
 
 }  // namespace
 
-std::string export_recording(const fs::path& recording, const fs::path& to) {
+std::string export_recording(const fs::path& recording, const fs::path& to,
+                             const Progress& progress) {
   std::error_code error;
   const std::string ending = to.extension();
-  if (ending.empty() || fs::is_directory(to, error)) return export_csv(recording, to);
-  if (ending == ".h5") return export_file(recording, to, export_hdf5);
-  if (ending == ".mcap") return export_file(recording, to, export_mcap);
+  if (ending.empty() || fs::is_directory(to, error)) return export_csv(recording, to, progress);
+  if (ending == ".h5") return export_file(recording, to, progress, export_hdf5);
+  if (ending == ".mcap") return export_file(recording, to, progress, export_mcap);
   throw InputError(fmt::format(
       "{}: ends in {}; give a file that ends in .h5 (HDF5) or .mcap (MCAP), or a folder, with a / "
       "at its end where its name has a dot, for CSV files",

@@ -53,8 +53,10 @@ class CsvFolder : public TableStore {
 
 }  // namespace
 
-std::string export_csv(const fs::path& recording, const fs::path& directory) {
+std::string export_csv(const fs::path& recording, const fs::path& directory,
+                       const std::function<void(double)>& progress) {
   RecordingReader reader(recording);
+  reader.watch(progress);
   CsvFolder folder(directory);
   write_tables(reader, folder);
   folder.finish();

@@ -362,6 +362,18 @@ void RecordingReader::rewind() {
   }
 }
 
+void RecordingReader::watch(std::function<void(double)> watch) {
+  watch_ = std::move(watch);
+  last_step_ = last_step();
+}
+
+void RecordingReader::tell(std::int64_t step) {
+  constexpr int kRowsBetween = 32;
+  if (!watch_ || ++untold_ < kRowsBetween) return;
+  untold_ = 0;
+  watch_(last_step_ > 0 ? static_cast<double>(step) / static_cast<double>(last_step_) : 1.0);
+}
+
 std::int64_t RecordingReader::last_step() {
   try {
     SqliteStatement query(database_->connection, "select max(step) from steps");
@@ -402,6 +414,7 @@ std::vector<RecordedMessage> RecordingReader::messages() {
 bool RecordingReader::next(StepRecord& r) {
   try {
     if (!read_next(*database_->steps, kStepFields, info_, r)) return false;
+    tell(r.step);
     r.nodes_W.clear();
     r.samples.clear();
     if (database_->with_state) {
@@ -426,6 +439,7 @@ bool RecordingReader::next(ObjectRecord& r) {
     if (!database_->objects || !read_next_object(*database_->objects, kObjectFields, info_, r)) {
       return false;
     }
+    tell(r.step);
     r.nodes_W.clear();
     if (database_->with_state && database_->object_states) {
       SqliteStatement& state = *database_->object_states;

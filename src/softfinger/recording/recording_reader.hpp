@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -44,6 +45,9 @@ class RecordingReader {
   [[nodiscard]] std::vector<RecordedMessage> messages();
   /// Starts all over.
   void rewind();
+  /// Told now and then, by next(), how much of the steps is read since the start, 0 to 1. What it
+  /// throws ends the reading.
+  void watch(std::function<void(double)> watch);
 
  private:
   struct Database;
@@ -55,7 +59,12 @@ class RecordingReader {
   RecordingInfo info_;
   std::int64_t dropped_ = 0;
   bool complete_ = false;
+  void tell(std::int64_t step);
+
   std::unique_ptr<Database> database_;
+  std::function<void(double)> watch_;
+  std::int64_t last_step_ = 0;  ///< for the watch
+  int untold_ = 0;              ///< rows
 };
 
 }  // namespace softfinger

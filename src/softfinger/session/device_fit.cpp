@@ -18,6 +18,7 @@
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/finger/finger_size.hpp"
 #include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/scene/scene.hpp"
 #include "softfinger/session/kept_ceiling.hpp"
 #include "softfinger/session/worn_device.hpp"
 
@@ -244,10 +245,27 @@ void put(const WearerEstimate& estimate, const FingerModel& finger, PersonFinger
   person.mount = traits.mount_fit();
 }
 
+void check(const DeviceFitOptions& options) {
+  if (!is_finger_name(options.name)) {
+    throw InputError(fmt::format(
+        "--name {}: no name of a finger; expected 1 to 64 letters, digits, - or _", options.name));
+  }
+  constexpr double kMostNoise = 10.0;  // N
+  const auto& noise = options.sensor_noise;
+  if (noise && !(*noise >= 0.0 && *noise <= kMostNoise)) {
+    throw InputError(fmt::format("--sensor-noise-N {}: must be 0 to {:g} N", *noise, kMostNoise));
+  }
+  if (!(options.fault_at >= 0.0 && std::isfinite(options.fault_at))) {
+    throw InputError(
+        fmt::format("--fault-at-s {}: must be a time from 0 in seconds", options.fault_at));
+  }
+}
+
 }  // namespace
 
 DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& stop,
                      const RunObserver& observer) {
+  check(options);
   // One that comes while files are read counts.
   const std::uint32_t stops =
       options.stop_signals != nullptr ? options.stop_signals->stops.load() : 0;

@@ -234,7 +234,7 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
       }
     }
     if (const auto other = other_event()) return differ_in_object(step, *other);
-    if (progress && result.steps > 0 && step % 100 == 0) {
+    if (progress && result.steps > 0 && step % 20 == 0) {
       progress(static_cast<double>(step) / static_cast<double>(result.steps));
     }
   }

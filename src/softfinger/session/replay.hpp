@@ -30,8 +30,8 @@ struct ReplayResult {
 
 /// Runs a recording again with its recorded tracked poses and device ticks and compares every step
 /// bit by bit. Uses the active instruction set; no device is opened. Stops at the first difference.
-/// `progress` gets the fraction done. Throws InputError for what is no recording, is damaged, or
-/// has other fingers than the scene.
+/// `progress` gets the fraction done, and what it throws ends it. Throws InputError for what is no
+/// recording, is damaged, or has other fingers than the scene.
 [[nodiscard]] ReplayResult replay(const ReplayOptions& options,
                                   const std::function<void(double)>& progress = {});
 

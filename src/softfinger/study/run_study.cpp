@@ -350,4 +350,18 @@ StudySummary run_study(const Study& study, const StudyOptions& options, Ranks& r
   return summary;
 }
 
+std::string_view name_of(StudyEnd end) {
+  switch (end) {
+    case StudyEnd::kFinished:
+      return "finished";
+    case StudyEnd::kShardDone:
+      return "shard done";
+    case StudyEnd::kAwaitsOthers:
+      return "awaits other shards";
+    case StudyEnd::kStopped:
+      break;
+  }
+  return "stopped";
+}
+
 }  // namespace softfinger

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "softfinger/study/journal.hpp"
 #include "softfinger/study/ranks.hpp"
@@ -41,6 +42,8 @@ enum class StudyEnd {
   kAwaitsOthers,  ///< so is its part of this generation; the next one needs the others'
   kStopped
 };
+/// For people.
+[[nodiscard]] std::string_view name_of(StudyEnd end);
 
 struct StudySummary {
   StudyEnd end = StudyEnd::kFinished;

@@ -125,14 +125,17 @@ StudyTable read_study_table(const fs::path& folder) {
   }
 }
 
-void export_study(const StudyTable& table, const fs::path& file) {
+std::vector<TableColumn> study_columns(const StudyTable& table) {
   std::vector<TableColumn> columns{{.name = "design"}};
   for (const auto& parameter : table.headings.parameters)
     columns.push_back({.name = parameter.key});
   for (const auto& quantity : table.headings.quantities) columns.push_back({.name = quantity.name});
   columns.push_back({.name = "feasible", .words = true});
   columns.push_back({.name = "reason", .words = true});
-  CsvWriter writer(file, columns);
+  return columns;
+}
+
+void write_study(const StudyTable& table, TableWriter& writer) {
   for (const StudyRow& row : table.rows) {
     writer.number(static_cast<double>(row.number));
     for (const double value : row.parameters) writer.number(value);
@@ -142,6 +145,11 @@ void export_study(const StudyTable& table, const fs::path& file) {
     writer.end_row();
   }
   writer.close();
+}
+
+void export_study(const StudyTable& table, const fs::path& file) {
+  CsvWriter writer(file, study_columns(table));
+  write_study(table, writer);
 }
 
 void export_device(const StudyTable& table, std::int64_t design, const fs::path& file) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/recording/table.hpp"
+
 namespace softfinger {
 
 /// What the numbers of a study's designs are.
@@ -49,7 +51,12 @@ struct StudyTable {
 /// shards alone.
 [[nodiscard]] StudyTable read_study_table(const std::filesystem::path& folder);
 
-/// Writes it as CSV: design, parameters, objectives, constraints, feasible, reason. Throws
+/// design, parameters, objectives, constraints, feasible, reason; and a row of them for each
+/// design.
+[[nodiscard]] std::vector<TableColumn> study_columns(const StudyTable& table);
+void write_study(const StudyTable& table, TableWriter& writer);
+
+/// Writes that as CSV. Throws
 /// InputError where the file exists, OperationError where it cannot be written.
 void export_study(const StudyTable& table, const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-#include "pose_source.hpp"
+#include "softfinger/recording/recorded_poses.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,8 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 
+namespace softfinger {
 namespace {
-
-using namespace softfinger;
 
 bool is_recording(const std::filesystem::path& file) {
   constexpr std::string_view kBegin = "SQLite format 3";
@@ -57,3 +56,5 @@ CsvTracker read_poses(const std::filesystem::path& file, const std::string& fing
   }
   return CsvTracker(std::move(rows));
 }
+
+}  // namespace softfinger

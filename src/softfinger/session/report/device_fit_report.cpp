@@ -1,0 +1,40 @@
+#include "softfinger/session/report/device_fit_report.hpp"
+
+#include <string>
+
+#include "softfinger/session/report/rounded.hpp"
+
+namespace softfinger {
+
+using Json = nlohmann::ordered_json;
+
+Json device_fit_report(const DeviceFit& fit) {
+  Json answer{{"presses", fit.presses},
+              {"duration_s", micro_rounded(fit.duration)},
+              {"max_force_N", micro_rounded(fit.greatest_force)},
+              {"sensor_noise_N", micro_rounded(fit.noise)},
+              {"parameters", Json::object()},
+              {"at_prior", Json::array()},
+              {"known_force_error", nullptr},
+              {"predicted_force_error", nullptr},
+              {"written", nullptr},
+              {"failure", nullptr}};
+  for (const DeviceFit::Told& told : fit.traits) {
+    const WearerTraitRow& row = row_of(kWearerTraitRows, told.trait);
+    answer["parameters"][std::string(row.name)] = {
+        {"value", micro_rounded(told.value / row.unit)},
+        {"ci95_low", micro_rounded(told.ci95_low / row.unit)},
+        {"ci95_high", micro_rounded(told.ci95_high / row.unit)},
+        {"prior", micro_rounded(told.prior / row.unit)}};
+    if (!fit.estimate.is_told(told.trait)) answer["at_prior"].push_back(row.name);
+  }
+  if (!fit.traits.empty()) {
+    answer["known_force_error"] = micro_rounded(fit.estimate.known_force_error);
+    answer["predicted_force_error"] = micro_rounded(fit.estimate.predicted_force_error);
+  }
+  if (!fit.written.empty()) answer["written"] = fit.written.string();
+  if (!fit.failure.empty()) answer["failure"] = fit.failure;
+  return answer;
+}
+
+}  // namespace softfinger
