@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -63,15 +64,25 @@ RecordingInfo info_of(const RunSetup& whole, const RenderingOptions& options) {
   return info;
 }
 
-std::shared_ptr<const RunSetup> rendered(const std::shared_ptr<const RunSetup>& whole,
-                                         const RenderingOptions& options) {
-  const std::size_t first = finger_index(whole->scene, options.finger);
-  return options.all_fingers ? whole : only_finger(*whole, first);
+/// Its objects may be moved from outside.
+std::shared_ptr<RunSetup> rendered(const RunSetup& whole, const RenderingOptions& options) {
+  const std::size_t first = finger_index(whole.scene, options.finger);
+  return std::make_shared<RunSetup>(options.all_fingers ? whole : *only_finger(whole, first));
+}
+
+bool is_finite(const Pose& pose) {
+  return pose.translation.allFinite() && pose.rotation.allFinite();
 }
 
 }  // namespace
 
 struct Rendering::Implementation {
+  /// How an object moves that its caller leads.
+  struct LedObject {
+    bool led = false;
+    Pose from, to;
+  };
+
   /// Events that nobody has taken yet, the newest of them.
   class EventQueue {
    public:
@@ -96,7 +107,9 @@ struct Rendering::Implementation {
       : Implementation(load(scene, options), options) {}
 
   Implementation(const std::shared_ptr<const RunSetup>& whole, const RenderingOptions& options)
-      : setup(rendered(whole, options)), rate(setup->scene.simulation_rate) {
+      : setup(rendered(*whole, options)),
+        rate(setup->scene.simulation_rate),
+        led(setup->scene.objects.size()) {
     if (options.threads < 1 || options.threads > kMostThreads) {
       throw InputError(fmt::format("threads {}: must be 1 to {}", options.threads, kMostThreads));
     }
@@ -176,6 +189,7 @@ struct Rendering::Implementation {
       for (std::size_t f = 0; f < fingers.size(); ++f) {
         tracked[f] = fingers[f]->on_the_way(i, steps, at);
       }
+      lead_objects(i, steps);
       together->step(done, tracked, track_hands(done));
       record_objects();
       for (const auto& finger : fingers) {
@@ -194,6 +208,44 @@ struct Rendering::Implementation {
       if (hands->changed(b)) record(bones[b]);
     }
     return bones;
+  }
+
+  void lead_objects(std::int64_t step, std::int64_t count) {
+    for (std::size_t o = 0; o < led.size(); ++o) {
+      LedObject& object = led[o];
+      if (!object.led) continue;
+      const double part = static_cast<double>(step) / static_cast<double>(count);
+      setup->scene.objects[o].motion.hold(step < count ? interpolate(object.from, object.to, part)
+                                                       : object.to);
+      if (step == count) object.from = object.to;
+    }
+  }
+
+  /// Why the caller cannot lead an object, for people; null: it can.
+  [[nodiscard]] const char* why_not_led(std::size_t o) const {
+    const std::vector<VirtualObject>& objects = setup->scene.objects;
+    const auto hangs_on_it = [o](const VirtualObject& other) {
+      return other.dynamics && other.dynamics->joint &&
+             other.dynamics->joint->parent == static_cast<int>(o);
+    };
+    if (objects[o].moves_by_forces()) return "moves by forces";
+    if (std::ranges::any_of(objects, hangs_on_it)) return "has something hang on it by a joint";
+    if (recording) return "is recorded, and a replay would not know of this";
+    return nullptr;
+  }
+
+  void lead_object(std::size_t o, const Pose& X_WO) {
+    std::vector<VirtualObject>& objects = setup->scene.objects;
+    if (o >= objects.size()) {
+      throw InputError(fmt::format("object {}: there are {}", o, objects.size()));
+    }
+    const char* const why = is_finite(X_WO) ? why_not_led(o) : "needs a finite pose";
+    if (why != nullptr) throw InputError(fmt::format("object {}: {}", objects[o].name, why));
+    LedObject& object = led[o];
+    object.from = begun ? together->object_pose(o) : X_WO;
+    object.to = X_WO;
+    object.led = true;
+    if (!begun) objects[o].motion.hold(X_WO);
   }
 
   template <typename Record>
@@ -222,8 +274,9 @@ struct Rendering::Implementation {
     return event;
   }
 
-  std::shared_ptr<const RunSetup> setup;  // of the fingers that are rendered
+  std::shared_ptr<RunSetup> setup;  // of the fingers that are rendered
   double rate;
+  std::vector<LedObject> led;      // one an object
   std::optional<ThreadTeam> team;  // none: one thread
   std::optional<SceneLoop> together;
   std::vector<std::unique_ptr<RenderedFinger>> fingers;
@@ -268,6 +321,10 @@ void Rendering::step(std::span<const std::optional<Pose>> X_WFt, double time) {
 
 const RenderingCommand& Rendering::command(std::size_t finger) const {
   return implementation_->fingers[finger]->command();
+}
+
+void Rendering::move_object(std::size_t object, const Pose& X_WO) {
+  implementation_->lead_object(object, X_WO);
 }
 
 void Rendering::stop() noexcept {

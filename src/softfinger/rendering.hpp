@@ -139,6 +139,13 @@ class Rendering {
   /// The newest.
   [[nodiscard]] const RenderingCommand& command(std::size_t finger = 0) const;
 
+  /// The caller has an object where it is now: X_WO at the time of the next call that simulates,
+  /// until when it moves straight. From then on it stays where it was put last, whatever its file
+  /// says; before the first call it is there from the start. Throws InputError where there is no
+  /// such object, it moves by forces, something hangs on it by a joint, the pose is not finite, or
+  /// a recording is made, which could not be replayed. Allocates nothing.
+  void move_object(std::size_t object, const Pose& X_WO);
+
   /// Stops the device, or all of them: it retracts at once, whatever is wanted, also while nobody
   /// calls step(), and stays so until it is released. Any thread; signal handlers too.
   void stop() noexcept;

@@ -311,6 +311,8 @@ typedef struct {
   const volatile int32_t *stop; /* becomes 1, by another thread or a signal handler: ends after the row
                                    under way, and the rows until then are the result; NULL: never */
   volatile double *progress; /* how far it is, of 1, written after each row; NULL: nowhere */
+  const char *export_folder; /* nodes.csv, contact.csv, features.csv and patches.csv go there; NULL:
+                                nowhere */
 } sf_press_options;
 SF_API sf_status sf_press(const char *finger, const sf_press_options *options, sf_table **out,
                           char *error, size_t error_size);
@@ -327,6 +329,8 @@ typedef struct {
   const volatile int32_t *stop; /* becomes 1, by another thread or a signal handler: ends early, and
                                    what was judged until then is the result; NULL: never */
   volatile double *progress; /* how far it is, of 1, written now and then; NULL: nowhere */
+  const char *tracker;       /* script or csv:FILE instead of the scene's; NAME=SPEC for one of
+                                several fingers */
 } sf_evaluate_options;
 /* A row for each device tick of each finger, `finger` its number in the scene. */
 SF_API sf_status sf_evaluate(const char *scene, const sf_evaluate_options *options, sf_table **out,
@@ -347,6 +351,7 @@ typedef struct {
   int32_t threads;       /* that step several fingers side by side; 0: one */
   const volatile int32_t *stop; /* as for sf_evaluate(): what ran until then is the result */
   volatile double *progress;
+  const char *tracker; /* as for sf_evaluate(), and those that stream poses (docs/trackers.md) */
 } sf_run_options;
 /* sf_table_text() is what `softfinger run --json` prints; there are no columns. */
 SF_API sf_status sf_run(const char *scene, const sf_run_options *options, sf_table **out,
@@ -416,7 +421,7 @@ typedef struct {
   const double *gaps_m;       /* virtual gaps; NULL: the separation is constant */
   double separation_m;        /* separation tolerance eps; 0: the device's */
   int32_t limits;             /* 0: inside, 1: clamp, 2: none */
-  int32_t unused;
+  int32_t objective;          /* 0: surface, 1: published (limits clamp or none, no gaps), 2: plane */
 } sf_points;
 typedef struct {
   uint32_t size;
@@ -428,11 +433,173 @@ typedef struct {
   double deviation_m2; /* contact surface deviation E */
   double configuration[256];
   double joints[256];
+  char at_limit[1024]; /* names of joints and components that stand at a limit, "joint_1,travel_mm";
+                          empty: none; cut to what fits */
 } sf_match;
 /* The configuration whose surface touches the samples in contact and no others. */
 SF_API sf_status sf_device_match(const sf_device *device, const sf_points *points, sf_match *out);
 /* What was wrong with the last call on the device that was not SF_DONE, one line. */
 SF_API sf_status sf_device_message(const sf_device *device, char *text, size_t capacity);
+
+/* How far the device goes within all limits; as `softfinger device workspace --json`. */
+SF_API sf_status sf_device_workspace(const sf_device *device, char *text, size_t capacity,
+                                     size_t *count);
+
+/* The host has an object where it is: X_WO at the time of the next call that simulates, until when it
+   moves straight; it stays where it was put last, whatever its file says; before the first call it
+   is there from the start. Refused of what moves by forces or has something hang on it by a joint,
+   of a pose that is none, and while a recording is made, which could not be replayed. */
+SF_API sf_status sf_rendering_move_object(sf_rendering *rendering, size_t object,
+                                          const sf_pose *X_WO);
+
+/* More of tables: the unit of a column's numbers, "mm", "deg/s"; "1" of a pure number; empty where it
+   has words. Those have numbers from 0 for values, which sf_table_word() turns into words. */
+SF_API sf_status sf_table_unit(const sf_table *table, size_t column, char *unit, size_t capacity,
+                               size_t *count);
+SF_API sf_status sf_table_word(const sf_table *table, size_t column, size_t number, char *word,
+                               size_t capacity, size_t *count);
+
+/* What a long call and its host see of each other; NULL: nothing. */
+typedef struct {
+  uint32_t size;
+  int32_t unused;
+  const volatile int32_t *stop; /* becomes 1, by another thread or a signal handler: ends soon,
+                                   SF_FAILED, and nothing half done stays; NULL: never */
+  volatile double *progress;    /* how far it is, of 1, written now and then; NULL: nowhere */
+} sf_watch;
+
+/* A table of a recording in columns, as `softfinger export` has them, with all digits: "pose", "contact",
+   "objects", ...; which there are stands in sf_table_text(), an object with `tables`, and `note`, a
+   line where the recording was cut, else empty. table NULL: no columns, the text alone. */
+SF_API sf_status sf_recording_table(const char *recording, const char *table, const sf_watch *watch,
+                                    sf_table **out, char *error, size_t error_size);
+/* sf_recording_export(), watched. */
+SF_API sf_status sf_export(const char *recording, const char *to, const sf_watch *watch, char *note,
+                           size_t capacity, char *error, size_t error_size);
+/* sf_recording_replay(), watched; sf_table_text() is what `softfinger replay --json` prints. NULL and
+   zeros: as recorded. */
+typedef struct {
+  uint32_t size;
+  int32_t unused;
+  const char *scene;  /* runs this one with the recorded input */
+  const char *person; /* person file */
+  const volatile int32_t *stop; /* as of sf_watch */
+  volatile double *progress;
+} sf_replay_options;
+SF_API sf_status sf_replay(const char *recording, const sf_replay_options *options, sf_table **out,
+                           char *error, size_t error_size);
+
+/* What files say, as `softfinger scene check` and `finger show` print it with --json: sf_table_text();
+   there are no columns. */
+SF_API sf_status sf_scene_check(const char *scene, const sf_watch *watch, sf_table **out, char *error,
+                                size_t error_size);
+SF_API sf_status sf_finger_show(const char *finger, sf_table **out, char *error, size_t error_size);
+/* JSON Schema of files. what: "scene", "finger", "person" or "device"; kind: of device, NULL: all. */
+SF_API sf_status sf_schema(const char *what, const char *kind, sf_table **out, char *error,
+                           size_t error_size);
+
+/* A person's finger: its size, and where a tracked body sits on it; as `softfinger finger register`.
+   NULL and zeros: not given. */
+typedef struct {
+  uint32_t size;
+  int32_t table_given; /* 1: table_m is the height of the table in W; else it is found */
+  const char *finger;  /* whose tables are written; NULL: "index" */
+  const char *scene;   /* whose finger it is, where its name is none of a hand's */
+  const char *tracker; /* of the body on the finger, which is held in five postures on a table: pad,
+                          left side, right side, tip, pad, each until it was still for a second;
+                          NULL: the sizes alone are written */
+  const char *model;   /* finger file whose shape is fitted; needed with a tracker */
+  double length_m, breadth_m, depth_m; /* of the fingertip, measured; 0: not */
+  double table_m;
+  const volatile int32_t *stop; /* as of sf_watch */
+  volatile double *progress;    /* postures held, of 1 */
+} sf_register_options;
+/* person: file to write or change. */
+SF_API sf_status sf_finger_register(const char *person, const sf_register_options *options,
+                                    sf_table **out, char *error, size_t error_size);
+
+/* A device presses its wearer by itself and learns what finger it sits on; as `softfinger device fit`.
+   NULL and zeros: as the command does. Its port is softfinger-guard's; a stop, and every failure,
+   retracts it first. */
+typedef struct {
+  uint32_t size;
+  int32_t again;      /* 1: the finger is known, the device was put on again: mount alone */
+  const char *name;   /* of the finger in the person's file; NULL: "index" */
+  const char *wearer; /* finger file of whom an emulated device is on; NULL: the finger's */
+  const char *sensor; /* an emulated force sensor for a device file without: emulator, udp, osc, serial */
+  const char *fault;  /* of an emulated sensor, to see what is made of it: dead, stuck, reversed, ... */
+  double fault_at_s;
+  double sensor_noise_N; /* of an emulated sensor, where sensor_noise_given is 1 */
+  int32_t sensor_noise_given;
+  int32_t real_time;  /* 1: an emulated device too goes by the clock, through port and guard process */
+  uint64_t seed;      /* of that noise; 0: 1 */
+  const char *guard_program; /* as in sf_options */
+  const volatile int32_t *stop; /* as of sf_watch */
+  volatile double *progress;
+} sf_device_fit_options;
+/* person: file to write or change. SF_FAILED, and nothing written, where the presses do not foretell
+   each other or the sensor is no good; *out is then NULL. */
+SF_API sf_status sf_device_fit(const char *device, const char *finger, const char *person,
+                               const sf_device_fit_options *options, sf_table **out, char *error,
+                               size_t error_size);
+
+/* Servos of a device from what was seen of each joint, which is moved slowly, in turn; as `softfinger
+   device calibrate --at --moved`. Numbers are in degrees, or mm where joints are lengths. */
+typedef struct {
+  uint32_t size;
+  uint32_t count;      /* of numbers in each array: the device's servos */
+  const double *at;    /* where each stands at home */
+  const double *moved; /* by how many each moved */
+  const char *port;    /* instead of the device file's; NULL: that */
+  const volatile int32_t *stop; /* as of sf_watch; the device retracts first */
+} sf_calibrate_options;
+/* to: new file for [transport]. note: a line a joint, what it reaches. */
+SF_API sf_status sf_device_calibrate(const char *device, const char *to,
+                                     const sf_calibrate_options *options, char *note, size_t capacity,
+                                     char *error, size_t error_size);
+
+/* What smoothing and prediction would make of a known motion that a tracking system sees; as `softfinger
+   condition`. One of filter and predict_s must be given. */
+typedef struct {
+  uint32_t size;
+  int32_t filter;     /* 1: poses are smoothed */
+  const char *finger; /* of a recording of several; NULL: the first */
+  double rate_Hz;     /* poses a second that the tracker sees; 0: 120 */
+  double age_s;       /* of a pose when it arrives */
+  double noise_m;     /* standard deviation of each coordinate */
+  double noise_rad;   /* and about each axis */
+  double predict_s;   /* poses are carried on over their age and so much more */
+  int32_t predict;    /* 1: predict_s is given */
+  int32_t unused;
+} sf_condition_options;
+/* motion: a recording, or a CSV file of poses. */
+SF_API sf_status sf_condition(const char *motion, const sf_condition_options *options, sf_table **out,
+                              char *error, size_t error_size);
+
+/* Many designs, worn by many people; as `softfinger study`. A folder goes on with what is in it. */
+typedef struct {
+  uint32_t size;
+  int32_t unused;
+  uint32_t shard;  /* from 1: this one of `shards` equal parts, all into one folder; 0: all of it */
+  uint32_t shards;
+  const volatile int32_t *stop; /* as of sf_watch; what is recorded stays, and is gone on from */
+  volatile double *progress;
+} sf_study_options;
+/* sf_table_text(): end (finished, shard done, awaits other shards), designs, infeasible, cases, done,
+   recorded (of those, before this call), first_reason, messages. */
+SF_API sf_status sf_study_run(const char *study, const char *folder, const sf_study_options *options,
+                              sf_table **out, char *error, size_t error_size);
+/* A row a design as `softfinger study export` has them, also while the study goes on. sf_table_text():
+   study, kind, device, parameters, objectives, constraints, finished. */
+SF_API sf_status sf_study_table(const char *folder, sf_table **out, char *error, size_t error_size);
+/* To a new FILE.csv; of contacts FILE.h5. note: a line where the study is not finished. */
+SF_API sf_status sf_study_export(const char *folder, const char *to, char *note, size_t capacity,
+                                 char *error, size_t error_size);
+/* The device file of a design, by its number in the table, to a new file. */
+SF_API sf_status sf_study_device(const char *folder, int64_t design, const char *to, char *error,
+                                 size_t error_size);
+/* report.html and its plots as SVG files into a folder, made if absent. */
+SF_API sf_status sf_study_plot(const char *folder, const char *to, char *error, size_t error_size);
 
 #ifdef __cplusplus
 }

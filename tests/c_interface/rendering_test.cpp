@@ -207,6 +207,44 @@ TEST(CInterface, TellsTheSurfaceOfWhatIsSoft) {
   EXPECT_LT(six / 6, 3e-5);
 }
 
+TEST(CInterface, AnObjectIsWhereItsHostHasIt) {
+  const OpenedScene scene("plane.toml");
+  const sf_pose X_WFt = {sizeof(sf_pose), {0.0, 0.0, 8.5e-3}, {1.0, 0.0, 0.0, 0.0}};
+  const auto lift = [&](double height) {
+    const sf_pose X_WO = {sizeof(sf_pose), {0.0, 0.0, height}, {1.0, 0.0, 0.0, 0.0}};
+    return sf_rendering_move_object(scene, 0, &X_WO);
+  };
+  sf_pose X_WO = {sizeof(sf_pose), {}, {}};
+  ASSERT_EQ(lift(-2e-3), SF_DONE) << "there from the start";
+  ASSERT_EQ(sf_rendering_step(scene, &X_WFt, 0.0, nullptr), SF_DONE);
+  ASSERT_EQ(sf_rendering_object_pose(scene, 0, &X_WO), SF_DONE);
+  EXPECT_EQ(X_WO.position_m[2], -2e-3);
+  // It moves straight until the next call, and stays.
+  for (int i = 1; i <= 100; ++i) {
+    ASSERT_EQ(lift(-2e-3 + 4e-5 * i), SF_DONE);
+    ASSERT_EQ(sf_rendering_step(scene, &X_WFt, 0.004 * i, nullptr), SF_DONE);
+  }
+  ASSERT_EQ(sf_rendering_step(scene, &X_WFt, 0.5, nullptr), SF_DONE);
+  ASSERT_EQ(sf_rendering_object_pose(scene, 0, &X_WO), SF_DONE);
+  EXPECT_NEAR(X_WO.position_m[2], 2e-3, 1e-12);
+  sf_contact contact = {sizeof(sf_contact)};
+  ASSERT_EQ(sf_rendering_contact(scene, &contact), SF_DONE);
+  EXPECT_GT(contact.normal_force_N, 0.2) << "it presses the finger that stays";
+  EXPECT_LT(contact.normal_force_N, 20.0);
+
+  X_WO.quaternion_wxyz[0] = 2.0;
+  EXPECT_EQ(sf_rendering_move_object(scene, 0, &X_WO), SF_BAD_INPUT);
+  EXPECT_THAT(message_of(scene), HasSubstr("quaternion"));
+  EXPECT_EQ(sf_rendering_move_object(scene, 1, &X_WO), SF_BAD_INPUT);
+  EXPECT_EQ(sf_rendering_move_object(scene, 0, nullptr), SF_BAD_INPUT);
+  const OpenedScene button("button.toml");
+  X_WO = {sizeof(sf_pose), {}, {1.0, 0.0, 0.0, 0.0}};
+  for (std::size_t object = 0; object < 2; ++object) {
+    EXPECT_EQ(sf_rendering_move_object(button, object, &X_WO), SF_BAD_INPUT)
+        << "it moves by forces, or that hangs on it";
+  }
+}
+
 TEST(CInterface, StepsAllocateNothing) {
   if (!guard_works()) GTEST_SKIP() << "not with a sanitizer's own malloc";
   const OpenedScene scene("plane.toml");
@@ -214,8 +252,10 @@ TEST(CInterface, StepsAllocateNothing) {
   const auto run = [&](double from, double to) {
     for (double time = from; time < to; time += 1e-3) {
       const sf_pose X_WFt = touching_pose(time);
+      const sf_pose X_WO = {sizeof(sf_pose), {1e-3 * time, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
       sf_contact contact = {sizeof(sf_contact)};
       double xyz[300];
+      sf_rendering_move_object(scene, 0, &X_WO);
       sf_rendering_step(scene, &X_WFt, time, &command);
       sf_rendering_contact(scene, &contact);
       sf_rendering_positions(scene, xyz, 100, nullptr);

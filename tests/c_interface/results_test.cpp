@@ -316,6 +316,19 @@ TEST(CInterfaceResults, ADeviceSolvesPosesAndMatches) {
   sf_match match = {};
   match.size = sizeof match;
   ASSERT_EQ(sf_device_match(device, &given, &match), SF_DONE);
+  sf_match older = match;  // as programs had it that were built before
+  older.size = offsetof(sf_match, at_limit);
+  std::memset(older.at_limit, 'x', sizeof older.at_limit);
+  EXPECT_EQ(sf_device_match(device, &given, &older), SF_DONE);
+  EXPECT_EQ(older.deviation_m2, match.deviation_m2);
+  EXPECT_EQ(older.at_limit[0], 'x') << "nothing is written beyond its size";
+  sf_points published = given;
+  published.objective = 1;
+  EXPECT_EQ(sf_device_match(device, &published, &older), SF_BAD_INPUT) << "limits inside";
+  published.limits = 1;
+  EXPECT_EQ(sf_device_match(device, &published, &older), SF_DONE);
+  published.objective = 3;
+  EXPECT_EQ(sf_device_match(device, &published, &older), SF_BAD_INPUT);
   EXPECT_LT(match.deviation_m2, 1e-12);
   EXPECT_NEAR(match.configuration[0], std::atan(0.05), 1e-3);
   points[4] = std::numeric_limits<double>::quiet_NaN();
@@ -374,6 +387,104 @@ TEST(CInterfaceResults, ARecordingIsExportedAndReplayed) {
   }
   EXPECT_EQ(sf_recording_replay("/no/such.sqlite", &agree, text, sizeof text, nullptr, 0),
             SF_BAD_INPUT);
+}
+
+std::string text_of(const sf_table* table) {
+  std::size_t size = 0;
+  EXPECT_EQ(sf_table_text(table, nullptr, 0, &size), SF_DONE);
+  std::string text(size, '\0');
+  EXPECT_EQ(sf_table_text(table, text.data(), size, nullptr), SF_DONE);
+  text.resize(size - 1);
+  return text;
+}
+
+TEST(CInterfaceResults, ColumnsOfARecordingWithTheirUnits) {
+  const TemporaryDirectory directory;
+  const std::string scene = shipped_file("scenes/plane.toml"), recording = directory / "run.sqlite";
+  sf_run_options options = {};
+  options.size = sizeof options;
+  options.recording = recording.c_str();
+  options.duration_s = 0.2;
+  sf_table* table = nullptr;
+  char error[512];
+  ASSERT_EQ(sf_run(scene.c_str(), &options, &table, error, sizeof error), SF_DONE) << error;
+  sf_table_destroy(table);
+
+  ASSERT_EQ(sf_recording_table(recording.c_str(), "bone", nullptr, &table, error, sizeof error),
+            SF_DONE)
+      << error;
+  const std::vector<double> times = column_of(table, "time_s");
+  ASSERT_EQ(times.size(), 201u) << "where it starts, and each step";
+  EXPECT_NEAR(times.back(), 0.2, 1e-12);
+  char unit[16];
+  ASSERT_EQ(sf_table_unit(table, 0, unit, sizeof unit, nullptr), SF_DONE);
+  EXPECT_STREQ(unit, "s");
+  ASSERT_EQ(sf_table_unit(table, 1, unit, sizeof unit, nullptr), SF_DONE);
+  EXPECT_STREQ(unit, "mm");
+  EXPECT_EQ(sf_table_unit(table, 99, unit, sizeof unit, nullptr), SF_BAD_INPUT);
+  const auto about = nlohmann::json::parse(text_of(table));
+  EXPECT_EQ(about.at("note"), "");
+  EXPECT_THAT(about.at("tables").get<std::vector<std::string>>(),
+              testing::IsSupersetOf({"bone", "command", "contact", "pose"}));
+  sf_table_destroy(table);
+
+  // Words are numbered.
+  ASSERT_EQ(sf_recording_table(recording.c_str(), "command", nullptr, &table, error, sizeof error),
+            SF_DONE)
+      << error;
+  std::size_t columns = 0;
+  ASSERT_EQ(sf_table_size(table, nullptr, &columns), SF_DONE);
+  ASSERT_EQ(sf_table_unit(table, columns - 1, unit, sizeof unit, nullptr), SF_DONE);
+  EXPECT_STREQ(unit, "");
+  char word[32];
+  ASSERT_EQ(sf_table_word(table, columns - 1, 0, word, sizeof word, nullptr), SF_DONE);
+  EXPECT_STREQ(word, "homing");
+  EXPECT_EQ(column_of(table, "state").front(), 0.0);
+  EXPECT_EQ(sf_table_word(table, columns - 1, 99, word, sizeof word, nullptr), SF_BAD_INPUT);
+  EXPECT_EQ(sf_table_word(table, 0, 0, word, sizeof word, nullptr), SF_BAD_INPUT) << "numbers";
+  sf_table_destroy(table);
+
+  EXPECT_EQ(sf_recording_table(recording.c_str(), "beauty", nullptr, &table, error, sizeof error),
+            SF_BAD_INPUT);
+  EXPECT_THAT(error, HasSubstr("table beauty: there is bone, command"));
+  EXPECT_EQ(table, nullptr);
+}
+
+TEST(CInterfaceResults, AHostEndsWhatIsDoneWithARecording) {
+  const TemporaryDirectory directory;
+  const std::string scene = shipped_file("scenes/plane.toml"), recording = directory / "run.sqlite";
+  sf_run_options options = {};
+  options.size = offsetof(sf_run_options, tracker);  // as programs had it that were built before
+  options.recording = recording.c_str();
+  options.duration_s = 0.3;
+  sf_table* table = nullptr;
+  char error[512];
+  ASSERT_EQ(sf_run(scene.c_str(), &options, &table, error, sizeof error), SF_DONE) << error;
+  sf_table_destroy(table);
+  const std::int32_t stop = 1;
+  sf_watch watch = {};
+  watch.size = sizeof watch;
+  watch.stop = &stop;
+  for (const char* to : {"csv", "run.h5", "run.mcap"}) {
+    const std::string file = directory / to;
+    EXPECT_EQ(sf_export(recording.c_str(), file.c_str(), &watch, nullptr, 0, error, sizeof error),
+              SF_FAILED);
+    EXPECT_THAT(error, HasSubstr("ended before it was done"));
+    EXPECT_FALSE(std::filesystem::exists(file)) << file;
+  }
+  EXPECT_EQ(sf_recording_table(recording.c_str(), "pose", &watch, &table, error, sizeof error),
+            SF_FAILED);
+  sf_replay_options again = {};
+  again.size = sizeof again;
+  again.stop = &stop;
+  EXPECT_EQ(sf_replay(recording.c_str(), &again, &table, error, sizeof error), SF_FAILED);
+  again.stop = nullptr;
+  volatile double progress = 0.0;
+  again.progress = &progress;
+  ASSERT_EQ(sf_replay(recording.c_str(), &again, &table, error, sizeof error), SF_DONE) << error;
+  EXPECT_EQ(nlohmann::json::parse(text_of(table)).at("agree"), true);
+  EXPECT_GT(progress, 0.9);
+  sf_table_destroy(table);
 }
 
 }  // namespace

@@ -190,6 +190,19 @@ static unsafe class LibraryTest
         string recording = Path.Combine(folder, "run.sqlite");
         Table run = Compute.Run(scene, new RunOptions { Device = device, Duration_s = 1.2, Recording = recording });
         Check.Equal(run.Names.Count, 0, "columns");
+        using (var rendering = new Rendering(scene, new RenderingOptions { Device = device }))
+        {
+            var command = new Command();
+            rendering.MoveObject(0, new Pose(0, 0, -0.002));
+            for (int i = 0; i <= 400; ++i)
+            {
+                rendering.MoveObject(0, new Pose(0, 0, -0.002 + 1e-5 * i));
+                rendering.Step(new Pose(0, 0, 8.5e-3), i / 1000.0, command);
+            }
+            Check.That(Math.Abs(rendering.X_WO(0).Z_m - 0.002) < 1e-9, "the table is where it was put");
+            Check.That(rendering.Contact().NormalForce_N > 0.2, "and presses the finger");
+            Check.Throws<InputError>(() => rendering.MoveObject(1, Pose.Identity), "object");
+        }
         Check.Equal(Recordings.Replay(recording), null, "replay");
         Console.WriteLine(run.Json.TrimEnd());
         Check.Throws<InputError>(() => Compute.Run(scene, new RunOptions { Recording = recording }), recording);

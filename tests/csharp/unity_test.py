@@ -60,6 +60,9 @@ class Unity(unittest.TestCase):
     def test_a_finger_in_this_process(self):
         self.passes("library", PLANE, PLATE)
 
+    def test_objects_that_the_host_moves(self):
+        self.passes("objects", PLANE, PLATE)
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

@@ -236,5 +236,18 @@ TEST(Trajectory, RefusesTimesThatDoNotIncrease) {
   EXPECT_THROW(Trajectory(std::vector<Waypoint>{{1.0, {}}, {0.5, {}}}), InputError);
 }
 
+TEST(Trajectory, HoldsAPoseFromHereOn) {
+  Trajectory trajectory(std::vector<Waypoint>{
+      {.time = 0.0, .pose = {}}, {.time = 1.0, .pose = {Matrix3::Identity(), {1.0, 0.0, 0.0}}}});
+  EXPECT_TRUE(trajectory.moves());
+  const Pose there{Matrix3::Identity(), {0.0, 2.0, 0.0}};
+  trajectory.hold(there);
+  EXPECT_FALSE(trajectory.moves());
+  for (const double time : {-1.0, 0.0, 0.5, 3.0}) {
+    EXPECT_EQ(trajectory.sample(time).translation, there.translation);
+    EXPECT_EQ(trajectory.sample_motion(time).velocity, Vector3::Zero());
+  }
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -84,4 +84,7 @@ void hand_out(const Struct& filled, Struct* out) {
   out->size = size;
 }
 
+/// NULL: empty.
+inline std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
+
 }  // namespace softfinger

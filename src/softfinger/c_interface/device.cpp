@@ -1,6 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "softfinger/c_interface/answers.hpp"
@@ -8,6 +13,8 @@
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
+#include "softfinger/objectives/first_touch_match.hpp"
+#include "softfinger/session/report/workspace_report.hpp"
 
 namespace softfinger {
 
@@ -66,6 +73,7 @@ const char* wrong_with(const sf_points& points) {
     return "separation_m: must be 0 or more";
   }
   if (points.limits < 0 || points.limits > 2) return "limits: must be 0, 1 or 2";
+  if (points.objective < 0 || points.objective > 2) return "objective: must be 0, 1 or 2";
   return nullptr;
 }
 
@@ -78,7 +86,14 @@ MatchingOptions options_of(const sf_points& points) {
   return options;
 }
 
-MatchingResult matched(const std::shared_ptr<const Device>& device, const sf_points& points) {
+constexpr const char* kObjectives[] = {"surface", "published", "plane"};
+
+struct Matched {
+  MatchingResult result;
+  std::string limits;  ///< names, separated by commas
+};
+
+Matched matched(const std::shared_ptr<const Device>& device, const sf_points& points) {
   const std::size_t count = points.count;
   std::vector<Vector3> points_F;
   std::vector<std::uint8_t> in_contact;
@@ -90,9 +105,17 @@ MatchingResult matched(const std::shared_ptr<const Device>& device, const sf_poi
     return values == nullptr ? std::span<const double>() : std::span(values, count);
   };
   ContactSurfaceMatching matching(device, static_cast<int>(count));
-  return matching.solve({points_F, in_contact, given(points.areas_m2), given(points.gaps_m)},
-                        options_of(points));
+  const MatchingResult result =
+      first_touch_match(*objective_kind(kObjectives[points.objective]), device,
+                        {points_F, in_contact, given(points.areas_m2), given(points.gaps_m)},
+                        options_of(points), matching);
+  return {result, fmt::format("{}", fmt::join(matching.limit_names(result), ","))};
 }
+
+/// What is thrown has a line that goes; the handle keeps one of these.
+constexpr const char* kCannotMatch =
+    "the device cannot be matched so: \"published\" takes limits clamp or none and no gaps, "
+    "\"plane\" a length in the configuration";
 
 }  // namespace
 }  // namespace softfinger
@@ -210,12 +233,19 @@ sf_status sf_device_pose(const sf_device* handle, const double* joints, size_t j
 sf_status sf_device_match(const sf_device* handle, const sf_points* points, sf_match* out) {
   return softfinger::with_device(handle, [&](const DeviceUse& use, const Device& device) {
     if (points == nullptr) return use.refuse("points must not be NULL");
-    if (out == nullptr || out->size < sizeof(sf_match)) {
+    if (out == nullptr || out->size < offsetof(sf_match, at_limit)) {
       return use.refuse("sf_match.size must be sizeof(sf_match)");
     }
     if (const char* wrong = softfinger::wrong_with(*points)) return use.refuse(wrong);
-    const softfinger::MatchingResult result = softfinger::matched(use->device, *points);
+    softfinger::Matched matched;
+    try {
+      matched = softfinger::matched(use->device, *points);
+    } catch (const softfinger::InputError&) {
+      return use.refuse(softfinger::kCannotMatch);
+    }
+    const softfinger::MatchingResult& result = matched.result;
     sf_match match{};
+    softfinger::copy_text(matched.limits, match.at_limit, sizeof match.at_limit, nullptr);
     match.configuration_count = static_cast<std::uint32_t>(result.configuration.size());
     match.joint_count = static_cast<std::uint32_t>(device.joint_count());
     match.joints_exist = result.joints_exist ? 1 : 0;
@@ -225,6 +255,14 @@ sf_status sf_device_match(const sf_device* handle, const sf_points* points, sf_m
     std::copy_n(result.configuration.data(), result.configuration.size(), match.configuration);
     if (result.joints_exist) std::copy_n(result.joints.data(), result.joints.size(), match.joints);
     softfinger::hand_out(match, out);
+    return SF_DONE;
+  });
+}
+
+sf_status sf_device_workspace(const sf_device* handle, char* text, size_t capacity, size_t* count) {
+  return softfinger::with_device(handle, [&](const DeviceUse&, const Device& device) {
+    softfinger::copy_text(softfinger::workspace_report(device.workspace_summary()).dump(2), text,
+                          capacity, count);
     return SF_DONE;
   });
 }

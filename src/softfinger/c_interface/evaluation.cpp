@@ -52,6 +52,7 @@ EvaluationOptions evaluation_options(const char* scene, const sf_evaluate_option
   RunOptions& run = options.run;
   run.scene = scene;
   if (given.device != nullptr) run.devices.emplace_back(given.device);
+  if (given.tracker != nullptr) run.trackers.emplace_back(given.tracker);
   if (given.wearer != nullptr) run.wearer = given.wearer;
   if (given.person != nullptr) run.person = given.person;
   if (given.objective != nullptr) run.objective = &named_objective(given.objective);

@@ -4,11 +4,16 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "softfinger/base/error.hpp"
+#include "softfinger/geometry/mesh_shape.hpp"
 #include "softfinger/session/live_session.hpp"
+#include "softfinger/softfinger.h"
 
 namespace softfinger {
 
@@ -16,7 +21,8 @@ namespace softfinger {
 /// a scene loads, and how far it is. Either may be null.
 class HostWatch {
  public:
-  HostWatch(const volatile std::int32_t* stop, volatile double* progress) : progress_(progress) {
+  HostWatch(const volatile std::int32_t* stop, volatile double* progress)
+      : progress_(progress), asked_(stop) {
     if (progress_ != nullptr) *progress_ = 0.0;
     if (stop == nullptr) return;
     stop_ = *stop != 0;
@@ -28,7 +34,25 @@ class HostWatch {
     });
   }
 
+  explicit HostWatch(const sf_watch& watch) : HostWatch(watch.stop, watch.progress) {}
+
   [[nodiscard]] const std::atomic<bool>& stop() const { return stop_; }
+  /// Takes the part done; throws OperationError, "WORK: was ended before it was done", where the
+  /// host wants no more of it.
+  [[nodiscard]] std::function<void(double)> ending(std::string work) const {
+    return [this, work = std::move(work)](double part) {
+      if (asked_ != nullptr && *asked_ != 0) {
+        throw OperationError(work + ": was ended before it was done");
+      }
+      if (progress_ != nullptr) *progress_ = part;
+    };
+  }
+  /// Ends what loads, with an InputError, where meshes are.
+  [[nodiscard]] LoadObserver load_observer() const {
+    LoadObserver observer;
+    observer.progress = [this](double part) { ending("loading")(part); };
+    return observer;
+  }
   /// Says how far a run is, of 1; for as long as this lives.
   [[nodiscard]] RunObserver observer() const {
     RunObserver observer;
@@ -41,6 +65,7 @@ class HostWatch {
 
  private:
   volatile double* progress_;
+  const volatile std::int32_t* asked_;
   std::atomic<bool> stop_{false};
   std::jthread watcher_;
 };

@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "softfinger/base/units.hpp"
 #include "softfinger/c_interface/answers.hpp"
 #include "softfinger/c_interface/table.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/identification/indentation_columns.hpp"
+#include "softfinger/identification/indentation_export.hpp"
 
 namespace softfinger {
 namespace {
@@ -73,6 +75,9 @@ std::unique_ptr<Table> pressed(const char* finger, const sf_press_options& optio
   how.speed = options.speed_m_per_s;
   how.hold = options.hold_s;
   how.unload = options.unload != 0;
+  const auto model = FingerModel::load(file_or_shipped(Shipped::kFinger, finger));
+  std::optional<IndentationExport> files;
+  if (options.export_folder != nullptr) files.emplace(options.export_folder, *model);
   auto table = std::make_unique<Table>();
   for (const IndentationColumn& column : indentation_columns()) table->add_column(column.name);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -89,14 +94,15 @@ std::unique_ptr<Table> pressed(const char* finger, const sf_press_options& optio
       if (column.whole) told = static_cast<int>(value);
     }
     rows.push_back(std::move(row));
+    if (files) files->write(static_cast<int>(rows.size()), state);
     if (options.progress != nullptr) *options.progress = static_cast<double>(rows.size()) / all;
     if (options.stop != nullptr && *options.stop != 0) throw HostHasEnough{};
   };
   try {
-    indent(*FingerModel::load(file_or_shipped(Shipped::kFinger, finger)), indenter_of(options), how,
-           take);
+    indent(*model, indenter_of(options), how, take);
   } catch (const HostHasEnough&) {  // the rows until then
   }
+  if (files) files->close();
   if (!all_converged) throw OperationError("press: some rows did not reach equilibrium");
   table->text = rows.dump();
   return table;

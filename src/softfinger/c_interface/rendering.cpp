@@ -235,6 +235,28 @@ sf_status sf_rendering_step_fingers(sf_rendering* rendering, const sf_pose* X_WF
       "X_WFt: must be within 1000 m, the quaternion's norm 1; taken as lost tracking");
 }
 
+sf_status sf_rendering_move_object(sf_rendering* rendering, size_t object, const sf_pose* X_WO) {
+  const RenderingUse use(rendering, RenderingUse::kAlone);
+  if (!use) return SF_BAD_INPUT;
+  if (object >= use->objects.size()) return use.refuse("object: must be less than object_count");
+  if (X_WO == nullptr || X_WO->size < sizeof(sf_pose)) {
+    return use.refuse("X_WO.size must be sizeof(sf_pose)");
+  }
+  const std::optional<softfinger::Pose> pose = softfinger::pose_of(*X_WO);
+  if (!pose) return use.refuse("X_WO: must be within 1000 m, the quaternion's norm 1");
+  return softfinger::guarded({nullptr, 0}, [&] {
+    try {
+      use->rendering.move_object(object, *pose);
+    } catch (const softfinger::InputError&) {
+      return use.refuse(
+          "the object moves by forces, or something hangs on it by a joint, or a recording is "
+          "made: "
+          "it cannot be moved from outside");
+    }
+    return SF_DONE;
+  });
+}
+
 sf_status sf_rendering_select(sf_rendering* rendering, size_t finger) {
   const RenderingUse use(rendering, RenderingUse::kAlone);
   if (!use) return SF_BAD_INPUT;

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 
 #include "softfinger/c_interface/answers.hpp"
@@ -19,6 +20,7 @@ RunOptions run_options(const char* scene, const sf_run_options& given) {
   run.as_fast_as_possible = true;
   run.actuator.port = "emulator";
   if (given.device != nullptr) run.devices.emplace_back(given.device);
+  if (given.tracker != nullptr) run.trackers.emplace_back(given.tracker);
   if (given.wearer != nullptr) run.wearer = given.wearer;
   if (given.person != nullptr) run.person = given.person;
   if (given.recording != nullptr) {
@@ -55,7 +57,7 @@ sf_status sf_run(const char* scene, const sf_run_options* options, sf_table** ou
   *out = nullptr;
   return softfinger::guarded(text, [&] {
     const sf_run_options given =
-        softfinger::taken(options, sizeof(sf_run_options), "sf_run_options");
+        softfinger::taken(options, offsetof(sf_run_options, tracker), "sf_run_options");
     const softfinger::RunOptions how = softfinger::run_options(scene, given);
     const softfinger::HostWatch host(given.stop, given.progress);
     const softfinger::RunSummary summary =

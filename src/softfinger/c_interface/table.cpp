@@ -53,3 +53,21 @@ sf_status sf_table_text(const sf_table* table, char* text, size_t capacity, size
   softfinger::copy_text(use->text, text, capacity, count);
   return SF_DONE;
 }
+
+sf_status sf_table_unit(const sf_table* table, size_t column, char* unit, size_t capacity,
+                        size_t* count) {
+  const TableUse use(table, TableUse::kAnyThread);
+  const softfinger::Table::Column* found = softfinger::column_at(use, column);
+  if (found == nullptr) return SF_BAD_INPUT;
+  softfinger::copy_text(found->unit, unit, capacity, count);
+  return SF_DONE;
+}
+
+sf_status sf_table_word(const sf_table* table, size_t column, size_t number, char* word,
+                        size_t capacity, size_t* count) {
+  const TableUse use(table, TableUse::kAnyThread);
+  const softfinger::Table::Column* found = softfinger::column_at(use, column);
+  if (found == nullptr || number >= found->words.size()) return SF_BAD_INPUT;
+  softfinger::copy_text(found->words[number], word, capacity, count);
+  return SF_DONE;
+}

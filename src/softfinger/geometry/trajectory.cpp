@@ -118,6 +118,12 @@ Trajectory::Trajectory(std::vector<Waypoint> waypoints) : waypoints_(std::move(w
   }
 }
 
+void Trajectory::hold(const Pose& fixed) {
+  segments_.clear();
+  waypoints_.resize(1);  // there is one at least
+  waypoints_.front() = {.time = 0.0, .pose = fixed};
+}
+
 Pose Trajectory::sample(double time) const { return sample_motion(time).pose; }
 
 PoseMotion Trajectory::sample_motion(double time) const {

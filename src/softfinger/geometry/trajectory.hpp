@@ -45,6 +45,9 @@ class Trajectory {
   /// Waypoints with strictly increasing times, at least one; else throws InputError.
   explicit Trajectory(std::vector<Waypoint> waypoints);
 
+  /// From here on one fixed pose. Allocates nothing.
+  void hold(const Pose& fixed);
+
   /// Allocates nothing.
   [[nodiscard]] Pose sample(double time) const;
   /// Pose and its exact derivatives. Allocates nothing.

@@ -30,6 +30,7 @@ static class UnityTest
             case "hand": return Check.Status(() => MoveHand(where));
             case "nobody": return Check.Status(() => Nobody(where));
             case "library": return Check.Status(() => InThisProcess(where, more));
+            case "objects": return Check.Status(() => ObjectsInThisProcess(where, more));
             default: throw new ArgumentException(arguments[0]);
         }
     }
@@ -375,5 +376,40 @@ static class UnityTest
         Check.That(Math.Abs(World.All[1].transform.localPosition.y - root.transform.localPosition.y) < 5e-3f, "the skin is at the finger");
         World.End();
         Check.Equal(Debug.Errors.Count, 0, "errors");
+    }
+
+    /// <summary>The table comes up to a finger that stays.</summary>
+    static void ObjectsInThisProcess(string scene, string device)
+    {
+        var root = new GameObject("root");
+        root.SetActive(false);
+        var table = new GameObject("table");
+        table.transform.localPosition = Frames.ToUnity(0, 0, -0.005);
+        var finger = root.AddComponent<LibraryFinger>();
+        finger.Scene = scene;
+        finger.Device = device;
+        finger.Objects = new[] { table.transform };
+        root.transform.localPosition = Frames.ToUnity(0, 0, 0.009);
+        root.SetActive(true);
+        World.Frame();
+        Check.Equal(finger.NormalForce_N, 0f, "force before");
+        Until(() =>
+        {
+            table.transform.localPosition = table.transform.localPosition + new Vector3(0, 2e-5f, 0);
+            return finger.NormalForce_N > 0.1f;
+        }, "force");
+        World.End();
+        Check.Equal(Debug.Errors.Count, 0, "errors");
+        table = new GameObject("chair");
+        root = new GameObject("again");
+        root.SetActive(false);
+        finger = root.AddComponent<LibraryFinger>();
+        finger.Scene = scene;
+        finger.Device = device;
+        finger.Objects = new[] { table.transform };
+        root.SetActive(true);
+        World.Frame();
+        Check.That(!finger.enabled && Debug.Errors[0].Contains("no object chair") && Debug.Errors[0].Contains("table"), "an object that there is not");
+        World.End();
     }
 }

@@ -282,6 +282,17 @@ namespace Softfinger
             return NativePose.Read(pose);
         }
 
+        /// <summary>
+        /// Has an object where the caller has it: at the time of the next step, until when it moves straight. It stays where it was put
+        /// last; before the first step it is there from the start. Throws InputError of what moves by forces or has something hang on
+        /// it by a joint, and while a recording is made.
+        /// </summary>
+        public void MoveObject(int index, Pose X_WO)
+        {
+            Native.Pose pose = NativePose.Of(X_WO);
+            Native.Check(Native.sf_rendering_move_object(handle, Native.Size(index), &pose), handle);
+        }
+
         public ObjectMotion MotionOf(int index)
         {
             var told = new Native.Object { size = (uint)sizeof(Native.Object) };

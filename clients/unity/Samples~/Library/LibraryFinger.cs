@@ -4,7 +4,7 @@ namespace Softfinger.Unity.Samples
 {
     /// <summary>
     /// A finger that is simulated here, by libsoftfinger.so.0 on Linux: it follows this object, its skin is a mesh of a child. The
-    /// scene's origin is this object's parent.
+    /// scene's origin is this object's parent, as it is of those that lead objects of the scene.
     /// </summary>
     public sealed class LibraryFinger : MonoBehaviour
     {
@@ -17,11 +17,16 @@ namespace Softfinger.Unity.Samples
         [SerializeField, Tooltip("Commands are sent, not only formed")]
         bool openDevice = false;
 
+        [SerializeField, Tooltip("Siblings of this, each of the name of an object of the scene, which is where it is")]
+        Transform[] objects = new Transform[0];
+
         Rendering rendering;
         Mesh mesh;
         Transform skin;
         double[] positions_m;
         Vector3[] vertices;
+        string[] names;
+        int[] led;
         readonly Command command = new Command();
 
         public string Scene
@@ -34,6 +39,13 @@ namespace Softfinger.Unity.Samples
         {
             get => device;
             set => device = value;
+        }
+
+        /// <summary>Siblings of this, each of the name of an object of the scene, which is where it is.</summary>
+        public Transform[] Objects
+        {
+            get => objects;
+            set => objects = value;
         }
 
         /// <summary>What the device is told; of the last step.</summary>
@@ -50,10 +62,12 @@ namespace Softfinger.Unity.Samples
             }
             catch (System.Exception error) when (error is InputError || error is OperationError)
             {
-                Debug.LogError("softfinger: " + error.Message);
-                enabled = false;
+                Fail(error.Message);
                 return;
             }
+            names = new string[rendering.Info.ObjectCount];
+            for (int i = 0; i < names.Length; ++i) names[i] = rendering.ObjectName(i);
+            led = System.Array.ConvertAll(objects, one => System.Array.IndexOf(names, one.gameObject.name));
             var shown = new GameObject("skin");
             skin = shown.transform;
             skin.SetParent(transform.parent, false);
@@ -67,8 +81,34 @@ namespace Softfinger.Unity.Samples
             mesh.triangles = Frames.TrianglesToUnity(rendering.Triangles());
         }
 
+        void Fail(string why)
+        {
+            Debug.LogError("softfinger: " + why);
+            enabled = false;
+        }
+
+        /// <summary>Has the scene's objects where theirs are now.</summary>
+        bool LeadObjects()
+        {
+            try
+            {
+                for (int i = 0; i < led.Length; ++i)
+                {
+                    if (led[i] < 0) throw new InputError($"no object {objects[i].gameObject.name} in {scene}: there is {string.Join(", ", names)}");
+                    rendering.MoveObject(led[i], Frames.FromUnity(objects[i].localPosition, objects[i].localRotation));
+                }
+                return true;
+            }
+            catch (InputError error)
+            {
+                Fail(error.Message);
+                return false;
+            }
+        }
+
         void Update()
         {
+            if (!LeadObjects()) return;
             Pose X_WFt = Frames.FromUnity(transform.localPosition, transform.localRotation);
             rendering.Step(X_WFt, Time.realtimeSinceStartup, command);
             NormalForce_N = (float)rendering.Contact().NormalForce_N;

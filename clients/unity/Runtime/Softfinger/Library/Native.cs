@@ -234,6 +234,7 @@ namespace Softfinger
         [DllImport(Library)] public static extern int sf_rendering_in_contact(RenderingHandle rendering, byte* in_contact, UIntPtr capacity, out UIntPtr count);
         [DllImport(Library)] public static extern int sf_rendering_triangles(RenderingHandle rendering, uint* corners, UIntPtr capacity, out UIntPtr count);
         [DllImport(Library)] public static extern int sf_rendering_object_pose(RenderingHandle rendering, UIntPtr index, Pose* X_WO);
+        [DllImport(Library)] public static extern int sf_rendering_move_object(RenderingHandle rendering, UIntPtr index, Pose* X_WO);
         [DllImport(Library)] public static extern int sf_rendering_object_name(RenderingHandle rendering, UIntPtr index, byte* name, UIntPtr capacity, out UIntPtr count);
         [DllImport(Library)] public static extern int sf_rendering_configuration_name(RenderingHandle rendering, UIntPtr component, byte* name, UIntPtr capacity, out UIntPtr count);
         [DllImport(Library)] public static extern int sf_rendering_close_recording(RenderingHandle rendering, byte[] error, UIntPtr errorSize);
