@@ -25,6 +25,7 @@ static class ClientTest
             case "refuse": return Check.Status(() => Refuse(address));
             case "events": return Check.Status(() => Clicks(address));
             case "soft": return Check.Status(() => GivesWay(address));
+            case "fit": return Check.Status(() => Learns(address));
             case "answer": return Check.Status(() => Answer(address, arguments[2]));
             case "spoil": return Check.Status(() => Spoil(address));
             default: throw new ArgumentException(arguments[0]);
@@ -357,6 +358,23 @@ static class ClientTest
     }
 
     /// <summary>A server that answers otherwise: the line that says so.</summary>
+    /// <summary>The device presses by itself, until that is cancelled; then the scene begins anew, and it stays retracted.</summary>
+    static void Learns(string address)
+    {
+        using (Client client = Connect(address))
+        {
+            Check.That(client.Scene.Fingers[0].Fittable, "fittable");
+            Check.Throws<InputError>(() => client.FitAsync(1), "no finger 1");
+            Wait(client.FitAsync(0));
+            Fit fit = Until<Fit>(client, told => told.State == "pressing");
+            Check.That(fit.Finger == 0 && fit.Of > 1 && fit.Words.Length > 0 && fit.Text == "", "what it does is told");
+            Wait(client.CancelFitAsync());
+            Fit ended = Until<Fit>(client, told => told.State == "refused");
+            Check.That(ended.Text.Contains("ended before it was done"), ended.Text);
+            Check.That(Until<Snapshot>(client, told => told.Stopped).Stopped, "retracted");
+        }
+    }
+
     static void Answer(string address, string says)
     {
         Check.Throws<OperationError>(() =>

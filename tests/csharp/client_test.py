@@ -82,6 +82,13 @@ SCENE = {"type": "scene", "protocol_version": 2, "generation": 3, "scene": "none
 EMPTY = b"SFSA" + struct.pack("<3I", 3, 0, 0) + bytes(36)
 
 
+def sensing_device(folder):
+    """One that feels what it presses."""
+    device = pathlib.Path(folder) / "sensing.toml"
+    device.write_text((ROOT / "devices/thimble-3rrs.toml").read_text() + '\n[force_sensor]\nkind = "emulator"\n')
+    return device
+
+
 def scene(**changed):
     return json.dumps({key: value for key, value in (SCENE | changed).items() if value is not None})
 
@@ -182,6 +189,11 @@ class Client(unittest.TestCase):
     def test_a_hand_moves_the_finger(self):
         with mono.softfinger(PROGRAM, PLANE, *PLATE, "--tracker", "webxr") as address:
             self.passes("hand", address)
+
+    def test_a_device_learns_its_wearer_until_that_is_cancelled(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with mono.softfinger(PROGRAM, PLANE, "--device", sensing_device(folder), "--person", pathlib.Path(folder) / "anna.toml") as address:
+                self.passes("fit", address)
 
     def test_other_answers_are_told_in_one_line(self):
         for says, messages, more in (

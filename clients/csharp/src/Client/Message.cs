@@ -2,7 +2,7 @@ using System.Collections.Generic;
 
 namespace Softfinger
 {
-    /// <summary>What a running softfinger sends: a Scene, Snapshot, Loading, Registration, Notifications or ObjectEvents.</summary>
+    /// <summary>What a running softfinger sends: a Scene, Snapshot, Loading, Registration, Fit, Notifications or ObjectEvents.</summary>
     public abstract class Message
     {
         internal Message() { }
@@ -98,6 +98,45 @@ namespace Softfinger
             Of = (int)json["of"].Count(int.MaxValue);
             Posture = json["posture"].Text();
             Words = json["words"].Text();
+            Progress = json["progress"].Number();
+            Text = json["message"].Text();
+        }
+    }
+
+    /// <summary>How a fit of a device to its wearer stands.</summary>
+    public sealed class Fit : Message
+    {
+        /// <summary>idle, waiting (until the device has retracted), pressing, estimating, saved or refused.</summary>
+        public string State { get; }
+
+        /// <summary>Which of the scene's.</summary>
+        public int Finger { get; }
+
+        /// <summary>Under way, from 1, of so many that are planned; 0: none yet.</summary>
+        public int Press { get; }
+
+        public int Of { get; }
+
+        /// <summary>What happens now, one sentence.</summary>
+        public string Words { get; }
+
+        /// <summary>As the sensor says.</summary>
+        public double Force_N { get; }
+
+        /// <summary>Of the presses, then of the estimate, 0 to 1.</summary>
+        public double Progress { get; }
+
+        /// <summary>What was found, or why nothing was saved.</summary>
+        public string Text { get; }
+
+        internal Fit(Json json)
+        {
+            State = json["state"].Text();
+            Finger = (int)json["finger"].Count(int.MaxValue);
+            Press = (int)json["press"].Count(int.MaxValue);
+            Of = (int)json["of"].Count(int.MaxValue);
+            Words = json["words"].Text();
+            Force_N = json["force_N"].Number();
             Progress = json["progress"].Number();
             Text = json["message"].Text();
         }

@@ -166,6 +166,7 @@ namespace Softfinger
                 case "scene": return Scene = new Scene(json);
                 case "loading": return new Loading(json);
                 case "registration": return new Registration(json);
+                case "fit": return new Fit(json);
                 case "notifications": return new Notifications(json);
                 case "events": return new ObjectEvents(json);
                 default: return null;
@@ -230,6 +231,16 @@ namespace Softfinger
         public Task RegisterAsync(int finger) => RequestAsync("register", $",\"finger\":{Finger(finger)}");
 
         public Task CancelRegistrationAsync() => RequestAsync("cancel_registration");
+
+        /// <summary>
+        /// The device of a Fittable finger retracts, then presses by itself and learns who wears it; how that stands comes as Fit.
+        /// again: the finger is known, the device was put on again.
+        /// </summary>
+        public Task FitAsync(int finger, bool again = false) =>
+            RequestAsync("fit", $",\"finger\":{Finger(finger)}{(again ? ",\"again\":true" : "")}");
+
+        /// <summary>The device retracts, and nothing is written.</summary>
+        public Task CancelFitAsync() => RequestAsync("cancel_fit");
 
         public void Dispose() => socket.Dispose();
 

@@ -109,6 +109,9 @@ namespace Softfinger
         /// <summary>Its tracker's body can be registered, for the person whose file was given.</summary>
         public bool Registrable { get; }
 
+        /// <summary>Its device can learn who wears it, for the same person: Client.FitAsync.</summary>
+        public bool Fittable { get; }
+
         /// <summary>Its tracker is webxr: Client.SendHandAsync moves it. Null: not so.</summary>
         public FollowedFinger Headset { get; }
 
@@ -136,6 +139,7 @@ namespace Softfinger
             Twin = json["twin"].Bool();
             MovedHere = json["moved_here"].Bool();
             Registrable = json["registrable"].Bool();
+            Fittable = json["fittable"].Bool();
             Headset = json["headset"].IsNull ? null : new FollowedFinger(json["headset"]);
             ConfigurationScales = new double[ConfigurationNames.Count];
             for (int i = 0; i < ConfigurationScales.Length; ++i) ConfigurationScales[i] = ScaleOf(ConfigurationNames[i]);
