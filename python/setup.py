@@ -25,7 +25,7 @@ class BuildWithLibrary(build_py):
             if not (BUILD / name).exists():
                 raise SystemExit(f"{BUILD / name}: not there; build it first: ./dev build")
             shutil.copy2(BUILD / name, package)
-        for folder in ("devices", "fingers", "objects", "scenes"):
+        for folder in ("devices", "fingers", "objects", "scenes", "studies"):
             shutil.copytree(ROOT / folder, package / "share/softfinger" / folder, dirs_exist_ok=True)
 
 

@@ -4,18 +4,23 @@ SI units and radians, as in the C interface, but where a name carries a unit (`t
 """
 
 from ._library import InputError, OperationError, library as _shared_library
+from ._tables import Columns
 from .device import Device, Match
+from .files import check_scene, schema, show_finger
 from .fitting import Estimate, Fit, fit
 from .rendering import STATES, Command, Event, Object, RenderedFinger, Rendering, Snapshot, fingers, matrix_of
-from .results import Columns, Evaluation, Recording, evaluate, press
+from .results import Evaluation, Recording, evaluate, press
 from .running import run
+from .studying import Study, export_study, study
 from .sweeping import sweep
+from .wearing import POSTURES, calibrate_device, condition, fit_device, register_finger
 
 _number = _shared_library.sf_version()
 __version__ = f"{_number >> 16}.{_number >> 8 & 255}.{_number & 255}"
 
 __all__ = [
-    "STATES", "Columns", "Command", "Device", "Estimate", "Evaluation", "Event", "Fit", "InputError", "Match",
-    "Object", "OperationError", "Recording", "RenderedFinger", "Rendering", "Snapshot", "evaluate", "fingers", "fit", "matrix_of", "press", "run",
-    "sweep",
+    "POSTURES", "STATES", "Columns", "Command", "Device", "Estimate", "Evaluation", "Event", "Fit", "InputError", "Match",
+    "Object", "OperationError", "Recording", "RenderedFinger", "Rendering", "Snapshot", "Study", "calibrate_device",
+    "check_scene", "condition", "evaluate", "export_study", "fingers", "fit", "fit_device", "matrix_of", "press",
+    "register_finger", "run", "schema", "show_finger", "study", "sweep",
 ]

@@ -6,7 +6,7 @@ import ctypes
 import os
 import pathlib
 import re
-from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint32, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 
 MOST_COMPONENTS = 256
 DONE, FAILED = 0, 1
@@ -149,6 +149,7 @@ class PressOptions(ctypes.Structure):
         ("unused", c_int32),
         ("stop", POINTER(c_int32)),
         ("progress", POINTER(c_double)),
+        ("export_folder", c_char_p),
     ]
 
 
@@ -162,6 +163,7 @@ class EvaluateOptions(ctypes.Structure):
         ("duration_s", c_double),
         ("stop", POINTER(c_int32)),
         ("progress", POINTER(c_double)),
+        ("tracker", c_char_p),
     ]
 
 
@@ -179,6 +181,7 @@ class RunOptions(ctypes.Structure):
         ("threads", c_int32),
         ("stop", POINTER(c_int32)),
         ("progress", POINTER(c_double)),
+        ("tracker", c_char_p),
     ]
 
 
@@ -213,7 +216,7 @@ class Points(ctypes.Structure):
         ("gaps_m", c_void_p),
         ("separation_m", c_double),
         ("limits", c_int32),
-        ("unused", c_int32),
+        ("objective", c_int32),
     ]
 
 
@@ -228,6 +231,95 @@ class Match(ctypes.Structure):
         ("deviation_m2", c_double),
         ("configuration", c_double * MOST_COMPONENTS),
         ("joints", c_double * MOST_COMPONENTS),
+        ("at_limit", ctypes.c_char * 1024),
+    ]
+
+
+class WatchOptions(ctypes.Structure):
+    _fields_ = [("size", c_uint32), ("unused", c_int32), ("stop", POINTER(c_int32)), ("progress", POINTER(c_double))]
+
+
+class ReplayOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("unused", c_int32),
+        ("scene", c_char_p),
+        ("person", c_char_p),
+        ("stop", POINTER(c_int32)),
+        ("progress", POINTER(c_double)),
+    ]
+
+
+class RegisterOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("table_given", c_int32),
+        ("finger", c_char_p),
+        ("scene", c_char_p),
+        ("tracker", c_char_p),
+        ("model", c_char_p),
+        ("length_m", c_double),
+        ("breadth_m", c_double),
+        ("depth_m", c_double),
+        ("table_m", c_double),
+        ("stop", POINTER(c_int32)),
+        ("progress", POINTER(c_double)),
+    ]
+
+
+class DeviceFitOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("again", c_int32),
+        ("name", c_char_p),
+        ("wearer", c_char_p),
+        ("sensor", c_char_p),
+        ("fault", c_char_p),
+        ("fault_at_s", c_double),
+        ("sensor_noise_N", c_double),
+        ("sensor_noise_given", c_int32),
+        ("real_time", c_int32),
+        ("seed", c_uint64),
+        ("guard_program", c_char_p),
+        ("stop", POINTER(c_int32)),
+        ("progress", POINTER(c_double)),
+    ]
+
+
+class CalibrateOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("count", c_uint32),
+        ("at", c_void_p),
+        ("moved", c_void_p),
+        ("port", c_char_p),
+        ("stop", POINTER(c_int32)),
+    ]
+
+
+class ConditionOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("filter", c_int32),
+        ("finger", c_char_p),
+        ("rate_Hz", c_double),
+        ("age_s", c_double),
+        ("noise_m", c_double),
+        ("noise_rad", c_double),
+        ("predict_s", c_double),
+        ("predict", c_int32),
+        ("unused", c_int32),
+    ]
+
+
+class StudyOptions(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("unused", c_int32),
+        ("shard", c_uint32),
+        ("shards", c_uint32),
+        ("stop", POINTER(c_int32)),
+        ("progress", POINTER(c_double)),
     ]
 
 
@@ -288,8 +380,25 @@ for _name, _arguments in {
     "sf_evaluate": [c_char_p, POINTER(EvaluateOptions), POINTER(c_void_p), *_ERROR],
     "sf_run": [c_char_p, POINTER(RunOptions), POINTER(c_void_p), *_ERROR],
     "sf_finger_fit": [c_char_p, c_char_p, POINTER(FitOptions), POINTER(c_void_p), *_ERROR],
-    "sf_recording_export": [c_char_p, c_char_p, c_char_p, c_size_t, *_ERROR],
-    "sf_recording_replay": [c_char_p, POINTER(c_int32), c_char_p, c_size_t, *_ERROR],
+    "sf_table_unit": [c_void_p, c_size_t, c_char_p, *_SIZES],
+    "sf_table_word": [c_void_p, c_size_t, c_size_t, c_char_p, *_SIZES],
+    "sf_recording_table": [c_char_p, c_char_p, POINTER(WatchOptions), POINTER(c_void_p), *_ERROR],
+    "sf_export": [c_char_p, c_char_p, POINTER(WatchOptions), c_char_p, c_size_t, *_ERROR],
+    "sf_replay": [c_char_p, POINTER(ReplayOptions), POINTER(c_void_p), *_ERROR],
+    "sf_scene_check": [c_char_p, POINTER(WatchOptions), POINTER(c_void_p), *_ERROR],
+    "sf_finger_show": [c_char_p, POINTER(c_void_p), *_ERROR],
+    "sf_schema": [c_char_p, c_char_p, POINTER(c_void_p), *_ERROR],
+    "sf_finger_register": [c_char_p, POINTER(RegisterOptions), POINTER(c_void_p), *_ERROR],
+    "sf_device_fit": [c_char_p, c_char_p, c_char_p, POINTER(DeviceFitOptions), POINTER(c_void_p), *_ERROR],
+    "sf_device_calibrate": [c_char_p, c_char_p, POINTER(CalibrateOptions), c_char_p, c_size_t, *_ERROR],
+    "sf_condition": [c_char_p, POINTER(ConditionOptions), POINTER(c_void_p), *_ERROR],
+    "sf_study_run": [c_char_p, c_char_p, POINTER(StudyOptions), POINTER(c_void_p), *_ERROR],
+    "sf_study_table": [c_char_p, POINTER(c_void_p), *_ERROR],
+    "sf_study_export": [c_char_p, c_char_p, c_char_p, c_size_t, *_ERROR],
+    "sf_study_device": [c_char_p, c_int64, c_char_p, *_ERROR],
+    "sf_study_plot": [c_char_p, c_char_p, *_ERROR],
+    "sf_device_workspace": [c_void_p, c_char_p, *_SIZES],
+    "sf_rendering_move_object": [c_void_p, c_size_t, POINTER(Pose)],
     "sf_device_create": [c_char_p, POINTER(c_void_p), *_ERROR],
     "sf_device_destroy": [c_void_p],
     "sf_device_describe": [c_void_p, POINTER(DeviceInfo)],
@@ -323,7 +432,9 @@ def refuse(status: int, message: str) -> None:
     """Raises what a status that is not `done` stands for."""
     if status == DONE:
         return
-    raise (OperationError if status == FAILED else InputError)(message)
+    # What is a flag of the command is a word of the function: --noise-mm is noise_mm.
+    words = re.sub(r"(?<![\w-])--([A-Za-z][\w-]*)", lambda flag: flag[1].replace("-", "_"), message)
+    raise (OperationError if status == FAILED else InputError)(words)
 
 
 def path(file: str | os.PathLike[str] | None) -> bytes | None:

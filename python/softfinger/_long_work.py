@@ -9,6 +9,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from . import _library
+
 
 class Group:
     """What works on several threads, and ends together."""
@@ -46,6 +48,11 @@ class Watch:
         #: for the options' fields of these names
         self.stop = ctypes.pointer(self._stop)
         self.progress = ctypes.pointer(self._progress)
+        #: for calls that take nothing else
+        self.options = _library.WatchOptions(
+            size=ctypes.sizeof(_library.WatchOptions), stop=self.stop, progress=self.progress)
+        #: told now and then how much of it is done, of 1
+        self.tell: Callable[[float], None] = lambda done: None
 
     def end(self) -> None:
         self._stop.value = 1
@@ -65,8 +72,9 @@ class Watch:
             while working.is_alive():
                 working.join(0.1)
                 show(round(100 * self._progress.value))
+                self.tell(self._progress.value)
             show(100)
-        except KeyboardInterrupt:
+        except BaseException:  # Ctrl-C, or what tell() throws
             self.end()
             working.join()
             raise

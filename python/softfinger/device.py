@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike
 
 from . import _library
 from ._library import library
+from ._tables import read_text
 from .rendering import Floats, Path
 
 _LIMITS = ("inside", "clamp", "none")
+_OBJECTIVES = ("surface", "published", "plane")
 _TERMINATIONS = ("converged", "iteration_limit", "nonsmooth")
 
 
@@ -28,6 +30,7 @@ class Match:
     deviation: float  #: contact surface deviation E, m^2
     iterations: int
     termination: str  #: converged, iteration_limit or nonsmooth
+    at_limit: tuple[str, ...]  #: joints and components that stand at a limit: joint_1, ..., or their names
 
 
 class Device:
@@ -64,11 +67,13 @@ class Device:
 
     def show(self) -> dict[str, Any]:
         """The file's keys and nesting, defaults filled in; as `softfinger device show`."""
-        size = ctypes.c_size_t()
-        self._check(library.sf_device_show(self._handle, None, 0, ctypes.byref(size)))
-        text = ctypes.create_string_buffer(size.value)
-        self._check(library.sf_device_show(self._handle, text, size.value, None))
-        result: dict[str, Any] = json.loads(text.value)
+        result: dict[str, Any] = json.loads(read_text(library.sf_device_show, self._handle))
+        return result
+
+    def workspace(self) -> dict[str, Any]:
+        """How far it goes within all limits, in the units of the keys: travel_mm [min, max] at zero tilt, mid_travel_mm,
+        min_tilt_at_mid_travel_deg, max_tilt_deg, or how far each axis goes; as `softfinger device workspace`."""
+        result: dict[str, Any] = json.loads(read_text(library.sf_device_workspace, self._handle))
         return result
 
     def configuration(self, named: Mapping[str, float] | None = None, **by_name: float) -> Floats:
@@ -108,14 +113,20 @@ class Device:
         areas: ArrayLike | None = None,
         gaps: ArrayLike | None = None,
         separation: float = 0.0,
-        limits: str = "inside",
+        limits: str | None = None,
+        objective: str = "surface",
     ) -> Match:
         """The configuration that touches the samples in contact and no others; as `softfinger match`.
 
         points_F: (n, 3) skin in F, m. in_contact: (n,) bool. areas: (n,) m^2, weights by area. gaps: (n,)
         virtual gaps, m; without, the separation is constant. separation: its tolerance, m; 0 is the
-        device's. limits: inside, clamp or none.
+        device's. limits: inside (the default), clamp (that of published) or none. objective: surface,
+        published (Levenberg-Marquardt from home; no gaps) or plane.
         """
+        if objective not in _OBJECTIVES:
+            raise _library.InputError(f"objective: unknown word '{objective}'; there is {', '.join(_OBJECTIVES)}")
+        if limits is None:
+            limits = "clamp" if objective == "published" else "inside"
         points = np.ascontiguousarray(points_F, np.float64)
         if points.ndim != 2 or points.shape[1] != 3:
             raise _library.InputError(f"points_F: must have shape (n, 3), has {points.shape}")
@@ -130,13 +141,14 @@ class Device:
             size=ctypes.sizeof(_library.Points), count=len(points), points_F_m=points.ctypes.data,
             in_contact=flags.ctypes.data, areas_m2=None if weights is None else weights.ctypes.data,
             gaps_m=None if distances is None else distances.ctypes.data, separation_m=separation,
-            limits=_LIMITS.index(limits))
+            limits=_LIMITS.index(limits), objective=_OBJECTIVES.index(objective))
         match = _library.Match(size=ctypes.sizeof(_library.Match))
         self._check(library.sf_device_match(self._handle, ctypes.byref(given), ctypes.byref(match)))
         return Match(
             np.array(match.configuration[: match.configuration_count]),
             np.array(match.joints[: match.joint_count]) if match.joints_exist else None,
-            match.deviation_m2, match.iterations, _TERMINATIONS[match.termination])
+            match.deviation_m2, match.iterations, _TERMINATIONS[match.termination],
+            tuple(filter(None, match.at_limit.decode().split(","))))
 
     def _check(self, status: int) -> None:
         if status != _library.DONE:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
-import json
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,8 @@ import numpy as np
 from . import _library
 from ._library import library
 from ._long_work import Watch
+from ._tables import report_of
 from .rendering import Path
-from .results import _taken
 
 _NOISES = {"likelier": 0, "relative": 1, "absolute": 2}
 
@@ -68,10 +67,7 @@ def fit(
         out=_library.path(out), parameters=",".join(parameters).encode() or None, pitch_rad=angle_deg * (np.pi / 180.0),
         stop=watch.stop)
     names = _library.path(finger), _library.path(curve)
-    table, error = ctypes.c_void_p(), _library.ErrorText()
-    error.check(watch.run(lambda: int(library.sf_finger_fit(
-        *names, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "fit"))
-    report = json.loads(_taken(table)[1])
+    report = report_of(watch, "fit", lambda *out: int(library.sf_finger_fit(*names, ctypes.byref(options), *out)))
     return Fit(
         parameters={name: Estimate(**found) for name, found in report["parameters"].items()},
         kept=report["kept"], moduli_kPa=report["moduli_kPa"], force_deviation=report["force_deviation"], report=report)

@@ -461,6 +461,18 @@ class Rendering:
             soft=bool(told.soft),
         )
 
+    def move_object(self, index: int, X_WO: ArrayLike) -> None:
+        """Has an object where the caller has it: at the time of the next step, until when it moves straight.
+
+        X_WO: (4, 4) or (7,) as for step(). It stays where it was put last; before the first step it is there
+        from the start. Raises InputError of what moves by forces or has something hang on it by a joint, and
+        while a recording is made, which could not be replayed.
+        """
+        numbers = _seven(np.asarray(X_WO, np.float64), "X_WO")
+        pose = _library.Pose(size=ctypes.sizeof(_library.Pose))
+        pose.position_m[:], pose.quaternion_wxyz[:] = numbers[:3], numbers[3:]
+        self._check(library.sf_rendering_move_object(self._handle, index, ctypes.byref(pose)))
+
     def object_positions(self, index: int) -> Floats:
         """(n, 3) points of the surface of something soft as it is deformed, W, m; of what keeps its shape none."""
         return self._surface(library.sf_rendering_object_positions, index, np.float64)
@@ -548,12 +560,12 @@ def _matrix(pose: _library.Pose) -> Floats:
     return matrix_of(pose.position_m, pose.quaternion_wxyz)
 
 
-def _seven(given: Floats) -> Floats:
+def _seven(given: Floats, name: str = "X_WFt") -> Floats:
     """(7,) x, y, z and quaternion of a pose that is given so, or as a matrix; NaN where that is none."""
     if given.shape == (7,):
         return given
     if given.shape != (4, 4):
-        raise _library.InputError(f"X_WFt: must have shape (4, 4) or (7,), has {given.shape}")
+        raise _library.InputError(f"{name}: must have shape (4, 4) or (7,), has {given.shape}")
     rotation = given[:3, :3]
     is_pose = np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3) and np.array_equal(given[3], [0, 0, 0, 1])
     return np.concatenate([given[:3, 3], _quaternion_of(rotation)]) if is_pose else np.full(7, np.nan)

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import ctypes
 import json
-import pathlib
-import shutil
-import tempfile
-import weakref
-from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,27 +12,8 @@ from numpy.typing import NDArray
 from . import _library
 from ._library import library
 from ._long_work import Watch
+from ._tables import Columns, report_of, table_of
 from .rendering import Floats, Path
-
-
-class Columns(Mapping[str, NDArray[Any]]):
-    """Arrays of one length by name, units in the names; a missing value is NaN. Made to be plotted."""
-
-    def __init__(self, columns: Mapping[str, NDArray[Any]]) -> None:
-        self._columns = dict(columns)
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._columns[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
-
-    def __repr__(self) -> str:
-        rows = len(next(iter(self._columns.values()))) if self._columns else 0
-        return f"Columns({rows} rows: {', '.join(self._columns)})"
 
 
 class Evaluation:
@@ -75,13 +50,15 @@ def press(
     speed_mm_per_s: float = 0.0,
     hold_ms: float = 0.0,
     unload: bool = False,
+    export: Path | None = None,
 ) -> Columns:
     """Presses a finger on a fixed obstacle, bone prescribed; as `softfinger press`.
 
     finger: finger file. to_mm: greatest bone displacement after first touch, in `steps` rows.
     sphere_mm: on a sphere of this radius, `at_mm` under the finger's origin; edge: on a 90-degree edge;
     else on a plane. angle_deg: turn about the finger's y axis, distal end down. relaxed: long-time
-    moduli. speed_mm_per_s: stepped in time, then held for hold_ms; unload: then back. Ctrl-C ends it.
+    moduli. speed_mm_per_s: stepped in time, then held for hold_ms; unload: then back. export: folder for
+    nodes.csv, contact.csv, features.csv and patches.csv. Ctrl-C ends it.
     """
     # As the command line has them in SI, to the bit.
     mm, ms, deg = 1e-3, 1e-3, np.pi / 180.0
@@ -90,17 +67,12 @@ def press(
         size=ctypes.sizeof(_library.PressOptions), rows=steps, depth_m=to_mm * mm, sphere_radius_m=sphere_mm * mm,
         at_m=(at_mm[0] * mm, at_mm[1] * mm), edge=edge, no_strain_limits=not strain_limits,
         edge_radius_m=edge_radius_mm * mm, no_friction=not friction, relaxed=relaxed, pitch_rad=angle_deg * deg,
-        speed_m_per_s=speed_mm_per_s * mm, hold_s=hold_ms * ms, unload=unload, stop=watch.stop, progress=watch.progress)
+        speed_m_per_s=speed_mm_per_s * mm, hold_s=hold_ms * ms, unload=unload, stop=watch.stop, progress=watch.progress,
+        export_folder=_library.path(export))
     if to_mm == 0.0 or steps == 0:
         raise _library.InputError(f"to_mm {to_mm}, steps {steps}: must be above 0")
-    name, table, error = _library.path(finger), ctypes.c_void_p(), _library.ErrorText()
-    try:
-        error.check(watch.run(lambda: int(library.sf_press(
-            name, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "press"))
-    except KeyboardInterrupt:
-        library.sf_table_destroy(table)
-        raise
-    return _taken(table)[0]
+    name = _library.path(finger)
+    return table_of(watch, "press", lambda *out: int(library.sf_press(name, ctypes.byref(options), *out)))[0]
 
 
 def evaluate(
@@ -111,57 +83,51 @@ def evaluate(
     objective: str | None = None,
     person: Path | None = None,
     duration_s: float = 0.0,
+    tracker: str | None = None,
 ) -> Evaluation:
     """Judges a device by a second finger that feels its commands; as `softfinger evaluate`.
 
     device: device file instead of the scene's. wearer: finger file of who wears it. objective: what
-    matching aims at, instead of the device file's. duration_s: 0 is until the script ends. Ctrl-C ends it.
+    matching aims at, instead of the device file's. duration_s: 0 is until the script ends. tracker: script
+    or csv:FILE instead of the scene's. Of several fingers NAME=DEVICE, NAME=TRACKER. Ctrl-C ends it.
     """
     watch = Watch()
     options = _library.EvaluateOptions(
         size=ctypes.sizeof(_library.EvaluateOptions), device=_library.path(device), wearer=_library.path(wearer),
         objective=_library.text(objective, "objective"), person=_library.path(person),
-        duration_s=duration_s, stop=watch.stop, progress=watch.progress)
-    name, table, error = _library.path(scene), ctypes.c_void_p(), _library.ErrorText()
-    try:
-        error.check(watch.run(lambda: int(library.sf_evaluate(
-            name, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "evaluate"))
-    except KeyboardInterrupt:
-        library.sf_table_destroy(table)
-        raise
-    columns, text = _taken(table)
+        duration_s=duration_s, stop=watch.stop, progress=watch.progress, tracker=_library.text(tracker, "tracker"))
+    name = _library.path(scene)
+    columns, text = table_of(
+        watch, "evaluate", lambda *out: int(library.sf_evaluate(name, ctypes.byref(options), *out)))
     return Evaluation(columns, json.loads(text))
 
 
 class Recording:
-    """What a run recorded, in the tables of `softfinger export`.
+    """What a run recorded, in the tables of `softfinger export`, with all digits.
 
-    `steps` has a row for each step: pose.csv (tracked), bone.csv, contact.csv, timing.csv side by side;
-    columns that two of them have are prefixed with bone_ and so on. `ticks` has one for each device
-    tick: configuration.csv, force.csv, joints.csv, command.csv. table() has any of them alone. With
-    several fingers the column `finger` says whose a row is.
+    `steps` has a row for each step: pose (tracked), bone, contact, timing side by side; columns that two
+    of them have are prefixed with bone_ and so on. `ticks` has one for each device tick: configuration,
+    force, joints, command. table() has any of them alone. With several fingers the column `finger` says
+    whose a row is. Each is read from the file when it is asked for; Ctrl-C ends that, as replay and export.
     """
 
     _STEPS = ("pose", "bone", "contact", "timing")
     _TICKS = ("configuration", "force", "joints", "command")
 
     def __init__(self, file: Path) -> None:
-        folder = tempfile.mkdtemp(prefix="softfinger-")
-        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-        self._file, self._tables = file, pathlib.Path(folder, "csv")
+        self._file = _library.path(file)
+        self._read: dict[str, Columns] = {}
+        about = json.loads(self._table(None)[1])
+        #: names that table() knows
+        self.tables: list[str] = about["tables"]
         #: a line where the run did not close it, else empty
-        self.note = _export(file, self._tables)
+        self.note: str = about["note"]
 
     def table(self, name: str) -> Columns:
-        """NAME.csv of the export, e.g. contact, nodes (with record_state), messages. Raises InputError where there is none."""
-        if name not in self.tables:
-            raise _library.InputError(f"table {name}: there is {', '.join(self.tables)}")
-        return _read_csv(self._tables / f"{name}.csv")
-
-    @property
-    def tables(self) -> list[str]:
-        """Names that table() knows."""
-        return sorted(file.stem for file in self._tables.glob("*.csv"))
+        """A table of the export, e.g. contact, nodes (with record_state), messages. Raises InputError where there is none."""
+        if name not in self._read:
+            self._read[name] = self._table(name)[0]
+        return self._read[name]
 
     @property
     def steps(self) -> Columns:
@@ -181,22 +147,35 @@ class Recording:
         return np.stack([*position, *(pose[name] for name in ("qw", "qx", "qy", "qz"))], axis=1)
 
     def export(self, to: Path) -> None:
-        """For other programs: FILE.h5 is HDF5, FILE.mcap MCAP, else CSV files in a new folder.
+        """For other programs: FILE.h5 is HDF5, FILE.mcap MCAP, else CSV files in a new folder. Ctrl-C leaves nothing of it.
 
         While HDF5 is written, h5py must do nothing on another thread: they may share one library, which is for one.
         """
-        _export(self._file, to)
+        watch, name, note, error = Watch(), _library.path(to), ctypes.create_string_buffer(512), _library.ErrorText()
+        error.check(watch.run(lambda: int(library.sf_export(
+            self._file, name, ctypes.byref(watch.options), note, len(note), *error.arguments)), "export"))
 
-    def replay(self) -> str:
-        """Runs it again with its recorded input. Empty where every bit is the same, else what differs first."""
-        agree, difference, error = ctypes.c_int32(), ctypes.create_string_buffer(512), _library.ErrorText()
-        error.check(library.sf_recording_replay(
-            _library.path(self._file), ctypes.byref(agree), difference, len(difference), *error.arguments))
-        return "" if agree.value else difference.value.decode()
+    def replay(self, *, scene: Path | None = None, person: Path | None = None) -> str:
+        """Runs it again with its recorded input. Empty where every bit is the same, else what differs first.
+
+        scene: runs this one instead of the recorded one. person: person file instead of the recorded one.
+        """
+        watch = Watch()
+        options = _library.ReplayOptions(
+            size=ctypes.sizeof(_library.ReplayOptions), scene=_library.path(scene), person=_library.path(person),
+            stop=watch.stop, progress=watch.progress)
+        report = report_of(watch, "replay", lambda *out: int(library.sf_replay(self._file, ctypes.byref(options), *out)))
+        return "" if report["agree"] else str(report["difference"])
+
+    def _table(self, name: str | None) -> tuple[Columns, str]:
+        watch, wanted = Watch(), _library.text(name, "table")
+        return table_of(watch, "recording", lambda *out: int(library.sf_recording_table(
+            self._file, wanted, ctypes.byref(watch.options), *out)))
 
     def _beside(self, names: tuple[str, ...]) -> Columns:
         tables = {name: self.table(name) for name in names if name in self.tables}
         columns: dict[str, NDArray[Any]] = {}
+        units: dict[str, str] = {}
         rows = _moments(next(iter(tables.values()))) if tables else []
         for name, table in tables.items():
             at = {moment: row for row, moment in enumerate(_moments(table))}
@@ -206,50 +185,11 @@ class Recording:
                 if key in ("time_s", "finger") and key in columns:
                     continue
                 padded = np.append(values, np.nan if values.dtype.kind == "f" else "")
-                columns[key if key not in columns else f"{name}_{key}"] = padded[order]
-        return Columns(columns)
+                to = key if key not in columns else f"{name}_{key}"
+                columns[to], units[to] = padded[order], table.units[key]
+        return Columns(columns, units)
 
 
 def _moments(table: Columns) -> list[tuple[Any, ...]]:
     """What tells rows apart: the time, and the finger where there are several."""
     return list(zip(*(table[key] for key in ("time_s", "finger") if key in table)))
-
-
-def _taken(table: ctypes.c_void_p) -> tuple[Columns, str]:
-    """Columns and text of a table of the library, which is given back."""
-    try:
-        rows, count = ctypes.c_size_t(), ctypes.c_size_t()
-        library.sf_table_size(table, ctypes.byref(rows), ctypes.byref(count))
-        columns = {}
-        for index in range(count.value):
-            name, values = ctypes.create_string_buffer(256), np.empty(rows.value)
-            library.sf_table_name(table, index, name, len(name), None)
-            library.sf_table_column(table, index, values.ctypes.data, rows.value, None)
-            columns[name.value.decode()] = values
-        size = ctypes.c_size_t()
-        library.sf_table_text(table, None, 0, ctypes.byref(size))
-        text = ctypes.create_string_buffer(size.value)
-        library.sf_table_text(table, text, size.value, None)
-        return Columns(columns), text.value.decode()
-    finally:
-        library.sf_table_destroy(table)
-
-
-def _export(recording: Path, to: Path) -> str:
-    note, error = ctypes.create_string_buffer(512), _library.ErrorText()
-    error.check(library.sf_recording_export(
-        _library.path(recording), _library.path(to), note, len(note), *error.arguments))
-    return note.value.decode()
-
-
-def _read_csv(file: pathlib.Path) -> Columns:
-    """Numbers where a column has nothing else, words where it has."""
-    with file.open(newline="", encoding="utf-8") as stream:
-        header, *rows = csv.reader(stream)
-    columns = {}
-    for name, values in zip(header, zip(*rows) if rows else ((),) * len(header)):
-        try:
-            columns[name] = np.array([float(value) if value else np.nan for value in values])
-        except ValueError:
-            columns[name] = np.array(values)
-    return Columns(columns)

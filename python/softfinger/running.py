@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-import json
 from typing import Any
 
 from . import _library
 from ._library import library
 from ._long_work import Watch
+from ._tables import report_of
 from .rendering import Path
-from .results import _taken
 
 
 def run(
@@ -25,26 +24,21 @@ def run(
     filter: bool = False,
     predict_ms: float = 0.0,
     threads: int = 1,
+    tracker: str | None = None,
 ) -> dict[str, Any]:
     """Runs a scene until its script ends, with emulated devices; what `softfinger run --headless --json` prints.
 
     record: new file, for Recording. record_state: all nodes and samples of every step as well. device:
     device file instead of the scene's. wearer: finger file of whom an emulated force sensor is on.
     duration_s: 0 is until the script ends. filter, predict_ms: of tracked poses. threads: that step
-    several fingers side by side. Ctrl-C ends it; what was recorded until then is whole.
+    several fingers side by side. tracker: script, csv:FILE or one that streams, instead of the scene's
+    (docs/trackers.md). Of several fingers NAME=DEVICE, NAME=TRACKER. Ctrl-C ends it; what was recorded until then is whole.
     """
     watch = Watch()
     options = _library.RunOptions(
         size=ctypes.sizeof(_library.RunOptions), record_state=record_state, device=_library.path(device),
         wearer=_library.path(wearer), person=_library.path(person), recording=_library.path(record),
         duration_s=duration_s, predict_s=predict_ms * 1e-3, filter=filter, threads=threads, stop=watch.stop,
-        progress=watch.progress)
-    name, table, error = _library.path(scene), ctypes.c_void_p(), _library.ErrorText()
-    try:
-        error.check(watch.run(lambda: int(library.sf_run(
-            name, ctypes.byref(options), ctypes.byref(table), *error.arguments)), "run"))
-    except KeyboardInterrupt:
-        library.sf_table_destroy(table)
-        raise
-    report: dict[str, Any] = json.loads(_taken(table)[1])
-    return report
+        progress=watch.progress, tracker=_library.text(tracker, "tracker"))
+    name = _library.path(scene)
+    return report_of(watch, "run", lambda *out: int(library.sf_run(name, ctypes.byref(options), *out)))

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from ._library import InputError, OperationError, file_of
 from ._long_work import Group, bar
+from ._tables import Columns
 from .rendering import Path
-from .results import Columns, Evaluation, evaluate
+from .results import Evaluation, evaluate
 
 
 def sweep(

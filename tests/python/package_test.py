@@ -4,6 +4,7 @@
 """
 
 import contextlib
+import csv
 import gc
 import json
 import math
@@ -16,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -80,11 +82,51 @@ class SameBits(unittest.TestCase):
         self.assertEqual(len(recording.ticks["state"]), len(set(told["tick"])) - (told["tick"][0] < 0))
         self.assertEqual(recording.replay(), "")
         self.assertEqual(recording.note, "")
+        self.same_as_the_exported(recording, ours)
         for name, begin in (("run.h5", b"\x89HDF\r\n"), ("run.mcap", b"\x89MCAP0")):
             recording.export(pathlib.Path(ours).with_name(name))
             self.assertTrue(pathlib.Path(ours).with_name(name).read_bytes().startswith(begin))
         with self.assertRaisesRegex(sf.InputError, r"\.mcap \(MCAP\)"):
             recording.export(pathlib.Path(ours).with_name("run.txt"))
+
+    def same_as_the_exported(self, recording, file):
+        command_line("export", file, "--to", self.folder / "csv")
+        self.assertEqual(recording.tables, sorted(table.stem for table in (self.folder / "csv").glob("*.csv")))
+        for name in recording.tables:
+            with (self.folder / "csv" / f"{name}.csv").open(newline="") as stream:
+                header, *rows = csv.reader(stream)
+            table = recording.table(name)
+            self.assertEqual(list(table), header)
+            for column, texts in zip(header, zip(*rows)):
+                if table.units[column]:
+                    np.testing.assert_allclose(table[column], [float(text or "nan") for text in texts], rtol=1e-11, err_msg=column)
+                else:
+                    self.assertEqual(table[column].tolist(), list(texts), column)
+        self.assertEqual((recording.steps.units["normal_force_N"], recording.ticks.units["pitch_deg"]), ("N", "deg"))
+        self.assertEqual((recording.ticks.units["state"], recording.steps.units["slip_ratio"]), ("", "1"))
+
+    def test_an_object_is_where_its_caller_has_it(self):
+        """The plane comes up to a finger that stays: the same as the finger that goes down, but for gravity's side."""
+        down, up = 2.5e-3, np.eye(4)
+        times = np.arange(0.0, 0.5, 2e-3)
+        with sf.Rendering(PLANE) as goes, sf.Rendering(PLANE) as stays:
+            for moment in times:
+                depth = down * min(moment / 0.3, 1.0)
+                goes.step([0, 0, 8.5e-3 - depth, 1, 0, 0, 0], moment)
+                up[2, 3] = depth
+                stays.move_object(0, up)
+                stays.step([0, 0, 8.5e-3, 1, 0, 0, 0], moment)
+            np.testing.assert_allclose(stays.snapshot().X_WO[0], up)
+            self.assertGreater(goes.snapshot().normal_force, 0.1)
+            self.assertAlmostEqual(stays.snapshot().normal_force, goes.snapshot().normal_force, delta=0.02 * goes.snapshot().normal_force)
+            with self.assertRaisesRegex(sf.InputError, "object_count"):
+                stays.move_object(1, up)
+            with self.assertRaisesRegex(sf.InputError, "1000 m"):
+                stays.move_object(0, np.full(7, np.nan))
+        with sf.Rendering(PLANE, record=self.folder / "moved.sqlite") as recorded, self.assertRaisesRegex(sf.InputError, "recording"):
+            recorded.move_object(0, up)
+        with sf.Rendering("cup", all_fingers=True) as cup, self.assertRaisesRegex(sf.InputError, "moves by forces"):
+            cup.move_object(0, up)
 
     def test_a_press_is_that_of_the_command_line(self):
         for flags, words in (
@@ -148,6 +190,110 @@ class SameBits(unittest.TestCase):
         self.assertEqual(ours.read_text(), theirs.read_text())
         self.assertAlmostEqual(found.parameters["youngs_modulus_kPa"].value, 26.0, delta=1.0)
 
+    def test_what_files_say_is_that_of_the_command_line(self):
+        self.assertEqual(sf.check_scene("cup"), command_line("scene", "check", "cup", "--json"))
+        self.assertEqual(sf.show_finger(FINGER), command_line("finger", "show", FINGER, "--json"))
+        self.assertEqual(sf.schema("scene"), json.loads(command_line("scene", "schema")))
+        self.assertEqual(sf.schema("finger"), json.loads(command_line("finger", "schema")))
+        self.assertEqual(sf.schema("person"), json.loads(command_line("finger", "schema", "--person")))
+        self.assertEqual(sf.schema("device"), json.loads(command_line("device", "schema")))
+        self.assertEqual(sf.schema("device", "membrane"), json.loads(command_line("device", "schema", "membrane")))
+        for device in ("thimble-3rrs", "membrane"):
+            self.assertEqual(sf.Device(device).workspace(), command_line("device", "workspace", device, "--json"))
+
+    def test_a_study_is_that_of_the_command_line(self):
+        """Of a device alone, which takes no time; cut in shards, read while it goes on, and taken together."""
+        study = self.folder / "travel.toml"
+        study.write_text(f"""device = "{THIMBLE}"
+[vary]
+device.geometry.disk_radius_mm = {{ values = [6, 8, 10] }}
+[objectives]
+gap = {{ formula = "12 - device.geometry.disk_radius_mm" }}
+[constraints]
+broad = {{ formula = "device.geometry.disk_radius_mm", at_least = 7 }}
+[design]
+kind = "grid"
+""")
+        ours, theirs = self.folder / "ours", self.folder / "theirs"
+        command_line("study", study, "--out", theirs)
+        command_line("study", "export", theirs, "--to", self.folder / "theirs.csv")
+        self.assertEqual(sf.study(study, ours, shard=(1, 2))["end"], "shard done")
+        self.assertEqual(sf.study(study, ours, shard=(2, 2))["end"], "shard done")
+        report = sf.study(study, ours)
+        self.assertEqual((report["end"], report["designs"], report["infeasible"]), ("finished", 3, 1))
+        self.assertEqual(report["recorded"], report["cases"])
+        found = sf.Study(ours)
+        self.assertTrue(found.finished)
+        self.assertEqual((found.parameters, found.objectives, found.constraints),
+                         (["device.geometry.disk_radius_mm"], ["gap"], ["broad"]))
+        self.assertEqual(found.table["device.geometry.disk_radius_mm"].tolist(), [6.0, 8.0, 10.0])
+        self.assertEqual(found.table["feasible"].tolist(), ["false", "true", "true"])
+        self.assertIn("broad", found.table["reason"][0])
+        self.assertEqual(found.table.units["device.geometry.disk_radius_mm"], "mm")
+        self.assertEqual(found.export(self.folder / "ours.csv"), "")
+        self.assertEqual((self.folder / "ours.csv").read_bytes(), (self.folder / "theirs.csv").read_bytes())
+        found.export_device(2, self.folder / "best.toml")
+        self.assertEqual(sf.Device(self.folder / "best.toml").show()["geometry"]["disk_radius_mm"], 10.0)
+        self.assertIn("<svg", found.plot(self.folder / "page").read_text())
+        study.write_text(study.read_text().replace("at_least = 7", "at_least = 8"))
+        with self.assertRaisesRegex(sf.InputError, "ours"):
+            sf.study(study, ours)
+
+    def test_a_finger_is_registered_as_by_the_command_line(self):
+        report = command_line("finger", "register", "--person", self.folder / "theirs.toml", "--finger", "ring", "--breadth-mm", "15.5",
+                              "--json")
+        told = sf.register_finger(self.folder / "ours.toml", finger="ring", breadth_mm=15.5)
+        self.assertEqual({**told, "person": None}, {**report, "person": None})
+        self.assertEqual((self.folder / "ours.toml").read_text(), (self.folder / "theirs.toml").read_text())
+        # A body that is held still, in one posture alone, tells nothing; what is asked for is told.
+        poses = self.folder / "body.csv"
+        poses.write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n" + "".join(f"{0.1 * i:.1f},30,0,20,1,0,0,0\n" for i in range(30)))
+        asked = []
+        with self.assertRaisesRegex(sf.InputError, "^tracker csv:.*ends before posture"):
+            sf.register_finger(self.folder / "none.toml", tracker=f"csv:{poses}", model=FINGER, ask=asked.append)
+        self.assertFalse((self.folder / "none.toml").exists())
+
+    def test_servos_are_calibrated_as_by_the_command_line(self):
+        device, written = ROOT / "devices/thimble-3rrs-feetech.toml", 0
+        for number, at in enumerate(([31.6, 31.6, 31.6], [31.6, 31.0, 32.0], [1000.0, 31.6, 31.6])):
+            theirs, ours = self.folder / f"theirs{number}.toml", self.folder / f"ours{number}.toml"
+            run = subprocess.run([PROGRAM, "device", "calibrate", device, "--out", theirs, "--at", ",".join(map(str, at)), "--moved", "10,10,10"],
+                                 capture_output=True, text=True, check=False)
+            if run.returncode == 0:
+                lines = sf.calibrate_device(device, ours, at=at, moved=[10.0, 10.0, 10.0])
+                self.assertEqual(ours.read_text(), theirs.read_text())
+                self.assertRegex(lines[2], "^joint 3 reaches .* degrees$")
+                written += 1
+            else:
+                with self.assertRaises(sf.InputError) as refused:
+                    sf.calibrate_device(device, ours, at=at, moved=[10.0, 10.0, 10.0])
+                self.assertEqual(f"softfinger: {refused.exception}\n", run.stderr.replace(str(theirs), str(ours)))
+                self.assertFalse(ours.exists())
+        self.assertIn(written, (1, 2))
+        with self.assertRaisesRegex(sf.InputError, "^at and moved: need 3 numbers each"):
+            sf.calibrate_device(device, self.folder / "short.toml", at=[1.0], moved=[1.0])
+
+    def test_conditioning_is_that_of_the_command_line(self):
+        poses = self.folder / "poses.csv"
+        poses.write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n" + "".join(
+            f"{0.01 * i:.2f},{20 * math.sin(0.05 * i):.6f},0,20,1,0,0,0\n" for i in range(200)))
+        report = command_line("condition", poses, "--filter", "--predict-ms", "12", "--noise-mm", "0.3", "--json")
+        self.assertEqual(sf.condition(poses, filter=True, predict_ms=12, noise_mm=0.3), report)
+        with self.assertRaisesRegex(sf.InputError, "^rate_Hz"):
+            sf.condition(poses, filter=True, rate_Hz=0)
+        with self.assertRaisesRegex(sf.InputError, "filter, predict_ms: give one"):
+            sf.condition(poses)
+
+    def test_a_device_that_cannot_learn_its_wearer_writes_nothing(self):
+        person = self.folder / "anna.toml"
+        with self.assertRaisesRegex(sf.OperationError, "nothing written"):
+            sf.fit_device(THIMBLE, FINGER, person, sensor="emulator", fault="dead")
+        with self.assertRaisesRegex(sf.InputError, "^sensor_noise_N 20"):
+            sf.fit_device(THIMBLE, FINGER, person, sensor="emulator", sensor_noise_N=20)
+        with self.assertRaisesRegex(sf.InputError, "sensor smell: there is emulator"):
+            sf.fit_device(THIMBLE, FINGER, person, sensor="smell")
+        self.assertFalse(person.exists())
+
     def test_a_sweep_is_the_same_one_by_one(self):
         files = {26.0: FINGER, 39.0: self.folder / "stiff.toml"}
         files[39.0].write_text(re.sub("(?m)^youngs_modulus_kPa = .*", "youngs_modulus_kPa = 39.0", FINGER.read_text()).replace(
@@ -194,6 +340,15 @@ class SameBits(unittest.TestCase):
         self.assertEqual(device.named(match.configuration), found["configuration"])
         self.assertEqual(match.iterations, found["iterations"])
         self.assertEqual(match.termination, found["termination"])
+        self.assertEqual(list(match.at_limit), found["at_limit"])
+        for objective in ("published", "plane"):
+            found = command_line("match", THIMBLE, "--points", points, "--objective", objective, "--json")
+            other = device.match(np.array(in_mm) * 1e-3, skin.in_contact, objective=objective)
+            self.assertEqual(device.named(other.configuration), found["configuration"], objective)
+            self.assertEqual(list(other.at_limit), found["at_limit"], objective)
+        self.assertFalse(np.array_equal(other.configuration, match.configuration))
+        with self.assertRaisesRegex(sf.InputError, "published.*clamp"):
+            device.match(np.array(in_mm) * 1e-3, skin.in_contact, objective="published", limits="inside")
 
     def test_all_fingers_of_a_scene_hold_what_moves(self):
         """Index and thumb squeeze the sponge, as matrices and as numbers; the bits are those of the command line."""
@@ -330,6 +485,31 @@ class Refusals(unittest.TestCase):
             if recording.exists():
                 self.assertEqual(sf.Recording(recording).replay(), "")
 
+
+    def test_ctrl_c_ends_what_is_done_with_a_recording_and_leaves_nothing_of_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "run.sqlite")
+            sf.run(ROOT / "scenes/hand.toml", record=file, record_state=True, duration_s=0.8)
+            recording = sf.Recording(file)
+            before = set(pathlib.Path(folder).iterdir())
+            for work in (recording.replay, *(lambda to=to: recording.export(pathlib.Path(folder, to)) for to in ("csv", "run.h5", "run.mcap")),
+                         lambda: recording.table("nodes")):
+                interrupt = threading.Timer(0.15, signal.raise_signal, [signal.SIGINT])
+                interrupt.start()
+                began = time.monotonic()
+                with self.assertRaises(KeyboardInterrupt):
+                    work()
+                self.assertLess(time.monotonic() - began, 2.0)
+                self.assertEqual(set(pathlib.Path(folder).iterdir()), before)
+            self.assertEqual(recording.replay(), "")
+
+    def test_ctrl_c_ends_a_study_which_goes_on_later(self):
+        with tempfile.TemporaryDirectory() as folder:
+            interrupt = threading.Timer(1.0, signal.raise_signal, [signal.SIGINT])
+            interrupt.start()
+            with self.assertRaises(KeyboardInterrupt):
+                sf.study("disk", pathlib.Path(folder, "disk"))
+            self.assertFalse(sf.Study(pathlib.Path(folder, "disk")).finished)
 
     def test_ctrl_c_ends_a_long_press(self):
         interrupt = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
