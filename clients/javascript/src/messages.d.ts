@@ -57,12 +57,18 @@ export interface Scene {
   scene: string;
   scenes: string[];
   duration_s: number;
-  objects: { name: string; shape: Shape }[];
+  objects: SceneObject[];
   fingers: FingerDescription[];
   notices: Notice[];
   objectives: Objective[];
   device_states: DeviceState[]; // the most urgent first
   latency_stages: LatencyStage[];
+}
+
+export interface SceneObject {
+  name: string;
+  shape: Shape;
+  hand: string | null; // whose bone it is
 }
 
 /** What a device can be led by. */

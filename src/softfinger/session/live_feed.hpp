@@ -27,6 +27,7 @@ struct SceneDescription {
     Shape shape;
     std::vector<Vector3> positions_O;           ///< of a soft one at rest: what can be touched
     std::vector<std::array<int, 3>> triangles;  ///< indices into these, outward
+    std::string hand;                           ///< whose bone it is; empty: none's
   };
   struct Finger {
     std::string name;

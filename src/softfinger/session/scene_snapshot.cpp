@@ -81,9 +81,12 @@ SceneDescription describe(const RunSetup& setup) {
     description.objectives.push_back({std::string(kind.name), std::string(kind.words)});
   }
   for (const VirtualObject& object : setup.scene.objects) {
-    description.objects.push_back({object.name, object.shape, {}, {}});
-    if (!object.soft) continue;
+    description.objects.push_back({object.name, object.shape, {}, {}, {}});
     SceneDescription::Object& told = description.objects.back();
+    if (object.hand() >= 0) {
+      told.hand = setup.scene.hands[static_cast<std::size_t>(object.hand())].name;
+    }
+    if (!object.soft) continue;
     told.positions_O = touching_nodes(*object.soft);
     told.triangles = object.soft->skin_triangles;
   }

@@ -171,7 +171,9 @@ std::string scene_message(const SceneDescription& scene) {
                                           : Json{{"kind", kSoftShape},
                                                  {"positions_mm", flat(object.positions_O)},
                                                  {"triangles", flat(object.triangles)}};
-    message["objects"].push_back({{"name", object.name}, {"shape", std::move(shape)}});
+    message["objects"].push_back({{"name", object.name},
+                                  {"shape", std::move(shape)},
+                                  {"hand", object.hand.empty() ? Json() : Json(object.hand)}});
   }
   for (const auto& finger : scene.fingers) message["fingers"].push_back(to_json(finger));
   for (const auto& notice : scene.notices) {

@@ -55,7 +55,7 @@ function build(scene: Scene): void {
   if (wearer) rendered.scene.remove(wearer);
   if (device) rendered.scene.remove(device.group);
 
-  objects = scene.objects.map((object) => new ObjectView(object.shape));
+  objects = scene.objects.map((object) => new ObjectView(object));
   fingers = scene.fingers.map((finger) => new FingerView(finger));
   fingersInWorld = fingers.map((view) => view.show());
   virtual.scene.add(...objects.map((view) => view.group), ...fingersInWorld);

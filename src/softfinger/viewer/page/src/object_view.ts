@@ -1,5 +1,5 @@
 import { Group, Mesh, type ShaderMaterial, Vector3 } from "three";
-import type { Shape } from "softfinger-client";
+import type { SceneObject } from "softfinger-client";
 import { glass } from "./glass";
 import { palette } from "./palette";
 import { geometryOf } from "./shape_geometry";
@@ -7,16 +7,19 @@ import { SoftSurface } from "./soft_surface";
 
 const kPlaneReach = 62; // mm; farther away a plane has faded
 
-/** A virtual object as thin glass with a 5 mm grid, which deforms with it, so that the pad is seen through it. */
+/**
+ * A virtual object as thin glass with a 5 mm grid, which deforms with it, so that the pad is seen through it; a bone of a
+ * hand in the colour of skin.
+ */
 export class ObjectView {
   readonly group = new Group();
   private readonly material: ShaderMaterial;
   private readonly fades: boolean;
   private readonly soft: SoftSurface | null;
 
-  constructor(shape: Shape) {
+  constructor({ shape, hand }: SceneObject) {
     this.material = glass({
-      color: palette.object, body: 0.07, rim: 0.42, grid: 5,
+      ...(hand ? { color: palette.skin, body: 0.2, rim: 0.5, grid: 0 } : { color: palette.object, body: 0.07, rim: 0.42, grid: 5 }),
       reach: shape.kind === "plane" ? kPlaneReach : Infinity,
       deforms: shape.kind === "soft",
     });

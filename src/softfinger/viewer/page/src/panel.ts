@@ -117,7 +117,8 @@ export class Panel {
     element("twin").hidden = !finger?.twin;
     element(finger?.twin ? "side" : "rendered-foot").append(element("workspace"));
     document.title = `softfinger · ${scene.scene}`;
-    const objects = scene.objects.map((object) => object.name).join(", ");
+    const things = scene.objects.map(({ name, hand }) => (hand ? `${hand} hand` : name)); // its bones count as one
+    const objects = [...new Set(things)].join(", ");
     element("virtual-what").textContent =
       `${whole ? `${scene.fingers.length} fingers` : finger?.name ?? "finger"} · ${objects}`;
     element("rendered-what").textContent = finger?.device_kind
