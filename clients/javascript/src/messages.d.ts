@@ -57,7 +57,7 @@ export interface Scene {
   scene: string;
   scenes: string[];
   duration_s: number;
-  objects: SceneObject[];
+  objects: { name: string; shape: Shape; hand: string | null }[];
   fingers: FingerDescription[];
   notices: Notice[];
   objectives: Objective[];
@@ -65,11 +65,7 @@ export interface Scene {
   latency_stages: LatencyStage[];
 }
 
-export interface SceneObject {
-  name: string;
-  shape: Shape;
-  hand: string | null; // whose bone it is
-}
+export type SceneObject = Scene["objects"][number];
 
 /** What a device can be led by. */
 export interface Objective {

@@ -32,7 +32,9 @@ class Hash {
         matrix.data(), static_cast<std::size_t>(Matrix::SizeAtCompileTime)));
   }
   void add_bytes(std::span<const std::byte> bytes) {
-    if (bytes.size() > waiting_.size() - waiting_count_) return take_in(bytes);
+    const bool fits =
+        bytes.size() <= waiting_.size() && waiting_count_ <= waiting_.size() - bytes.size();
+    if (!fits) return take_in(bytes);
     std::memcpy(waiting_.data() + waiting_count_, bytes.data(), bytes.size());
     waiting_count_ += bytes.size();
   }

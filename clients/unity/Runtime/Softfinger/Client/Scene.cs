@@ -57,10 +57,14 @@ namespace Softfinger
         public string Name { get; }
         public Shape Shape { get; }
 
+        /// <summary>Whose bone it is; null: nobody's.</summary>
+        public string Hand { get; }
+
         internal SceneObject(Json json)
         {
             Name = json["name"].Text();
             Shape = new Shape(json["shape"]);
+            Hand = json["hand"].IsNull ? null : json["hand"].Text();
         }
     }
 
