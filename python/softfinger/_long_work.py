@@ -64,19 +64,25 @@ class Watch:
             group.add(self)
             return call()
         status: list[int] = []
+        ended = threading.Event()  # Thread.join() takes a thread for ended where Ctrl-C comes while it waits
+
+        def work() -> None:
+            try:
+                status.append(call())
+            finally:
+                ended.set()
+
         # On a thread of its own: this one is there for Ctrl-C.
-        working = threading.Thread(target=lambda: status.append(call()))
-        working.start()
+        threading.Thread(target=work).start()
         show = bar(title, 100)
         try:
-            while working.is_alive():
-                working.join(0.1)
+            while not ended.wait(0.1):
                 show(round(100 * self._progress.value))
                 self.tell(self._progress.value)
             show(100)
         except BaseException:  # Ctrl-C, or what tell() throws
             self.end()
-            working.join()
+            ended.wait()
             raise
         finally:
             show(None)

@@ -147,7 +147,7 @@ TEST(NamesOnPages, Motors) {
 
 TEST(NamesOnPages, ShapesAndUnitsOfObjects) {
   const std::string scene = section("files.md", "## Scene");
-  std::vector<std::string> shapes = names_of(kShapes);
+  std::vector<std::string> shapes = object_shape_names();
   shapes.emplace_back(kSoftShape);
   EXPECT_THAT(values(scene, "shape"), ElementsAreArray(shapes));
   EXPECT_THAT(values(scene, "unit"), ElementsAreArray(names_of(kMeshUnits)));
@@ -176,7 +176,7 @@ TEST(NamesOnPages, InstructionSets) {
 // The live page draws every shape and looks for every finger: the types of its client name them.
 TEST(NamesOnPages, TypesOfTheJavaScriptClient) {
   const std::string wire = source("clients/javascript/src/messages.d.ts");
-  std::vector<std::string> shapes = names_of(kShapes);
+  std::vector<std::string> shapes = object_shape_names();
   shapes.emplace_back(kSoftShape);
   EXPECT_THAT(all(part(wire, "export type RigidShape =", "\n\n"), "kind: \"(\\w+)\""),
               ElementsAreArray(shapes));

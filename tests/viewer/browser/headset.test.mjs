@@ -25,6 +25,15 @@ test("a hand in a headset brings the finger to the sphere and away", { timeout: 
     await page.mouse.move(at.x, at.y);
     await page.mouse.move(at.x, (at.y += dy), { steps: 20 });
   };
+  /** The colours of a picture, as soon as they are such; a processor that draws takes its time for a frame. */
+  const colorsOnce = async (such) => {
+    let colors = countColors(await page.screenshot());
+    for (let looked = 0; !such(colors) && looked < 60; ++looked) {
+      await page.waitForTimeout(500);
+      colors = countColors(await page.screenshot());
+    }
+    return colors;
+  };
   const at = { x: 0, y: 0 };
   try {
     // By the keyboard: the pointer stays where it is.
@@ -33,20 +42,15 @@ test("a hand in a headset brings the finger to the sphere and away", { timeout: 
     await headsetIs("placed");
     await deviceIs("ready");
     await free();
-    // It is drawn a frame after it is placed; a processor that draws takes its time.
-    let { red, skin } = countColors(await page.screenshot());
-    for (let looked = 0; skin <= 10_000 && looked < 60; ++looked) {
-      await page.waitForTimeout(500);
-      ({ red, skin } = countColors(await page.screenshot()));
-    }
+    // It is drawn a frame after it is placed.
+    const { red, skin } = await colorsOnce((colors) => colors.skin > 10_000);
     assert.ok(skin > 10_000, `${skin} pixels of the hand's skin`);
 
     await moveBy(100);
     await touching();
     await deviceIs("rendering");
     // The finger in the headset is pressed: samples in contact are red.
-    await page.waitForTimeout(500);
-    const pressed = countColors(await page.screenshot());
+    const pressed = await colorsOnce((colors) => colors.red > red + 5);
     assert.ok(pressed.red > red + 5, `${red} red pixels before, ${pressed.red} in contact`);
 
     await moveBy(-100);
