@@ -22,9 +22,8 @@ namespace fs = std::filesystem;
       "{}: cannot be written (is its folder there, and room on the disk?)", file.string()));
 }
 
-using Progress = std::function<void(double)>;
-
-std::string export_file(const fs::path& recording, const fs::path& to, const Progress& progress,
+std::string export_file(const fs::path& recording, const fs::path& to,
+                        const std::function<void(double)>& progress,
                         Exported (*write)(RecordingReader&, FileBeside&)) {
   std::error_code error;
   if (fs::exists(fs::symlink_status(to, error))) {
@@ -43,7 +42,7 @@ std::string export_file(const fs::path& recording, const fs::path& to, const Pro
 }  // namespace
 
 std::string export_recording(const fs::path& recording, const fs::path& to,
-                             const Progress& progress) {
+                             const std::function<void(double)>& progress) {
   std::error_code error;
   const std::string ending = to.extension();
   if (ending.empty() || fs::is_directory(to, error)) return export_csv(recording, to, progress);

@@ -19,7 +19,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kLookInterval = 5e-3;  // s
+constexpr double kPoseInterval = 5e-3;  // s
 
 void check_size(const char* flag, const std::optional<double>& size) {
   if (!size || (*size >= FingerSize::kLeast && *size <= FingerSize::kGreatest)) return;
@@ -86,8 +86,8 @@ class TrackerTime {
  public:
   explicit TrackerTime(bool simulated) : simulated_(simulated) {}
   [[nodiscard]] double next() {
-    if (simulated_) return kLookInterval * static_cast<double>(count_++);
-    std::this_thread::sleep_for(std::chrono::duration<double>(kLookInterval));
+    if (simulated_) return kPoseInterval * static_cast<double>(count_++);
+    std::this_thread::sleep_for(std::chrono::duration<double>(kPoseInterval));
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }
 
@@ -127,7 +127,7 @@ RegistrationProcedure guide(const std::string& spec, const std::atomic<bool>& st
       }
     }
     const double time = clock.next();
-    if (tracker->end_time() && time > *tracker->end_time() + kLookInterval) {
+    if (tracker->end_time() && time > *tracker->end_time() + kPoseInterval) {
       throw InputError(
           fmt::format("--tracker {}: ends before posture '{}' was held still for a second", spec,
                       name_of(procedure.wanted())));

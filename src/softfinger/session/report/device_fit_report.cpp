@@ -5,8 +5,11 @@
 #include "softfinger/session/report/rounded.hpp"
 
 namespace softfinger {
+namespace {
 
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 Json device_fit_report(const DeviceFit& fit) {
   Json answer{{"presses", fit.presses},
