@@ -7,12 +7,14 @@ namespace {
 
 Trajectory wrist_of(const std::vector<HandWaypoint>& waypoints) {
   std::vector<Waypoint> places;
+  places.reserve(waypoints.size());
   for (const HandWaypoint& each : waypoints) places.push_back({each.time, each.X_WH});
   return Trajectory(std::move(places));
 }
 
 Trajectory angles_of(const std::vector<HandWaypoint>& waypoints, std::size_t finger) {
   std::vector<Waypoint> places;
+  places.reserve(waypoints.size());
   for (const HandWaypoint& each : waypoints) {
     places.push_back({each.time, {Matrix3::Identity(), each.angles.at(finger)}});
   }

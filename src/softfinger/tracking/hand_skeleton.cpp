@@ -29,7 +29,7 @@ class Chain {
   /// Middle of the next bone; goes on to its end.
   Pose pass(double length) {
     const Vector3 half(0.5 * length, 0.0, 0.0);
-    const Pose middle{X_HB_.rotation, X_HB_ * half};
+    Pose middle{X_HB_.rotation, X_HB_ * half};
     X_HB_.translation = middle * half;
     return middle;
   }
