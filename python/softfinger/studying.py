@@ -17,8 +17,8 @@ from .rendering import Path
 class Study:
     """What a study has found so far, in the folder that it was run into; also while it goes on, or was killed.
 
-        found = softfinger.study("studies/thimble-travel.toml", "thimble")
-        found.table["max_travel_mm"]
+        softfinger.study("disk", "disk-study")
+        softfinger.Study("disk-study").table["device.geometry.disk_radius_mm"]
     """
 
     def __init__(self, folder: Path) -> None:
