@@ -46,6 +46,9 @@ struct Joint {
   std::optional<JointDetents> detents;
 };
 
+/// Where a part of a hand is that nobody has seen, in W, m.
+inline const Vector3 kNowhere(0.0, 0.0, -1000.0);
+
 /// What pulls a part of a hand towards where it is tracked: springs and dampers in translation and
 /// rotation that together pull no harder than their limits.
 struct Following {

@@ -25,8 +25,10 @@ inline constexpr std::array<NameRow<ShapeKind>, std::variant_size_v<Shape>> kSha
 
 /// Those that a scene's object may have: capsules are parts of hands.
 [[nodiscard]] inline std::vector<std::string> object_shape_names() {
-  std::vector<std::string> names = names_of(kShapes);
-  names.pop_back();
+  std::vector<std::string> names;
+  for (const NameRow<ShapeKind>& row : kShapes) {
+    if (row.value != ShapeKind::kCapsule) names.emplace_back(row.name);
+  }
   return names;
 }
 

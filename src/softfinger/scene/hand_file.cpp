@@ -158,11 +158,10 @@ void add_hands(const std::vector<ReadHand>& read, Scene& scene) {
 }
 
 void leave_to_headset(Scene& scene, std::size_t hand) {
-  const Vector3 nowhere(0.0, 0.0, -1000.0);
   scene.hands[hand].script.reset();
   for (VirtualObject& object : scene.objects) {
     if (object.hand() != static_cast<int>(hand)) continue;
-    object.motion = Trajectory(Pose{Matrix3::Identity(), nowhere});
+    object.motion = Trajectory(Pose{Matrix3::Identity(), kNowhere});
   }
 }
 

@@ -19,8 +19,6 @@ namespace {
 constexpr double kTakesPart = 5e-3;
 /// Steps without contact after which motion counts as smooth.
 constexpr int kSmoothAfter = 2;
-/// Where a bone is that nobody has seen, m.
-const Vector3 kNowhere(0.0, 0.0, -1000.0);
 /// Residual of a step without fingers, whose matrix is exact.
 constexpr double kBodiesTolerance = 1e-10;
 
