@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <thread>
 
@@ -73,6 +74,24 @@ TEST(CInterfaceRefuses, OptionsOfAWrongSize) {
     EXPECT_EQ(create(plane.c_str(), &options).status, SF_BAD_INPUT) << size;
     EXPECT_THAT(create(plane.c_str(), &options).error, HasSubstr("sizeof(sf_options)"));
   }
+}
+
+TEST(CInterfaceRefuses, MoreServosThanADeviceHas) {
+  const std::array<double, 3> read{};
+  sf_calibrate_options options = {};
+  options.size = sizeof options;
+  options.at = options.moved = read.data();
+  const auto refused = [&](std::uint32_t count) {
+    options.count = count;
+    char error[512] = "";
+    EXPECT_EQ(sf_device_calibrate("thimble-3rrs", "never-written.toml", &options, nullptr, 0, error,
+                                  sizeof error),
+              SF_BAD_INPUT);
+    EXPECT_FALSE(std::filesystem::exists("never-written.toml"));
+    return std::string(error);
+  };
+  EXPECT_EQ(refused(0xFFFFFFFFU), "count 4294967295: a device has at most 24 servos");
+  EXPECT_THAT(refused(2), HasSubstr("need 3 numbers each"));
 }
 
 TEST(CInterfaceRefuses, AMissingGuardProgram) {

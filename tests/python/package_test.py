@@ -284,6 +284,18 @@ kind = "grid"
         with self.assertRaisesRegex(sf.InputError, "filter, predict_ms: give one"):
             sf.condition(poses)
 
+    def test_a_device_learns_its_wearer_as_on_the_command_line(self):
+        ours, theirs, middle = self.folder / "ours.toml", self.folder / "theirs.toml", FINGER.parent / "middle.toml"
+        found = sf.fit_device(THIMBLE, FINGER, ours, name="middle", wearer=middle, sensor="emulator", sensor_noise_N=0.02)
+        self.assertEqual(found["presses"], 9)
+        self.assertLess(found["predicted_force_error"], 0.1)
+        # Of a finger that is broader than the model's.
+        self.assertGreater(found["parameters"]["depth_mm"]["value"], found["parameters"]["depth_mm"]["prior"])
+        told = command_line("device", "fit", THIMBLE, "--finger", FINGER, "--person", theirs, "--name", "middle",
+                            "--wearer", middle, "--sensor", "emulator", "--sensor-noise-N", "0.02", "--json")
+        self.assertEqual({**found, "written": ""}, {**told, "written": ""})
+        self.assertEqual(ours.read_text(), theirs.read_text())
+
     def test_a_device_that_cannot_learn_its_wearer_writes_nothing(self):
         person = self.folder / "anna.toml"
         with self.assertRaisesRegex(sf.OperationError, "nothing written"):

@@ -11,6 +11,7 @@
 #include "softfinger/c_interface/host_watch.hpp"
 #include "softfinger/c_interface/table.hpp"
 #include "softfinger/files/shipped_file.hpp"
+#include "softfinger/motors/transport_settings.hpp"
 #include "softfinger/session/report/device_fit_report.hpp"
 #include "softfinger/session/servo_calibration_file.hpp"
 
@@ -50,6 +51,10 @@ ServoCalibrationOptions calibration_options(const char* device, const char* to,
                                             const sf_calibrate_options& given) {
   if (given.at == nullptr || given.moved == nullptr) {
     throw InputError("at and moved: must not be NULL");
+  }
+  if (given.count > kMostServos) {
+    throw InputError(
+        fmt::format("count {}: a device has at most {} servos", given.count, kMostServos));
   }
   ServoCalibrationOptions options{.device = file_or_shipped(Shipped::kDevice, device),
                                   .out = to,
