@@ -21,7 +21,8 @@ NAMES = ["libsoftfinger-dev", "libsoftfinger0", "python3-softfinger", "softfinge
 TRY = r"""
 set -eux
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
-export XDG_CACHE_HOME=/tmp/cache  # a user's, which no package removes
+export HOME=/tmp/home XDG_CACHE_HOME=/tmp/cache  # a user's, which no package removes
+mkdir $HOME
 apt-get update -q
 # What they depend on first, so that all that comes and goes afterwards is theirs.
 for package in /packages/*.deb; do dpkg-deb -f $package Depends; done | tr ',' '\n' | sed 's/(.*//; s/|.*//; s/:any//' | grep -v softfinger |
@@ -30,7 +31,7 @@ for package in /packages/*.deb; do dpkg-deb -f $package Depends; done | tr ',' '
 apt-get install -qy --no-install-recommends gcc g++ make cmake pkgconf python3-matplotlib python3-tomlkit mono-mcs mono-runtime \
   libmono-system-core4.0-cil nodejs node-ws
 everything() {
-  find / -xdev \( -path /proc -o -path /dev/pts -o -path /tmp -o -path /packages -o -path /later -o -path /var/cache -o -path /var/lib/apt \
+  find / -xdev \( -path /proc -o -path /dev/pts -o -path /dev/shm -o -path /tmp -o -path /packages -o -path /later -o -path /var/cache -o -path /var/lib/apt \
     -o -path /var/lib/dpkg -o -path /var/log \) -prune -o -print | sort
 }
 everything >/tmp/before
