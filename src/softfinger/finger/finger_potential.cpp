@@ -86,7 +86,8 @@ FingerPotential::FingerPotential(const FingerModel& model, Bone bone, std::size_
   }
   direction_.assign(unknowns, 0.0);
   predicted_.assign(nodes, Vector3::Zero());
-  node_gradient_.assign(nodes, Vector3::Zero());
+  elastic_gradient_.assign(nodes, Vector3::Zero());
+  node_gradient_ = elastic_gradient_;
   if (bone == Bone::kPrescribed) loads_ = node_gradient_;
   lever_arms_.assign(nodes, Vector3::Zero());
   const std::size_t contact_points = model.sample_nodes.size() + FeaturePoints::kMost;
@@ -188,7 +189,14 @@ void FingerPotential::limit_strain(bool limited) {
   evaluate_current();
 }
 
-void FingerPotential::renew() { evaluate_current(); }
+void FingerPotential::renew() {
+  if (!cache_is_current_) {
+    evaluate_current();
+    return;
+  }
+  meet(At::kCurrent);
+  add_up(At::kCurrent);
+}
 
 bool FingerPotential::is_tangled() const { return elastic_.stretches(work_).min < 0.0; }
 
@@ -207,8 +215,14 @@ void FingerPotential::meet(At at) {
 void FingerPotential::complete(At at) {
   Point& point = this->point(at);
   cache_is_current_ = at == At::kCurrent;
-  std::fill(node_gradient_.begin(), node_gradient_.end(), Vector3::Zero());
-  point.elastic_energy = elastic_.energy_gradient(point.positions, work_, node_gradient_, team_);
+  std::fill(elastic_gradient_.begin(), elastic_gradient_.end(), Vector3::Zero());
+  point.elastic_energy = elastic_.energy_gradient(point.positions, work_, elastic_gradient_, team_);
+  add_up(at);
+}
+
+void FingerPotential::add_up(At at) {
+  Point& point = this->point(at);
+  std::copy(elastic_gradient_.begin(), elastic_gradient_.end(), node_gradient_.begin());
   point.energy = point.elastic_energy + point.contact_energy;
   const std::size_t samples = model_.sample_nodes.size();
   for (std::size_t i = 0; i < samples; ++i) {

@@ -67,7 +67,8 @@ class FingerPotential {
   void restore_features(const FeaturePoints::State& state) {
     if (!features_.restore(state)) has_factor_ = false;
   }
-  /// Evaluates the current point anew: the anchors have changed.
+  /// Evaluates the current point anew where skin and tissue are as before: the anchors or the
+  /// features have changed.
   void renew();
   /// Forgets the factor and the warm starts: the next minimisation does not depend on earlier ones.
   void forget();
@@ -174,6 +175,8 @@ class FingerPotential {
     meet(At::kCurrent);
     complete(At::kCurrent);
   }
+  /// What complete() does after the tissue's forces are known.
+  void add_up(At at);
   void choose_features();
   [[nodiscard]] std::size_t contact_points() const {
     return model_.sample_nodes.size() + features_.points().size();
@@ -207,6 +210,7 @@ class FingerPotential {
   ElasticModel::Work work_;
   std::vector<double> direction_;
   std::vector<Vector3> predicted_;
+  std::vector<Vector3> elastic_gradient_;  ///< by nodes, at the last evaluation
   std::vector<Vector3> node_gradient_;
   std::vector<Vector3> loads_;
   std::vector<Vector3> contact_positions_, contact_gradient_;

@@ -19,6 +19,7 @@ constexpr double kLongestPart = 0.25e-3;
 /// A jump has no path worth following: no more parts than this.
 constexpr int kMostParts = 16;
 constexpr double kTolerance = 1e-7;  // relative residual
+constexpr double kRoughly = 1e-4;    // likewise, while friction limits and features still change
 constexpr int kIterations = 120;     // a press
 /// Lagged friction limits are renewed until they change by less than this, N.
 constexpr double kFrictionTolerance = 1e-5;
@@ -208,20 +209,27 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
   potential.restore_features(kept_features);
   place();
   NewtonOptions newton;
-  newton.tolerance = kTolerance;
+  newton.tolerance = kRoughly;
   newton.max_iterations = kIterations;
   newton.stop = stop;
   TwinSummary summary;
   for (int pass = 0; pass < kFrictionPasses; ++pass) {
     if (pass < kLooks) begin(pass == 0 ? std::span<const Vector3>{} : positions);
-    start(pass == 0 && was_foreseen);
+    if (pass == 0) {
+      start(was_foreseen);
+    } else {
+      potential.renew();
+    }
     const NewtonSummary solved = untangle_and_minimise(potential, newton);
     summary.iterations += solved.iterations;
     summary.converged = solved.converged;
     potential.settle();
     std::copy(potential.positions().begin(), potential.positions().end(), positions.begin());
     const double change = potential.contact().update_limits(anchors);
-    if (pass + 1 >= kLooks && change < kFrictionTolerance) break;
+    const bool stand = pass + 1 >= kLooks && change < kFrictionTolerance;
+    const bool fully = newton.tolerance == kTolerance || solved.residual <= kTolerance;
+    if (stand && fully) break;
+    if (stand || pass + 2 == kFrictionPasses) newton.tolerance = kTolerance;
   }
   report_contact(*wearer, potential, contact);
   return summary;
