@@ -18,9 +18,9 @@ extern "C" int read_page_request(const std::uint8_t* data, std::size_t size) {
       request->scene != kScenes[1]) {
     __builtin_trap();
   }
-  const Matrix3& R = request->X_WFt.rotation;
+  const Matrix3& R = request->X_W.rotation;
   const bool rigid = (R.transpose() * R - Matrix3::Identity()).norm() < 1e-9;
-  if (!rigid || !(request->X_WFt.translation.cwiseAbs().maxCoeff() <= 1.0)) __builtin_trap();
+  if (!rigid || !(request->X_W.translation.cwiseAbs().maxCoeff() <= 1.0)) __builtin_trap();
   for (const auto& side :
        {request->measured.length, request->measured.breadth, request->measured.depth}) {
     if (side && !(*side > 0.0 && *side < 1.0)) __builtin_trap();

@@ -13,7 +13,7 @@
 #include "softfinger/loop/scene_loop.hpp"
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/rendered_finger.hpp"
-#include "softfinger/session/run_hands.hpp"
+#include "softfinger/session/run_objects.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/threads/thread_team.hpp"
 #include "softfinger/tracking/conditioning/conditioned_tracker.hpp"
@@ -117,7 +117,7 @@ struct Rendering::Implementation {
     ThreadTeam* const shared = team ? &*team : nullptr;
     together.emplace(setup->scene.objects, setup->scene.gravity, rate, shared,
                      options.record_state && !options.recording.empty());
-    hands.emplace(setup->scene);
+    wanted.emplace(setup->scene);
     for (std::size_t i = 0; i < setup->scene.fingers.size(); ++i) {
       fingers.push_back(std::make_unique<RenderedFinger>(*setup, i, options, shared));
       together->add(fingers.back()->chain());
@@ -173,7 +173,7 @@ struct Rendering::Implementation {
     if (!begun) {
       begun = true;
       origin = time;
-      together->start(track_hands(0));
+      together->start(wanted_objects(0));
       record_objects();
       for (const auto& finger : fingers) record(finger->chain().start(finger->target()));
       return;
@@ -190,7 +190,7 @@ struct Rendering::Implementation {
         tracked[f] = fingers[f]->on_the_way(i, steps, at);
       }
       lead_objects(i, steps);
-      together->step(done, tracked, track_hands(done));
+      together->step(done, tracked, wanted_objects(done));
       record_objects();
       for (const auto& finger : fingers) {
         if (finger->chain().tick_is_due()) record(finger->tick(arrival, origin));
@@ -201,13 +201,13 @@ struct Rendering::Implementation {
     for (const auto& finger : fingers) finger->arrive();
   }
 
-  /// As their scripts say; a headset is nobody's who calls.
-  std::span<const BoneRecord> track_hands(std::int64_t step) {
-    const auto bones = hands->sample(step, static_cast<double>(step) / rate);
-    for (std::size_t b = 0; b < bones.size(); ++b) {
-      if (hands->changed(b)) record(bones[b]);
+  /// As scripts of hands say; a headset is nobody's who calls.
+  std::span<const FollowRecord> wanted_objects(std::int64_t step) {
+    const auto rows = wanted->sample(step, static_cast<double>(step) / rate);
+    for (std::size_t o = 0; o < rows.size(); ++o) {
+      if (wanted->changed(o)) record(rows[o]);
     }
-    return bones;
+    return rows;
   }
 
   void lead_objects(std::int64_t step, std::int64_t count) {
@@ -280,7 +280,7 @@ struct Rendering::Implementation {
   std::optional<ThreadTeam> team;  // none: one thread
   std::optional<SceneLoop> together;
   std::vector<std::unique_ptr<RenderedFinger>> fingers;
-  std::optional<RunHands> hands;
+  std::optional<RunObjects> wanted;
   std::vector<TrackedInput> tracked;           // of each, of the step under way
   std::unique_ptr<RecordingWriter> recording;  // null: none
   EventQueue events;

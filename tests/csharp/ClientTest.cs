@@ -20,6 +20,7 @@ static class ClientTest
             case "move": return Check.Status(() => Move(address));
             case "stop": return Check.Status(() => Stop(address));
             case "hand": return Check.Status(() => HandMoves(address));
+            case "hold": return Check.Status(() => Holds(address));
             case "choose": return Check.Status(() => Choose(address));
             case "token": return Check.Status(() => Token(address, arguments[2]));
             case "refuse": return Check.Status(() => Refuse(address));
@@ -127,6 +128,28 @@ static class ClientTest
             ObjectEvents.Event impact = heard.Find(one => one.Kind == "impact"), click = heard.Find(one => one.Kind == "click");
             Check.That(impact.Object == "button" && impact.Other == "index" && impact.Impulse_N_s > 0, $"{impact.Object} and {impact.Other}");
             Check.That(click.Object == "button" && click.Other == null && click.Time_s > impact.Time_s, "click");
+        }
+    }
+
+    /// <summary>The uppermost block is lifted off the tower and falls; the table is not taken.</summary>
+    static void Holds(string address)
+    {
+        using (Client client = Connect(address))
+        {
+            int at = 0;
+            while (client.Scene.Objects[at].Name != "block_5") ++at;
+            Check.That(client.Scene.Objects[at].Holdable, "a block");
+            Check.Throws<InputError>(() => Wait(client.HoldAsync("table", new Pose())), "no object table that can be held");
+            double height = 0;
+            DateTime begin = DateTime.UtcNow;
+            while (height < 0.12 && (DateTime.UtcNow - begin).TotalMilliseconds < Patience_ms)
+            {
+                Wait(client.HoldAsync("block_5", new Pose(0, 0.05, 0.13)));
+                height = Until<Snapshot>(client, snapshot => true).X_WO[at].Z_m;
+            }
+            Check.That(height >= 0.12, $"lifted to {height} m");
+            Wait(client.LetGoAsync("block_5"));
+            Until<Snapshot>(client, snapshot => snapshot.X_WO[at].Z_m < 0.06);
         }
     }
 

@@ -178,6 +178,10 @@ class Client(unittest.TestCase):
                     with self.subTest(case):
                         self.passes(case, address)
 
+    def test_an_object_is_taken_and_let_go(self):
+        with mono.softfinger(PROGRAM, ROOT / "scenes/tower.toml", *PLATE, "--repeat") as address:
+            self.passes("hold", address)
+
     def test_a_soft_object_is_told_as_it_deforms(self):
         with mono.softfinger(PROGRAM, ROOT / "scenes/sponge.toml", *PLATES) as address:
             self.passes("soft", address)

@@ -6,7 +6,7 @@ import { connect, kProtocolVersion, open, WebSocketServer } from "./client_under
 
 const kScene = {
   type: "scene", protocol_version: kProtocolVersion, generation: 3, scene: "plane", scenes: ["plane", "edge"],
-  fingers: [{ name: "index", objectives: [1] }, { name: "ring", objectives: [] }],
+  objects: [], fingers: [{ name: "index", objectives: [1] }, { name: "ring", objectives: [] }],
   objectives: [{ name: "pressure" }, { name: "surface" }], latency_stages: [],
 };
 
@@ -125,6 +125,8 @@ test("what the program would refuse is refused, and not sent", kLimit, async () 
   refused(() => client.pose(0, [0, NaN, 0]), "expected a position");
   refused(() => client.pose(0, [0, 0]), "expected a position");
   refused(() => client.pose(0, [0, 0, 0], [0, 0, 0, 1.1]), "expected a quaternion");
+  refused(() => client.hold("table", [0, 0, 0]), "no object that can be held 'table' here; there is none");
+  refused(() => client.letGo("table"), "no object that can be held 'table' here");
   refused(() => client.chooseScene("moon"), "no scene 'moon' here; there is plane, edge");
   refused(() => client.chooseObjective("index", "pressure"), "no objective 'pressure' here; there is surface");
   refused(() => client.hand("left", [1, 2, 3]), "expected 8 numbers");

@@ -221,6 +221,16 @@ test("pose moves a finger that is the page's, by the client that was first", asy
   assert.ok(Math.abs(later.fingers[0].X_WFt[0] - 3) < 1e-3, "moved by the second");
 });
 
+test("hold takes an object to where it is wanted, let_go lets it fall", async () => {
+  const at = 5; // the marble's place among objects
+  assert.deepEqual(client.scene.objects.filter(({ holdable }) => holdable).map(({ name }) => name), ["marble"]);
+  assert.equal(client.scene.objects[at].name, "marble");
+  const height = ({ X_WO }) => X_WO[at][2];
+  await meanwhile(() => client.hold("marble", [900, 10, 40]), snapshot((one) => height(one) > 35, "a marble that is lifted"));
+  client.letGo("marble");
+  await snapshot((one) => height(one) < 6, "a marble that has fallen");
+});
+
 test("Hand moves a finger that follows a headset", async () => {
   assert.equal(layout("Hand").at(-1).type, `f32[${8 * kHandJoints.length}]`);
   // Straight fingers ahead, -z of a y-up space: x of W. Ft is between the distal joint and the tip.

@@ -65,7 +65,7 @@ TEST_F(HandRun, ReplaysToTheBitAndNoticesABoneTrackedElsewhere) {
 TEST_F(HandRun, HasARowWhereABoneIsTrackedElsewhereAlone) {
   record(scene_, file_, 0.3);
   RecordingReader reader(file_);
-  BoneRecord bone;
+  FollowRecord bone;
   std::int64_t rows = 0, last = 0;
   while (reader.next(bone)) {
     ++rows;

@@ -160,7 +160,7 @@ TEST(LiveRun, TrackingThatIsLostInAPauseRetractsTheDevice) {
       for (int i = 0; i < 6000; ++i) {
         LiveRequest pose;
         pose.kind = LiveRequest::Kind::kPose;
-        pose.X_WFt.translation.z() = 20e-3;
+        pose.X_W.translation.z() = 20e-3;
         if (seen) session.request(pose);
         session.refresh();
         if (condition(session.latest())) return true;

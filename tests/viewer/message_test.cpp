@@ -46,9 +46,9 @@ TEST(PageRequest, ReadsAPose) {
   ASSERT_TRUE(request);
   EXPECT_EQ(request->kind, LiveRequest::Kind::kPose);
   EXPECT_EQ(request->finger, 1u);
-  EXPECT_LT((request->X_WFt.translation - Vector3(1 * mm, -2.5 * mm, 30 * mm)).norm(), 1e-15);
+  EXPECT_LT((request->X_W.translation - Vector3(1 * mm, -2.5 * mm, 30 * mm)).norm(), 1e-15);
   const Matrix3 half_turn = Vector3(-1.0, -1.0, 1.0).asDiagonal();
-  EXPECT_LT((request->X_WFt.rotation - half_turn).norm(), 1e-12);
+  EXPECT_LT((request->X_W.rotation - half_turn).norm(), 1e-12);
 }
 
 TEST(PageRequest, RefusesPosesThatAreNone) {
@@ -73,6 +73,39 @@ TEST(PageRequest, RefusesPosesThatAreNone) {
     EXPECT_TRUE(refused("0", somewhere, quaternion)) << quaternion;
   }
   EXPECT_TRUE(refused("0", somewhere, upright, R"(,"more":1)"));
+}
+
+TEST(PageRequest, ReadsWhereAnObjectIsHeld) {
+  const auto request = parse_page_request(
+      R"({"request":"hold","object":"cup","position_mm":[1,-2.5,30],"quaternion":[0,0,0,1]})",
+      kScenes);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->kind, LiveRequest::Kind::kHold);
+  EXPECT_EQ(request->object, "cup");
+  EXPECT_LT((request->X_W.translation - Vector3(1 * mm, -2.5 * mm, 30 * mm)).norm(), 1e-15);
+  const auto let_go = parse_page_request(R"({"request":"let_go","object":"cup"})", kScenes);
+  ASSERT_TRUE(let_go);
+  EXPECT_EQ(let_go->kind, LiveRequest::Kind::kLetGo);
+  EXPECT_EQ(let_go->object, "cup");
+}
+
+TEST(PageRequest, RefusesHoldsThatAreNone) {
+  const std::string pose = R"(,"position_mm":[0,0,0],"quaternion":[1,0,0,0])";
+  const auto refused = [](const std::string& rest) {
+    return !parse_page_request(R"({"request":)" + rest + "}", kScenes);
+  };
+  ASSERT_FALSE(refused(R"("hold","object":"cup")" + pose));
+  ASSERT_FALSE(refused(R"("let_go","object":"cup")"));
+  for (const std::string& object : {std::string(R"("")"), std::string("4"), std::string("null"),
+                                    '"' + std::string(257, 'x') + '"'}) {
+    EXPECT_TRUE(refused(R"("hold","object":)" + object + pose)) << object;
+    EXPECT_TRUE(refused(R"("let_go","object":)" + object)) << object;
+  }
+  EXPECT_TRUE(refused(R"("hold","object":"cup")"));
+  EXPECT_TRUE(refused(R"("hold")" + pose));
+  EXPECT_TRUE(refused(R"("hold","finger":0)" + pose));
+  EXPECT_TRUE(refused(R"("let_go","object":"cup")" + pose));
+  EXPECT_TRUE(refused(R"("hold","object":"cup","position_mm":[0,0,1001],"quaternion":[1,0,0,0])"));
 }
 
 TEST(PageRequest, ReadsAnObjective) {

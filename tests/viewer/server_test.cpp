@@ -272,11 +272,14 @@ TEST_F(ServerTest, OnePageMovesFingersAtATime) {
     first.send_frame(1, pose(1));
     ASSERT_EQ(wait_for(1).size(), 1U);
     second.send_frame(1, pose(2));
+    second.send_frame(
+        1, R"({"request":"hold","object":"a","position_mm":[0,0,0],"quaternion":[1,0,0,0]})");
+    second.send_frame(1, R"({"request":"let_go","object":"a"})");
     second.send_frame(1, R"({"request":"pause"})");
     const auto requests = wait_for(2);
     ASSERT_EQ(requests.size(), 2U);
-    EXPECT_DOUBLE_EQ(requests[0].X_WFt.translation.z(), 1e-3);
-    EXPECT_EQ(requests[1].kind, LiveRequest::Kind::kPause) << "no pose of the second page";
+    EXPECT_DOUBLE_EQ(requests[0].X_W.translation.z(), 1e-3);
+    EXPECT_EQ(requests[1].kind, LiveRequest::Kind::kPause) << "nothing of the second page moves";
   }
   // The first is gone: whoever is there may.
   std::vector<LiveRequest> requests;
@@ -286,7 +289,7 @@ TEST_F(ServerTest, OnePageMovesFingersAtATime) {
     requests = feed.requests();
   }
   ASSERT_GE(requests.size(), 3U);
-  EXPECT_DOUBLE_EQ(requests.back().X_WFt.translation.z(), 3e-3);
+  EXPECT_DOUBLE_EQ(requests.back().X_W.translation.z(), 3e-3);
 }
 
 TEST_F(ServerTest, HandsOfAHeadsetReachTheFeedFromOnePage) {

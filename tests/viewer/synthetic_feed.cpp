@@ -393,6 +393,8 @@ void SyntheticFeed::request(const LiveRequest& request) {
       }
       break;
     case LiveRequest::Kind::kPose:
+    case LiveRequest::Kind::kHold:
+    case LiveRequest::Kind::kLetGo:
     case LiveRequest::Kind::kReload:
       break;  // it bobs by itself
   }

@@ -34,13 +34,18 @@ export class Client extends Connection {
   /** @type {import("./index.js").Client["pose"]} */
   pose(finger, position_mm, quaternion = [1, 0, 0, 0]) {
     if (!this.scene) return false;
-    check(position_mm.length === 3 && position_mm.every((x) => Math.abs(x) <= kFarthest),
-      `a position of three coordinates within ${kFarthest} mm of the origin`, position_mm);
-    check(quaternion.length === 4 && Math.abs(Math.hypot(...quaternion) - 1) < 0.01,
-      "a quaternion w, x, y, z of length 1", quaternion);
-    return this.send({
-      request: "pose", finger: this.#fingerOf(finger), position_mm: [...position_mm], quaternion: [...quaternion],
-    });
+    return this.send({ request: "pose", finger: this.#fingerOf(finger), ...poseOf(position_mm, quaternion) });
+  }
+
+  /** @type {import("./index.js").Client["hold"]} */
+  hold(object, position_mm, quaternion = [1, 0, 0, 0]) {
+    if (!this.scene) return false;
+    return this.send({ request: "hold", object: this.#holdable(object), ...poseOf(position_mm, quaternion) });
+  }
+
+  /** @type {import("./index.js").Client["letGo"]} */
+  letGo(object) {
+    return this.scene !== null && this.send({ request: "let_go", object: this.#holdable(object) });
   }
 
   /** @type {import("./index.js").Client["hand"]} */
@@ -60,11 +65,26 @@ export class Client extends Connection {
     return this.scene !== null && this.send({ request: "fit", finger: this.#fingerOf(finger), again });
   }
 
+  /** @param {string} name */
+  #holdable(name) {
+    const objects = this.scene?.objects.filter(({ holdable }) => holdable) ?? [];
+    return oneOf("object that can be held", name, objects.map((object) => object.name));
+  }
+
   /** @param {number | string} finger */
   #fingerOf(finger) {
     const names = this.scene?.fingers.map(({ name }) => name) ?? [];
     return names.indexOf(oneOf("finger", typeof finger === "number" ? names[finger] ?? finger : finger, names));
   }
+}
+
+/** @param {readonly number[]} position_mm @param {readonly number[]} quaternion */
+function poseOf(position_mm, quaternion) {
+  check(position_mm.length === 3 && position_mm.every((x) => Math.abs(x) <= kFarthest),
+    `a position of three coordinates within ${kFarthest} mm of the origin`, position_mm);
+  check(quaternion.length === 4 && Math.abs(Math.hypot(...quaternion) - 1) < 0.01,
+    "a quaternion w, x, y, z of length 1", quaternion);
+  return { position_mm: [...position_mm], quaternion: [...quaternion] };
 }
 
 /** @param {string} what @param {string | number} name @param {string[]} names @returns {string} */

@@ -69,6 +69,13 @@ export class Client {
    */
   pose(finger: number | string, position_mm: readonly number[], quaternion?: readonly number[]): boolean;
   /**
+   * A person holds a `holdable` object there, as pose(), X_WO: a spring pulls it, as hard as a hand would. Again and again:
+   * after 200 ms of silence it is let go.
+   */
+  hold(object: string, position_mm: readonly number[], quaternion?: readonly number[]): boolean;
+  /** It flies on as it moved. */
+  letGo(object: string): boolean;
+  /**
    * A hand for fingers whose tracker is `webxr` (`headset`), as pose(): eight numbers each of kHandJoints, position (m)
    * and quaternion x, y, z, w in a y-up space with the scene's origin, and radius (m); null: it is not seen. Dropped
    * where earlier ones still wait to be sent.

@@ -57,7 +57,7 @@ export interface Scene {
   scene: string;
   scenes: string[];
   duration_s: number;
-  objects: { name: string; shape: Shape; hand: string | null }[];
+  objects: { name: string; shape: Shape; hand: string | null; holdable: boolean }[];
   fingers: FingerDescription[];
   notices: Notice[];
   objectives: Objective[];
@@ -236,4 +236,6 @@ export type Request =
   | { request: "cancel_fit" }
   | { request: "scene"; scene: string }
   | { request: "objective"; finger: number; objective: string } // a name
-  | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] }; // w, x, y, z
+  | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] } // w, x, y, z
+  | { request: "hold"; object: string; position_mm: number[]; quaternion: number[] } // likewise
+  | { request: "let_go"; object: string };

@@ -11,7 +11,6 @@
 #include "softfinger/c_interface/host_watch.hpp"
 #include "softfinger/c_interface/table.hpp"
 #include "softfinger/files/shipped_file.hpp"
-#include "softfinger/motors/transport_settings.hpp"
 #include "softfinger/session/report/device_fit_report.hpp"
 #include "softfinger/session/servo_calibration_file.hpp"
 
@@ -52,9 +51,9 @@ ServoCalibrationOptions calibration_options(const char* device, const char* to,
   if (given.at == nullptr || given.moved == nullptr) {
     throw InputError("at and moved: must not be NULL");
   }
-  if (given.count > kMostServos) {
-    throw InputError(
-        fmt::format("count {}: a device has at most {} servos", given.count, kMostServos));
+  if (given.count > ServoCalibrationOptions::kMost) {
+    throw InputError(fmt::format("count {}: a device has at most {} servos", given.count,
+                                 ServoCalibrationOptions::kMost));
   }
   ServoCalibrationOptions options{.device = file_or_shipped(Shipped::kDevice, device),
                                   .out = to,

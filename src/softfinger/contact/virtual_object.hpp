@@ -27,6 +27,8 @@ struct VirtualObject {
 
   /// Whether it moves by the forces on it, as a whole or in part.
   [[nodiscard]] bool moves_by_forces() const { return dynamics.has_value() || soft != nullptr; }
+  /// Whether a person can take it: it moves by forces as a whole, and is no part of a hand.
+  [[nodiscard]] bool can_be_held() const { return dynamics && !dynamics->following; }
   /// Number of the hand that it is a part of; -1: none.
   [[nodiscard]] int hand() const {
     return dynamics && dynamics->following ? dynamics->following->hand : -1;

@@ -21,7 +21,10 @@ SceneLoop::SceneLoop(std::span<const VirtualObject> objects, const Vector3& grav
     ObjectRecord& record = records_.emplace_back();
     record.object = static_cast<std::int64_t>(o);
     if (with_state) record.nodes_W.resize(world_->nodes(o).size());
-    if (objects[o].hand() >= 0) bones_.push_back({.object = o});
+    const bool is_bone = objects[o].hand() >= 0;
+    if (is_bone || objects[o].can_be_held()) {
+      followers_.push_back({.object = o, .is_bone = is_bone});
+    }
   }
 }
 
@@ -33,28 +36,37 @@ void SceneLoop::add(FingerChain& chain) {
   if (world_) world_->add(chain.simulation());
 }
 
-void SceneLoop::follow(std::span<const BoneRecord> bones) {
-  for (std::size_t b = 0; b < bones_.size(); ++b) {
-    Bone& bone = bones_[b];
-    if (b < bones.size() && bones[b].valid) {
-      const Pose X_WT = bones[b].X_WT.pose();
-      bone.X_WT = bone.seen ? moved_towards(bone.X_WT, X_WT, kMaxTrackedSpeed / simulation_rate_,
-                                            kMaxTrackedAngularSpeed / simulation_rate_)
-                            : X_WT;
-      bone.seen = true;
+void SceneLoop::follow(std::span<const FollowRecord> wanted) {
+  for (Follower& follower : followers_) {
+    const FollowRecord* const row = wanted.empty() ? nullptr : &wanted[follower.object];
+    const bool valid = row != nullptr && row->valid;
+    if (valid) {
+      const Pose X_WT = row->X_WT.pose();
+      // A bone appears where it is seen first.
+      const Pose from = follower.led       ? follower.X_WT
+                        : follower.is_bone ? X_WT
+                                           : world_->state(follower.object).X_WO;
+      follower.X_WT = moved_towards(from, X_WT, kMaxTrackedSpeed / simulation_rate_,
+                                    kMaxTrackedAngularSpeed / simulation_rate_);
     }
-    world_->follow(bone.object, bone.seen ? &bone.X_WT : nullptr);
+    follower.led = valid || (follower.is_bone && follower.led);
+    const Pose* const X_WT = follower.led ? &follower.X_WT : nullptr;
+    if (follower.is_bone) {
+      world_->follow(follower.object, X_WT);
+    } else {
+      world_->hold(follower.object, X_WT);
+    }
   }
 }
 
-void SceneLoop::start(std::span<const BoneRecord> bones) {
+void SceneLoop::start(std::span<const FollowRecord> wanted) {
   step_ = 0;
   unconverged_steps_ = 0;
   if (!world_) return;
   world_->reset();
-  for (Bone& bone : bones_) bone.seen = false;
-  follow({});  // nowhere: each appears where it is seen first
-  follow(bones);
+  for (Follower& follower : followers_) follower.led = false;
+  follow({});  // bones are nowhere
+  follow(wanted);
   events_.clear();
   events_told_ = 0;
   record();
@@ -67,7 +79,7 @@ void SceneLoop::finish() {
 }
 
 void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked,
-                     std::span<const BoneRecord> bones) {
+                     std::span<const FollowRecord> wanted) {
   step_ = step;
   const auto for_each_chain = [&](const auto& work) {
     if (team_ != nullptr) {
@@ -80,7 +92,7 @@ void SceneLoop::step(std::int64_t step, std::span<const TrackedInput> tracked,
     for_each_chain([&](std::size_t i) { chains_[i]->step(step, tracked[i]); });
     return;
   }
-  follow(bones);
+  follow(wanted);
   world_->begin_step(static_cast<double>(step) / simulation_rate_);
   for_each_chain(
       [&](std::size_t i) { takes_part_[i] = chains_[i]->begin_step(step, tracked[i]) ? 1 : 0; });

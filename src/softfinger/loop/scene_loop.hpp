@@ -22,13 +22,13 @@ class SceneLoop {
   /// In the order of the scene; each must outlive the loop.
   void add(FingerChain& chain);
 
-  /// Objects where the scene has them, before the chains start. `bones`: where those of hands are
-  /// tracked, a row for each in their order.
-  void start(std::span<const BoneRecord> bones = {});
-  /// Step `step` (from 1) of every chain, with a pose for each, and of the bones. Allocates
+  /// Objects where the scene has them, before the chains start. `wanted`: where bones of hands are
+  /// tracked and others held, a row for each object of the scene; empty: nobody says.
+  void start(std::span<const FollowRecord> wanted = {});
+  /// Step `step` (from 1) of every chain, with a pose for each, and of the objects. Allocates
   /// nothing.
   void step(std::int64_t step, std::span<const TrackedInput> tracked,
-            std::span<const BoneRecord> bones = {});
+            std::span<const FollowRecord> wanted = {});
 
   /// Whether any object moves by forces.
   [[nodiscard]] bool moves_objects() const { return world_.has_value(); }
@@ -52,13 +52,14 @@ class SceneLoop {
   [[nodiscard]] std::uint64_t unconverged_steps() const { return unconverged_steps_; }
 
  private:
-  /// A bone of a hand, which is pulled no faster than a finger is.
-  struct Bone {
+  /// A bone of a hand, or what can be held: pulled no faster than a finger is.
+  struct Follower {
     std::size_t object = 0;
-    bool seen = false;  ///< a valid pose was
+    bool is_bone = false;
+    bool led = false;  ///< a bone was seen; another is held
     Pose X_WT;
   };
-  void follow(std::span<const BoneRecord> bones);
+  void follow(std::span<const FollowRecord> wanted);
   void record();
   void record_events();
 
@@ -67,7 +68,7 @@ class SceneLoop {
   ThreadTeam* team_;
   bool with_state_;
   std::optional<World> world_;
-  std::vector<Bone> bones_;
+  std::vector<Follower> followers_;
   std::vector<FingerChain*> chains_;
   std::vector<std::uint8_t> takes_part_;        ///< by chain
   std::vector<FingerSimulation*> simulations_;  ///< of those

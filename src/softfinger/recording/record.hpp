@@ -113,13 +113,14 @@ struct ObjectRecord {
   std::vector<Vector3> nodes_W;  ///< of a soft one, with the whole state recorded; else empty; m
 };
 
-/// Where a bone of a hand is tracked from this step on, an input; step 0 is where it starts. A row
-/// where that changes.
-struct BoneRecord {
+/// Where an object is wanted from this step on, an input: a bone of a hand where it is tracked (at
+/// step 0 where it starts), another one that moves by forces where a person holds it. A row where
+/// that changes.
+struct FollowRecord {
   std::int64_t object = 0;  ///< its number in the scene
   std::int64_t step = 0;
   StoredPose X_WT;
-  bool valid = false;  ///< false while tracking is lost, with the last pose
+  bool valid = false;  ///< false, with the last pose: tracking is lost, or nobody holds it
 };
 
 /// Something that happened to an object that moves, as told in a step; what is told after the last

@@ -200,20 +200,20 @@ struct ObjectFields {
 inline constexpr ObjectFields kObjectFields;
 
 template <auto... Path>
-constexpr Field<BoneRecord, Path...> bone_field(const FieldUse<BoneRecord>& use) {
+constexpr Field<FollowRecord, Path...> follow_field(const FieldUse<FollowRecord>& use) {
   return {use};
 }
 
-struct BoneFields {
+struct FollowFields {
   static constexpr std::tuple all{
-      bone_field<&BoneRecord::step>({.columns = "step", .part = RecordPart::kObject}),
-      bone_field<&BoneRecord::object>({.columns = "object", .part = RecordPart::kObject}),
-      bone_field<&BoneRecord::X_WT>(
+      follow_field<&FollowRecord::step>({.columns = "step", .part = RecordPart::kObject}),
+      follow_field<&FollowRecord::object>({.columns = "object", .part = RecordPart::kObject}),
+      follow_field<&FollowRecord::X_WT>(
           {.columns = "x_m,y_m,z_m,qw,qx,qy,qz", .part = RecordPart::kObject}),
-      bone_field<&BoneRecord::valid>({.columns = "valid", .part = RecordPart::kObject}),
+      follow_field<&FollowRecord::valid>({.columns = "valid", .part = RecordPart::kObject}),
   };
 };
-inline constexpr BoneFields kBoneFields;
+inline constexpr FollowFields kFollowFields;
 
 template <auto... Path>
 constexpr Field<EventRecord, Path...> event_field(const FieldUse<EventRecord>& use) {

@@ -94,7 +94,7 @@ std::string create_tables() {
          create<TickRecord>("ticks", kTickFields, "step, finger, tick") +
          create<ObjectRecord>("objects", kObjectFields, "step, object") +
          create<EventRecord>("events", kEventFields, "step, number") +
-         create<BoneRecord>("bones", kBoneFields, "step, object");
+         create<FollowRecord>("bones", kFollowFields, "step, object");
 }
 
 std::string insert_into(const char* table, int columns) {
@@ -107,7 +107,7 @@ std::string insert_step() { return insert("steps", kStepFields); }
 std::string insert_tick() { return insert("ticks", kTickFields); }
 std::string insert_object() { return insert("objects", kObjectFields); }
 std::string insert_event() { return insert("events", kEventFields); }
-std::string insert_bone() { return insert("bones", kBoneFields); }
+std::string insert_bone() { return insert("bones", kFollowFields); }
 
 std::string step_query(const std::set<std::string>& present) {
   return query(kStepFields, present, "steps order by step, finger");
@@ -122,7 +122,7 @@ std::string event_query(const std::set<std::string>& present) {
   return query(kEventFields, present, "events order by step, number");
 }
 std::string bone_query(const std::set<std::string>& present) {
-  return query(kBoneFields, present, "bones order by step, object");
+  return query(kFollowFields, present, "bones order by step, object");
 }
 
 }  // namespace softfinger::recording_layout

@@ -465,9 +465,9 @@ bool RecordingReader::next(EventRecord& r) {
   }
 }
 
-bool RecordingReader::next(BoneRecord& r) {
+bool RecordingReader::next(FollowRecord& r) {
   try {
-    return database_->bones && read_next_object(*database_->bones, kBoneFields, info_, r);
+    return database_->bones && read_next_object(*database_->bones, kFollowFields, info_, r);
   } catch (const SqliteFailure&) {
     fail();
   }

@@ -40,7 +40,7 @@ class RecordingReader {
   /// Next event in order of (step, number); false at the end, or where none moved.
   bool next(EventRecord& record);
   /// Next row of a bone of a hand in order of (step, object); false at the end, or without hands.
-  bool next(BoneRecord& record);
+  bool next(FollowRecord& record);
   /// In the order in which they were told; none in recordings from before there were any.
   [[nodiscard]] std::vector<RecordedMessage> messages();
   /// Starts all over.

@@ -233,7 +233,7 @@ struct RecordingWriter::Database {
     insert_object_state->run();
   }
   void write(const EventRecord& r) { insert(*insert_event, kEventFields, r, 1.0); }
-  void write(const BoneRecord& r) { insert(*insert_bone, kBoneFields, r, 1.0); }
+  void write(const FollowRecord& r) { insert(*insert_bone, kFollowFields, r, 1.0); }
 
   void write(const RecordedMessage& message) {
     insert_message->bind(0, ++messages);
@@ -326,7 +326,7 @@ void RecordingWriter::push(const ObjectRecord& record) { push_to(objects_, recor
 
 void RecordingWriter::push(const EventRecord& record) { push_to(events_, record); }
 
-void RecordingWriter::push(const BoneRecord& record) { push_to(bones_, record); }
+void RecordingWriter::push(const FollowRecord& record) { push_to(bones_, record); }
 
 void RecordingWriter::push(const TickRecord& record) {
   push_to(*ticks_[static_cast<std::size_t>(record.finger)], record);

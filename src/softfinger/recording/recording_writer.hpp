@@ -41,7 +41,7 @@ void refuse_unless_recordable(const std::filesystem::path& file);
 ///     objects(step, object, ...)    one ObjectRecord a row (kObjectFields); step 0 is the start
 ///     object_names(object, name)    of all objects, where any moves
 ///     events(step, number, ...)     one EventRecord a row (kEventFields)
-///     bones(step, object, ...)      one BoneRecord a row (kBoneFields), where it changes
+///     bones(step, object, ...)      one FollowRecord a row (kFollowFields), where it changes
 ///     messages(number, step, time_s, since_start_s, message)   what people were told: one
 ///                                   RecordedMessage a row
 ///     states(step, finger, nodes, samples)   with_state only; float64 blobs, row by row:
@@ -69,7 +69,7 @@ class RecordingWriter {
   /// Simulation thread only. Copies the record; allocates nothing, takes no lock.
   void push(const EventRecord& record);
   /// Simulation thread only. Copies the record; allocates nothing, takes no lock.
-  void push(const BoneRecord& record);
+  void push(const FollowRecord& record);
   /// One thread per finger. Copies the record; allocates nothing, takes no lock.
   void push(const TickRecord& record);
 
@@ -110,7 +110,7 @@ class RecordingWriter {
   std::vector<std::unique_ptr<RingBuffer<TickRecord>>> ticks_;  // one per finger
   RingBuffer<ObjectRecord> objects_;
   RingBuffer<EventRecord> events_;
-  RingBuffer<BoneRecord> bones_;
+  RingBuffer<FollowRecord> bones_;
   std::mutex messages_mutex_;  ///< of the next line
   std::vector<RecordedMessage> messages_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

@@ -28,6 +28,7 @@ struct SceneDescription {
     std::vector<Vector3> positions_O;           ///< of a soft one at rest: what can be touched
     std::vector<std::array<int, 3>> triangles;  ///< indices into these, outward
     std::string hand;                           ///< whose bone it is; empty: none's
+    bool can_be_held = false;                   ///< by LiveRequest::Kind::kHold
   };
   struct Finger {
     std::string name;
@@ -160,6 +161,8 @@ struct LiveRequest {
     kScene,
     kObjective,  ///< of one finger's device
     kPose,
+    kHold,     ///< an object: a person has it there; to be asked again and again
+    kLetGo,    ///< of it
     kStop,     ///< the devices; latched
     kRelease,  ///< asks to, from the stop that a snapshot told of
     kRegister,
@@ -175,7 +178,8 @@ struct LiveRequest {
   std::string objective;         ///< for kObjective: its name
   std::size_t finger = 0;        ///< for kObjective, kPose, kRegister, kFit: which of the scene's
   bool again = false;            ///< for kFit: see DeviceFitOptions
-  Pose X_WFt;                    ///< for kPose: where the person wants it
+  std::string object;            ///< for kHold, kLetGo: its name
+  Pose X_W;                      ///< for kPose X_WFt, for kHold X_WO: where the person wants it
   FingerSize measured;           ///< for kRegister
   std::optional<double> table_height;  ///< for kRegister: z of W, m; see RegistrationTask
 };

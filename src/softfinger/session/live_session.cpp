@@ -213,6 +213,8 @@ std::shared_ptr<const RunSetup> LiveSession::obey_requests() {
         await_fit(request);
         break;
       case LiveRequest::Kind::kPose:
+      case LiveRequest::Kind::kHold:
+      case LiveRequest::Kind::kLetGo:
       case LiveRequest::Kind::kCancelFit:
       case LiveRequest::Kind::kStop:
       case LiveRequest::Kind::kRelease:
@@ -347,8 +349,11 @@ const Snapshot& LiveSession::latest() const { return viewed_->snapshots().latest
 
 void LiveSession::request(const LiveRequest& request) {
   if (request.kind == LiveRequest::Kind::kPose) {
-    viewed_->offer_pose(request.finger, request.X_WFt);
+    viewed_->offer_pose(request.finger, request.X_W);
     return;
+  }
+  if (request.kind == LiveRequest::Kind::kHold || request.kind == LiveRequest::Kind::kLetGo) {
+    return hold(request);
   }
   if (request.kind == LiveRequest::Kind::kRegister) return begin_registration(request);
   if (request.kind == LiveRequest::Kind::kCancelRegistration) return registration_.cancel();
@@ -358,6 +363,19 @@ void LiveSession::request(const LiveRequest& request) {
   if (request.kind == LiveRequest::Kind::kStop) return run_->stop_devices(StopCause::kPerson);
   if (request.kind == LiveRequest::Kind::kRelease) return release(request);
   if (requests_.size() < kMostRequests) requests_.push_back(request);
+}
+
+/// By name: what comes late may be meant for the scene before.
+void LiveSession::hold(const LiveRequest& request) {
+  const std::vector<VirtualObject>& objects = viewed_->setup().scene.objects;
+  const auto object = std::ranges::find(objects, request.object, &VirtualObject::name);
+  if (object == objects.end()) return;
+  const auto number = static_cast<std::size_t>(object - objects.begin());
+  if (request.kind == LiveRequest::Kind::kHold) {
+    viewed_->hold(number, request.X_W);
+  } else {
+    viewed_->let_go(number);
+  }
 }
 
 /// With the lock.

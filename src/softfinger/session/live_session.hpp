@@ -65,6 +65,7 @@ class LiveSession final : public LiveFeed {
   std::shared_ptr<const RunSetup> obey_requests();
   /// Whether another scene was asked for than the one that loads.
   bool wants_another_scene();
+  void hold(const LiveRequest& request);
   void release(const LiveRequest& request);
   void begin_registration(const LiveRequest& request);
   void lead(const LiveRequest& request);

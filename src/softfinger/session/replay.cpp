@@ -32,10 +32,7 @@ class Replayer {
   Replayer(std::shared_ptr<const RunSetup> setup, bool with_state) : setup_(std::move(setup)) {
     const Scene& scene = setup_->scene;
     scene_.emplace(scene.objects, scene.gravity, scene.simulation_rate, nullptr, with_state);
-    for (std::size_t o = 0; o < scene.objects.size(); ++o) {
-      if (scene.objects[o].hand() < 0) continue;
-      bones_.push_back({.object = static_cast<std::int64_t>(o)});
-    }
+    wanted_.resize(scene.objects.size());
     for (std::size_t i = 0; i < setup_->models.size(); ++i) {
       FingerChainOptions options =
           chain_options(*setup_, i, {.port = "emulator", .simulated_time = true});
@@ -46,11 +43,10 @@ class Replayer {
     }
   }
 
-  /// Where a bone is tracked from the next step on.
-  void track(const BoneRecord& recorded) {
-    for (BoneRecord& bone : bones_) {
-      if (bone.object == recorded.object) bone = recorded;
-    }
+  /// Where an object is wanted from the next step on.
+  void want(const FollowRecord& recorded) {
+    const auto object = static_cast<std::size_t>(recorded.object);
+    if (object < wanted_.size()) wanted_[object] = recorded;
   }
 
   /// The part of a step that only needs the recorded poses: a row a finger.
@@ -58,10 +54,10 @@ class Replayer {
     tracked_.clear();
     for (const StepRecord& row : recorded) tracked_.push_back(row.tracked);
     if (step > 0) {
-      scene_->step(step, tracked_, bones_);
+      scene_->step(step, tracked_, wanted_);
       return;
     }
-    scene_->start(bones_);
+    scene_->start(wanted_);
     for (std::size_t i = 0; i < fingers_.size(); ++i) fingers_[i].chain->start(tracked_[i]);
   }
 
@@ -131,7 +127,7 @@ class Replayer {
   std::optional<SceneLoop> scene_;
   std::vector<Finger> fingers_;
   std::vector<TrackedInput> tracked_;
-  std::vector<BoneRecord> bones_;
+  std::vector<FollowRecord> wanted_;
 };
 
 }  // namespace
@@ -200,8 +196,8 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
   std::vector<StepRecord> rows(info.fingers.size());
   TickRecord tick;
   bool more_ticks = reader.next(tick);
-  BoneRecord bone;
-  bool more_bones = reader.next(bone);
+  FollowRecord follow;
+  bool more_follow = reader.next(follow);
   for (std::int64_t step = 0; step <= result.steps; ++step) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto finger = static_cast<std::int64_t>(i);
@@ -212,7 +208,9 @@ ReplayResult replay(const ReplayOptions& options, const std::function<void(doubl
         return differ(step, finger, "a missing row");
       }
     }
-    for (; more_bones && bone.step <= step; more_bones = reader.next(bone)) replayer.track(bone);
+    for (; more_follow && follow.step <= step; more_follow = reader.next(follow)) {
+      replayer.want(follow);
+    }
     replayer.simulate(step, rows);
     for (const StepRecord& row : rows) {
       while (more_ticks && tick.step == step && tick.finger == row.finger) {

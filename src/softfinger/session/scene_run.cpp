@@ -28,7 +28,7 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
       paced_(mode == Mode::kLive || !options.as_fast_as_possible),
       rate_(setup_->scene.simulation_rate),
       hooks_(std::move(hooks)),
-      hands_(setup_->scene),
+      wanted_(setup_->scene),
       snapshot_interval_(
           std::max<std::int64_t>(1, static_cast<std::int64_t>(rate_ / kSnapshotRate))),
       signals_(options.stop_signals) {
@@ -65,7 +65,7 @@ SceneRun::SceneRun(std::shared_ptr<const RunSetup> setup, const RunOptions& opti
                  options.record_state && options.recording);
   for (const auto& finger : fingers_) scene_->add(*finger->chain);
   tracked_.resize(count);
-  const std::optional<double> hands_end = hands_.end_time();
+  const std::optional<double> hands_end = wanted_.end_time();
   if (fingers_.empty() && !hands_end && !options.duration) {
     throw InputError(
         fmt::format("{}: has no finger whose script would end the run; give "
@@ -136,7 +136,7 @@ void SceneRun::offer_pose(std::size_t finger, const Pose& X_WFt) noexcept {
 
 void SceneRun::offer_hand(const XrHand& hand) noexcept {
   for (const auto& finger : fingers_) finger->tracker.offer(hand);
-  hands_.offer(hand);
+  wanted_.offer(hand);
 }
 
 void SceneRun::stop_devices(StopCause cause) noexcept {
@@ -217,7 +217,7 @@ void SceneRun::simulate() {
     prefer_this_thread(LoopThread::kSimulation);
     awake.emplace();
   }
-  scene_->start(track_hands(0));
+  scene_->start(wanted_objects(0));
   record_objects();
   for (const auto& finger : fingers_) {
     const StepRecord& record = finger->chain->start(TrackedInput(finger->tracker.sample(0.0)));
@@ -259,18 +259,19 @@ void SceneRun::simulate_step(std::int64_t step) {
     finger.tracked = finger.tracker.sample(static_cast<double>(step) / rate_);
     tracked_[i] = TrackedInput(finger.tracked);
   }
-  scene_->step(step, tracked_, track_hands(step));
+  scene_->step(step, tracked_, wanted_objects(step));
   record_objects();
   tell_events();
   for (const auto& finger : fingers_) conclude_step(*finger, step);
 }
 
-std::span<const BoneRecord> SceneRun::track_hands(std::int64_t step) {
-  const std::span<const BoneRecord> bones = hands_.sample(step, static_cast<double>(step) / rate_);
-  for (std::size_t b = 0; recording_ && b < bones.size(); ++b) {
-    if (hands_.changed(b)) recording_->push(bones[b]);
+std::span<const FollowRecord> SceneRun::wanted_objects(std::int64_t step) {
+  const std::span<const FollowRecord> wanted =
+      wanted_.sample(step, static_cast<double>(step) / rate_);
+  for (std::size_t o = 0; recording_ && o < wanted.size(); ++o) {
+    if (wanted_.changed(o)) recording_->push(wanted[o]);
   }
-  return bones;
+  return wanted;
 }
 
 void SceneRun::record_objects() {

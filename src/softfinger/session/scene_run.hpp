@@ -13,8 +13,8 @@
 #include "softfinger/recording/recording_writer.hpp"
 #include "softfinger/session/event_sender.hpp"
 #include "softfinger/session/run_finger.hpp"
-#include "softfinger/session/run_hands.hpp"
 #include "softfinger/session/run_messages.hpp"
+#include "softfinger/session/run_objects.hpp"
 #include "softfinger/session/run_setup.hpp"
 #include "softfinger/session/run_summary.hpp"
 #include "softfinger/session/snapshot_publisher.hpp"
@@ -76,6 +76,9 @@ class SceneRun {
   void offer_pose(std::size_t finger, const Pose& X_WFt) noexcept;
   /// Live only: a hand for every finger whose tracker is a headset. The same thread.
   void offer_hand(const XrHand& hand) noexcept;
+  /// Live only: a person holds an object, see RunObjects. The same thread.
+  void hold(std::size_t object, const Pose& X_WO) noexcept { wanted_.hold(object, X_WO); }
+  void let_go(std::size_t object) noexcept { wanted_.let_go(object); }
   [[nodiscard]] const RunSetup& setup() const noexcept { return *setup_; }
   /// Whether the loop has come to its end.
   [[nodiscard]] bool ended() const noexcept { return ended_.load(); }
@@ -99,7 +102,7 @@ class SceneRun {
   void open_recording();
   void simulate();
   void simulate_step(std::int64_t step);
-  std::span<const BoneRecord> track_hands(std::int64_t step);
+  std::span<const FollowRecord> wanted_objects(std::int64_t step);
   void record_objects();
   void tell_events();
   void conclude_step(RunFinger& finger, std::int64_t step);
@@ -119,7 +122,7 @@ class SceneRun {
   std::unique_ptr<ThreadTeam> team_;  ///< null: one thread
   std::vector<std::unique_ptr<RunFinger>> fingers_;
   std::optional<SceneLoop> scene_;  ///< of their chains
-  RunHands hands_;
+  RunObjects wanted_;
   std::vector<TrackedInput> tracked_;     ///< by finger, of the step under way
   std::filesystem::path recording_file_;  ///< empty: none
   bool record_state_ = false;

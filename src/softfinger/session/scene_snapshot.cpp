@@ -81,8 +81,10 @@ SceneDescription describe(const RunSetup& setup) {
     description.objectives.push_back({std::string(kind.name), std::string(kind.words)});
   }
   for (const VirtualObject& object : setup.scene.objects) {
-    description.objects.push_back({object.name, object.shape, {}, {}, {}});
-    SceneDescription::Object& told = description.objects.back();
+    SceneDescription::Object& told = description.objects.emplace_back();
+    told.name = object.name;
+    told.shape = object.shape;
+    told.can_be_held = object.can_be_held();
     if (object.hand() >= 0) {
       told.hand = setup.scene.hands[static_cast<std::size_t>(object.hand())].name;
     }

@@ -6,11 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/motors/transport_settings.hpp"
+
 namespace softfinger {
 
 /// How the servos of a device are calibrated. Angles and lengths here are in the unit of the
 /// device's joints, degrees or mm.
 struct ServoCalibrationOptions {
+  static constexpr std::size_t kMost = kMostServos;  ///< of a device
+
   std::filesystem::path device;
   std::filesystem::path out;  ///< new file for the servos' section
   std::string port;           ///< instead of the device file's; empty: that

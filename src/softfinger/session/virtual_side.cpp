@@ -6,7 +6,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/loop/scene_loop.hpp"
-#include "softfinger/session/run_hands.hpp"
+#include "softfinger/session/run_objects.hpp"
 #include "softfinger/session/run_tracker.hpp"
 
 namespace softfinger {
@@ -64,7 +64,7 @@ VirtualSide run_virtual_side(const Scene& scene, const std::shared_ptr<const Fin
   side.model = model;
   side.device_rate = device_rate;
   side.steps = step_count(scene, tracker);
-  RunHands hands(setup.scene);
+  RunObjects wanted(setup.scene);
   FingerChain chain({.model = model,
                      .objects = setup.scene.objects,
                      .simulation_rate = scene.simulation_rate,
@@ -72,12 +72,12 @@ VirtualSide run_virtual_side(const Scene& scene, const std::shared_ptr<const Fin
   SceneLoop loop(setup.scene.objects, scene.gravity, scene.simulation_rate, nullptr);
   loop.add(chain);
   DeviceClock clock(scene.simulation_rate, device_rate);
-  loop.start(hands.sample(0, 0.0));
+  loop.start(wanted.sample(0, 0.0));
   chain.start(TrackedInput(tracker.sample(0.0)));
   for (std::int64_t step = 1; step <= side.steps; ++step) {
     const double time = static_cast<double>(step) / scene.simulation_rate;
     const TrackedInput tracked(tracker.sample(time));
-    loop.step(step, {&tracked, 1}, hands.sample(step, time));
+    loop.step(step, {&tracked, 1}, wanted.sample(step, time));
     if (clock.ticks(step)) {
       const VirtualFinger finger = chain.virtual_finger();
       const StepRecord& record = chain.loop().record();

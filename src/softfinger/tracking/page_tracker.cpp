@@ -11,13 +11,18 @@ void PageTracker::offer(const Pose& X_WFt) {
   offered_.publish();
 }
 
+void PageTracker::let_go() {
+  offered_.draft() = {Pose(), monotonic_time(), true};
+  offered_.publish();
+}
+
 TrackedPose PageTracker::sample(double time) {
   const double now = monotonic_time();
   clock_.step(time, now);
   if (offered_.refresh()) {
-    known_ = true;
     const Offer& offer = offered_.latest();
-    newest_.X_WFt = offer.X_WFt;
+    known_ = !offer.let_go;
+    if (known_) newest_.X_WFt = offer.X_WFt;
     heard_ = time;
     newest_.arrival = clock_.run_time(offer.received);
     newest_.time = newest_.arrival;

@@ -16,6 +16,8 @@ class PageTracker final : public Tracker {
   explicit PageTracker(const Pose& start);
   /// X_WFt, finite and rigid; any one thread. Wait-free.
   void offer(const Pose& X_WFt);
+  /// It is moved no longer: tracking is lost at once. The same thread. Wait-free.
+  void let_go();
 
   [[nodiscard]] TrackedPose sample(double time) override;
   [[nodiscard]] std::optional<double> end_time() const override { return std::nullopt; }
@@ -24,6 +26,7 @@ class PageTracker final : public Tracker {
   struct Offer {
     Pose X_WFt;
     double received = 0.0;  // s, monotonic clock
+    bool let_go = false;
   };
 
   Mailbox<Offer> offered_;

@@ -11,10 +11,11 @@
 namespace softfinger {
 namespace {
 
-constexpr double kFarthest = 1.0;           // m, of a coordinate
-constexpr double kUnitTolerance = 0.01;     // of a quaternion's length
-constexpr std::uint64_t kMostFingers = 64;  // of any scene
-constexpr std::size_t kLongestName = 64;    // of any objective
+constexpr double kFarthest = 1.0;            // m, of a coordinate
+constexpr double kUnitTolerance = 0.01;      // of a quaternion's length
+constexpr std::uint64_t kMostFingers = 64;   // of any scene
+constexpr std::size_t kLongestName = 64;     // of any objective
+constexpr std::size_t kLongestObject = 256;  // name of one that can be held
 
 /// The `count` finite numbers of `key`; empty where it has anything else.
 template <std::size_t count>
@@ -104,22 +105,48 @@ std::optional<LiveRequest> release_request(const nlohmann::json& json) {
   return request;
 }
 
-std::optional<LiveRequest> pose_request(const nlohmann::json& json) {
-  const auto finger = finger_of(json);
+/// Of position_mm and quaternion.
+std::optional<Pose> pose_of(const nlohmann::json& json) {
   const auto position = numbers<3>(json, "position_mm");
   const auto q = numbers<4>(json, "quaternion");
-  if (json.size() != 4 || !finger || !position || !q) return {};
-  LiveRequest request;
-  request.kind = LiveRequest::Kind::kPose;
-  request.finger = *finger;
+  if (!position || !q) return {};
+  Pose pose;
   for (std::size_t k = 0; k < 3; ++k) {
     const double coordinate = (*position)[k] * mm;
     if (std::abs(coordinate) > kFarthest) return {};
-    request.X_WFt.translation[static_cast<Eigen::Index>(k)] = coordinate;
+    pose.translation[static_cast<Eigen::Index>(k)] = coordinate;
   }
   const Eigen::Quaterniond rotation((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
   if (!(std::abs(rotation.norm() - 1.0) <= kUnitTolerance)) return {};
-  request.X_WFt.rotation = rotation.normalized().toRotationMatrix();
+  pose.rotation = rotation.normalized().toRotationMatrix();
+  return pose;
+}
+
+std::optional<LiveRequest> pose_request(const nlohmann::json& json) {
+  const auto finger = finger_of(json);
+  const auto pose = pose_of(json);
+  if (json.size() != 4 || !finger || !pose) return {};
+  LiveRequest request;
+  request.kind = LiveRequest::Kind::kPose;
+  request.finger = *finger;
+  request.X_W = *pose;
+  return request;
+}
+
+/// The session knows which objects there are, and which can be held.
+std::optional<LiveRequest> object_request(const nlohmann::json& json, LiveRequest::Kind kind) {
+  const auto name = json.find("object");
+  if (name == json.end() || !name->is_string()) return {};
+  LiveRequest request;
+  request.kind = kind;
+  request.object = name->get<std::string>();
+  if (request.object.empty() || request.object.size() > kLongestObject) return {};
+  const bool holds = kind == LiveRequest::Kind::kHold;
+  if (json.size() != (holds ? 4U : 2U)) return {};
+  if (!holds) return request;
+  const auto pose = pose_of(json);
+  if (!pose) return {};
+  request.X_W = *pose;
   return request;
 }
 
@@ -145,6 +172,8 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
   }
   if (word == "objective") return objective_request(json);
   if (word == "pose") return pose_request(json);
+  if (word == "hold") return object_request(json, Kind::kHold);
+  if (word == "let_go") return object_request(json, Kind::kLetGo);
   if (word == "register") return register_request(json);
   if (word == "fit") return fit_request(json);
   if (word == "release") return release_request(json);

@@ -5,10 +5,10 @@
 
 namespace softfinger {
 
-/// What pulls a part of a hand towards where it is tracked, over one step, as a potential of its
-/// pose: springs to the tracked pose and dampers of the motion against it, which together are one
-/// spring to a pose between them. Translation of O's origin and rotation are each quadratic until
-/// the pull is at its limit, and go on linearly.
+/// What pulls a part of a hand towards where it is tracked, or an object to where a person holds
+/// it, over one step, as a potential of its pose: springs to the tracked pose and dampers of the
+/// motion against it, which together are one spring to a pose between them. Translation of O's
+/// origin and rotation are each quadratic until the pull is at its limit, and go on linearly.
 class BodyPull {
  public:
   /// Tracked there at the start.

@@ -181,7 +181,8 @@ struct World::Implementation {
   void predict(double end) {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       const Body& body = tree.bodies()[b];
-      motions[b].begin(time_step, quiet[b] >= kSmoothAfter && !tree.following(b));
+      const bool pulled = tree.following(b) || problem->is_held(b);
+      motions[b].begin(time_step, quiet[b] >= kSmoothAfter && !pulled);
       places[b] = motions[b].prediction();
       if (body.joint) tree.put_on_parent(b, end, places);
       motions[b].refer_to(places[b].X_WO);
@@ -422,6 +423,11 @@ void World::follow(std::size_t o, const Pose* X_WT) {
   for (FingerSimulation* finger : self.fingers) finger->put_object(o, X_WO);
   for (const auto& soft : self.softs) soft->simulation().put_object(o, X_WO);
   self.tell();
+}
+
+void World::hold(std::size_t o, const Pose* X_WT) {
+  const auto b = static_cast<std::size_t>(implementation_->tree.body_of(o));
+  implementation_->problem->hold(b, X_WT);
 }
 
 void World::begin_step(double time) {

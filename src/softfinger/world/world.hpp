@@ -53,6 +53,11 @@ class World {
   /// as it is until somebody has seen it. It is pulled there, and appears where it was nowhere.
   void follow(std::size_t o, const Pose* X_WT);
 
+  /// A person holds object o, which moves by forces as a whole and is no bone, where it is at the
+  /// end of the next step: a spring pulls it there, no harder than its weight needs and a hand
+  /// gives. Null: nobody does, and it goes on as it moved.
+  void hold(std::size_t o, const Pose* X_WT);
+
   void begin_step(double time);
   /// Ends the step of objects together with that of the fingers, which have begun theirs. One
   /// summary a finger.

@@ -67,7 +67,9 @@ void WorldProblem::build_system() {
   system_.setZero();
   for (std::size_t b = 0; b < motions_.size(); ++b) {
     add_pair(b, b, motions_[b].hessian(current_.places[b].X_WO));
-    if (pulls_[b]) add_pair(b, b, pulls_[b]->pull.hessian(current_.places[b].X_WO));
+    if (const BodyPull* const by = pull_on(b)) {
+      add_pair(b, b, by->hessian(current_.places[b].X_WO));
+    }
   }
   for (std::size_t b = 0; b < joints_.size(); ++b) {
     if (!joints_[b]) continue;

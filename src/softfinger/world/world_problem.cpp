@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -28,6 +29,25 @@ constexpr double kAccuracy = 1e-11;
 constexpr double kLevel = 1.0;
 /// Of a joint's limits, times the inertia of a step.
 constexpr double kLimitStiffness = 10.0;
+
+/// Natural frequency, rad/s, of what is held, damped critically: its weight lets it down by 2.5 mm.
+constexpr double kHoldRate = 2.0 * std::numbers::pi * 10.0;
+/// A hold pulls with so many times the weight, and this much besides, N.
+constexpr double kHoldWeights = 2.0;
+constexpr double kHoldForce = 5.0;
+
+/// What pulls a body that a person holds; its surface reaches this far from O's origin, m.
+Following hold_of(const BodyInertia& inertia, double gravity, double reach) {
+  const double moment =
+      inertia.second_O.trace() + inertia.mass * inertia.centre_O.squaredNorm();  // at least
+  const double force = kHoldForce + kHoldWeights * inertia.mass * gravity;
+  return {.stiffness = inertia.mass * kHoldRate * kHoldRate,
+          .damping = 2.0 * inertia.mass * kHoldRate,
+          .rotation_stiffness = moment * kHoldRate * kHoldRate,
+          .rotation_damping = 2.0 * moment * kHoldRate,
+          .force_limit = force,
+          .torque_limit = reach * force};
+}
 
 std::string too_steep(const Body& body, double times) {
   const bool curve = body.joint->curve.has_value();
@@ -73,8 +93,12 @@ WorldProblem::WorldProblem(const BodyTree& tree, std::span<BodyMotion> motions,
   const std::vector<BodyPlace> starts = tree.start();
   for (std::size_t b = 0; b < tree.bodies().size(); ++b) {
     pulls_.emplace_back();
+    holds_.emplace_back();
     if (const auto& following = tree.following(b)) {
       pulls_.back().emplace(Pulled{.pull = BodyPull(*following, starts[b].X_WO)});
+    } else {
+      const Following hold = hold_of(tree.bodies()[b].inertia, gravity.norm(), reaches_[b]);
+      holds_.back().emplace(Pulled{.pull = BodyPull(hold, starts[b].X_WO), .present = false});
     }
   }
   const auto freedoms = static_cast<Eigen::Index>(tree.freedoms());
@@ -111,6 +135,15 @@ void WorldProblem::put(std::size_t b, const Pose& X_WT, bool present) {
   pulls_[b]->present = present;
 }
 
+void WorldProblem::hold(std::size_t b, const Pose* X_WT) {
+  Pulled& held = *holds_[b];
+  const bool present = X_WT != nullptr;
+  if (present != held.present) has_factor_ = false;
+  if (present && !held.present) held.pull.put(motions_[b].place().X_WO);
+  if (present) held.pull.follow(*X_WT);
+  held.present = present;
+}
+
 void WorldProblem::forget() {
   has_factor_ = false;
   for (Partner& partner : partners_) partner.bodies.clear();
@@ -138,6 +171,7 @@ void WorldProblem::begin(double time, std::span<Pose> X_WO, std::span<const Body
   for (std::size_t b = 0; b < joints_.size(); ++b) {
     if (joints_[b]) joints_[b]->old_q = motions_[b].place().q;
     if (pulls_[b]) pulls_[b]->pull.begin(time_step_, motions_[b].place().X_WO);
+    if (is_held(b)) holds_[b]->pull.begin(time_step_, motions_[b].place().X_WO);
   }
   std::copy(places.begin(), places.end(), current_.places.begin());
   show(current_.places);
@@ -155,8 +189,10 @@ void WorldProblem::evaluate_fingers(At at) {
 }
 
 void WorldProblem::end() {
-  for (std::optional<Pulled>& pulled : pulls_) {
-    if (pulled) pulled->pull.end();
+  for (auto* const all : {&pulls_, &holds_}) {
+    for (std::optional<Pulled>& pulled : *all) {
+      if (pulled) pulled->pull.end();
+    }
   }
   for (std::size_t b = 0; b < joints_.size(); ++b) {
     if (!joints_[b]) continue;
@@ -172,6 +208,7 @@ void WorldProblem::reset() {
   const std::vector<BodyPlace> starts = tree_.start();
   for (std::size_t b = 0; b < pulls_.size(); ++b) {
     if (pulls_[b]) put(b, starts[b].X_WO, true);
+    if (holds_[b]) holds_[b]->present = false;
   }
   forget();
 }
@@ -232,8 +269,8 @@ void WorldProblem::add_bodies(Point& point) {
         inertia.energy + body.inertia.mass * (kLevel * gravity.norm() - gravity.dot(centre));
     wrench.head<3>() += force;
     wrench.tail<3>() += inertia.by_turn + (centre - X_WO.translation).cross(force);
-    if (pulls_[b]) {
-      const BodyPull::Value pull = pulls_[b]->pull.evaluate(X_WO);
+    if (const BodyPull* const by = pull_on(b)) {
+      const BodyPull::Value pull = by->evaluate(X_WO);
       point.energy += pull.energy;
       wrench.head<3>() += pull.by_origin;
       wrench.tail<3>() += pull.by_turn;

@@ -53,6 +53,10 @@ class WorldProblem {
   }
   /// Where body `b`, a bone of a hand, is tracked at the end of the next step.
   void follow(std::size_t b, const Pose& X_WT) { pulls_[b]->pull.follow(X_WT); }
+  /// A person holds body `b`, no bone, by a spring to X_WT at the end of the next step; null:
+  /// nobody does.
+  void hold(std::size_t b, const Pose* X_WT);
+  [[nodiscard]] bool is_held(std::size_t b) const { return holds_[b] && holds_[b]->present; }
   /// It appears there, at rest, or where not `present` it is nowhere and takes no part.
   void put(std::size_t b, const Pose& X_WT, bool present);
   /// Forgets factors.
@@ -64,6 +68,9 @@ class WorldProblem {
       if (!pulled) continue;
       hash.add(pulled->present ? 1 : 0);
       pulled->pull.add_to(hash);
+    }
+    for (const std::optional<Pulled>& held : holds_) {
+      if (held && held->present) held->pull.add_to(hash);
     }
   }
 
@@ -108,13 +115,18 @@ class WorldProblem {
     double anchor = 0.0;   ///< q where dry friction holds
     double old_q = 0.0;    ///< at the start of the step
   };
-  /// A bone of a hand.
+  /// A bone of a hand, or what a person holds.
   struct Pulled {
     BodyPull pull;
     bool present = true;
   };
   [[nodiscard]] bool is_nowhere(std::size_t body) const {
     return pulls_[body] && !pulls_[body]->present;
+  }
+  /// Null: nothing pulls.
+  [[nodiscard]] const BodyPull* pull_on(std::size_t body) const {
+    if (pulls_[body]) return &pulls_[body]->pull;
+    return is_held(body) ? &holds_[body]->pull : nullptr;
   }
   [[nodiscard]] LawValue joint_value(const JointForces& joint, double q) const;
   template <typename Work>
@@ -140,7 +152,8 @@ class WorldProblem {
   double time_step_;
   ThreadTeam* team_;
   std::vector<std::optional<JointForces>> joints_;  ///< by body
-  std::vector<std::optional<Pulled>> pulls_;        ///< likewise
+  std::vector<std::optional<Pulled>> pulls_;        ///< likewise, of bones
+  std::vector<std::optional<Pulled>> holds_;        ///< likewise, of others
   std::vector<Partner> partners_;
   std::vector<std::uint8_t> taking_part_;  ///< by partner
   std::vector<Partner*> fingers_;          ///< that take part

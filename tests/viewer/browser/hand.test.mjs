@@ -1,6 +1,8 @@
 // A person without a tracker: keys and pointer move the finger on the page of the real program.
 import assert from "node:assert/strict";
-import { resolve, dirname } from "node:path";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve, dirname } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { openPage, startProgram, releaseDevice } from "./live_program.mjs";
@@ -58,5 +60,65 @@ test("keys and pointer bring the finger to the sphere and away", { timeout: 300_
   } finally {
     await browser.close();
     assert.equal(await running.stop(), 0);
+  }
+});
+
+const kBallScene = `
+[[finger]]
+name = "index"
+model = "${dirname(scene)}/../fingers/index.toml"
+tracker = "page"
+[[finger.waypoint]]
+time_s = 0.0
+position_mm = [0.0, 0.0, 36.0]
+[[object]]
+name = "ball"
+shape = "sphere"
+radius_mm = 12.0
+motion = "dynamic"
+mass_g = 20.0
+position_mm = [0.0, 0.0, 12.0]
+[[object]]
+name = "table"
+shape = "plane"
+`;
+
+test("the pointer takes a ball from the table, lifts it and drops it", { timeout: 300_000 }, async () => {
+  const folder = mkdtempSync(join(tmpdir(), "softfinger-ball-"));
+  writeFileSync(join(folder, "ball.toml"), kBallScene);
+  const running = await startProgram(program, ["run", join(folder, "ball.toml"), "--port", "0"]);
+  const browser = await openPage(running.url, { width: 1100, height: 700 });
+  const { page } = browser;
+  const holds = (name) => page.waitForFunction((wanted) => (document.body.dataset.holds ?? "") === wanted, name);
+  const impacts = () => page.locator("#events li", { hasText: "impact" }).count();
+  try {
+    assert.ok(await page.locator("#object-hint").isVisible());
+    const box = await page.locator("#virtual").boundingBox();
+    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    await page.waitForTimeout(1500); // the view has followed
+    // The ball is below the finger.
+    let depth = 0.46;
+    for (; depth > 0.2; depth -= 0.02) {
+      await page.mouse.move(middle.x, middle.y + depth * box.height);
+      await page.mouse.down();
+      if ((await browser.data("holds")) === "ball") break;
+      await page.mouse.up();
+    }
+    await holds("ball");
+    await page.mouse.move(middle.x + 0.3 * box.width, middle.y + 0.1 * box.height, { steps: 20 });
+    // It may meet the finger on its way, and then hangs still.
+    let before = -1;
+    for (let now = await impacts(); now !== before; now = await impacts()) {
+      before = now;
+      await page.waitForTimeout(1500);
+    }
+    await page.mouse.up();
+    await holds("");
+    await page.waitForFunction((n) => [...document.querySelectorAll("#events li")].filter(({ textContent }) => textContent.includes("impact")).length > n, before);
+    assert.deepEqual(browser.complaints, []);
+  } finally {
+    await browser.close();
+    assert.equal(await running.stop(), 0);
+    rmSync(folder, { recursive: true, force: true });
   }
 });

@@ -163,7 +163,10 @@ bool WebSocketSession::obey_request(std::string_view message) {
   const auto request = parse_page_request(
       message, scene ? std::span(scene->scene_names) : std::span<const std::string>());
   if (!request) return false;
-  if (request->kind != LiveRequest::Kind::kPose || is_mover()) hub_.feed.request(*request);
+  using Kind = LiveRequest::Kind;
+  const bool moves =
+      request->kind == Kind::kPose || request->kind == Kind::kHold || request->kind == Kind::kLetGo;
+  if (!moves || is_mover()) hub_.feed.request(*request);
   return true;
 }
 

@@ -187,10 +187,17 @@ namespace Softfinger
         /// </summary>
         public Task SendPoseAsync(int finger, Pose X_WFt)
         {
-            if (!X_WFt.IsWithin(Farthest_m)) throw new InputError($"a pose: it has to be within {Farthest_m} m, its quaternion of length 1");
-            return RequestAsync("pose", $",\"finger\":{Finger(finger)},\"position_mm\":[{Mm(X_WFt.X_m)},{Mm(X_WFt.Y_m)},{Mm(X_WFt.Z_m)}]," +
-                $"\"quaternion\":[{Json.Write(X_WFt.Qw)},{Json.Write(X_WFt.Qx)},{Json.Write(X_WFt.Qy)},{Json.Write(X_WFt.Qz)}]");
+            return RequestAsync("pose", $",\"finger\":{Finger(finger)}{Written(X_WFt)}");
         }
+
+        /// <summary>
+        /// A person holds an object, one that is Holdable, at X_WO, within 1 m: a spring pulls it there, as hard as a hand would. To
+        /// be sent again and again: after 200 ms without any it is let go.
+        /// </summary>
+        public Task HoldAsync(string name, Pose X_WO) => RequestAsync("hold", $",\"object\":{HoldableObject(name)}{Written(X_WO)}");
+
+        /// <summary>It flies on as it moved.</summary>
+        public Task LetGoAsync(string name) => RequestAsync("let_go", $",\"object\":{HoldableObject(name)}");
 
         /// <summary>A hand, for fingers whose tracker is webxr. After 200 ms without any the fingers' tracking is lost.</summary>
         public Task SendHandAsync(Hand hand) => SendAsync(hand.ToBytes(), WebSocketMessageType.Binary);
@@ -248,6 +255,22 @@ namespace Softfinger
         {
             if (finger < 0 || finger >= Scene.Fingers.Count) throw new InputError($"no finger {finger}: the scene has {Scene.Fingers.Count}, from 0");
             return finger;
+        }
+
+        string HoldableObject(string name)
+        {
+            foreach (SceneObject of in Scene.Objects)
+            {
+                if (of.Holdable && of.Name == name) return Json.Quote(name);
+            }
+            throw new InputError($"no object {name} that can be held: there is {string.Join(", ", new List<SceneObject>(Scene.Objects).FindAll(of => of.Holdable).ConvertAll(of => of.Name))}");
+        }
+
+        static string Written(Pose pose)
+        {
+            if (!pose.IsWithin(Farthest_m)) throw new InputError($"a pose: it has to be within {Farthest_m} m, its quaternion of length 1");
+            return $",\"position_mm\":[{Mm(pose.X_m)},{Mm(pose.Y_m)},{Mm(pose.Z_m)}]," +
+                $"\"quaternion\":[{Json.Write(pose.Qw)},{Json.Write(pose.Qx)},{Json.Write(pose.Qy)},{Json.Write(pose.Qz)}]";
         }
 
         static string Mm(double metres) => Json.Write(1e3 * metres);

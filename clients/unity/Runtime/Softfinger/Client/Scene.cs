@@ -60,8 +60,12 @@ namespace Softfinger
         /// <summary>Whose bone it is; null: nobody's.</summary>
         public string Hand { get; }
 
+        /// <summary>Moves by the forces on it: Client.HoldAsync takes it.</summary>
+        public bool Holdable { get; }
+
         internal SceneObject(Json json)
         {
+            Holdable = json["holdable"].Bool();
             Name = json["name"].Text();
             Shape = new Shape(json["shape"]);
             Hand = json["hand"].IsNull ? null : json["hand"].Text();

@@ -12,6 +12,7 @@ import { Hand } from "./hand";
 import { fingerColor, stateOf, toneOf } from "./hand_table";
 import { Headset } from "./headset";
 import { Notifications } from "./notifications";
+import { ObjectHold } from "./object_hold";
 import { ObjectView } from "./object_view";
 import { Pad, PatchView } from "./patch_view";
 import { Panel } from "./panel";
@@ -82,6 +83,7 @@ function begin(next: Scene, wanted: Shown): void {
   marks.begin(next);
   build(next);
   hand.begin(next, shown);
+  objectHold.begin(next, objects);
   plots.reset(next, shown);
   panel.showScene(next, shown);
   registration.begin(next, shown);
@@ -138,7 +140,7 @@ function follow(elapsed: number, eye: Vector3): void {
   const { middle, spread } = at;
   const sight = middle.clone().add(new Vector3(0, 0, -2.5));
   if (!arrived) virtual.frame(sight, kNear + kFarther * spread, shown === kHand ? kBeforeTips : kHome);
-  if (!hand.holds) virtual.follow(sight, arrived ? 1 - Math.exp(-elapsed / 180) : 1);
+  if (!hand.holds && !objectHold.holds) virtual.follow(sight, arrived ? 1 - Math.exp(-elapsed / 180) : 1);
   arrived = true;
   const below = eye.z < middle.z - 5;
   for (const object of objects) {
@@ -164,6 +166,7 @@ const panel = new Panel(marks, {
 });
 
 const hand = new Hand(virtual, (request) => client.send(request));
+const objectHold = new ObjectHold(virtual, (request) => client.send(request));
 const notifications = new Notifications(element("notifications"));
 const events = new EventList(element("events"));
 const registration = new RegistrationDialog((request) => client.send(request));
@@ -203,6 +206,7 @@ let lastMove = 0;
 function frame(now: number, worn: XRFrame | undefined): void {
   if (newest) hand.see(newest.fingers);
   hand.advance(now - lastMove);
+  objectHold.advance(now - lastMove);
   lastMove = now;
   if (worn) headset.follow(worn);
   for (const label of labels) label.sprite.visible = !worn;
