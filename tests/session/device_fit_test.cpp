@@ -114,6 +114,30 @@ TEST_F(FittedDevice, PutOnAgainTheMountAloneIsLookedFor) {
   EXPECT_NEAR(after.mount->translation.z(), before.mount->translation.z(), 0.2 * mm);
 }
 
+TEST_F(FittedDevice, AStopWhileItEstimatesEndsItAndNothingIsWritten) {
+  StopSignals signals;
+  for (const bool by_signal : {true, false}) {
+    stop_ = false;
+    bool estimated = false;
+    DeviceFitOptions options = this->options();
+    options.stop_signals = &signals;
+    options.watch = [&](const DeviceFitMoment& now) {
+      if (!now.estimating) return;
+      estimated = true;
+      if (by_signal) {
+        signals.stops.fetch_add(1);
+      } else {
+        stop_ = true;
+      }
+    };
+    const DeviceFit fit = fit_device(options, stop_);
+    EXPECT_TRUE(estimated);
+    EXPECT_EQ(fit.presses, 9);
+    EXPECT_THAT(fit.failure, HasSubstr("ended before"));
+    EXPECT_FALSE(is_written());
+  }
+}
+
 TEST_F(FittedDevice, ASensorScaledToNothingIsDead) {
   std::string text = read_text_file(options().device, 100000);
   DeviceFitOptions dead = options();

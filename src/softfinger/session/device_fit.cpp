@@ -318,7 +318,11 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
                                       if (options.watch) {
                                         options.watch({.estimating = true, .progress = fraction});
                                       }
-                                      return !stop.load();
+                                      // A stop that finds the device retracted is one too.
+                                      const bool stopped =
+                                          options.stop_signals != nullptr &&
+                                          options.stop_signals->stops.load() != stops;
+                                      return !stop.load() && !stopped;
                                     }});
   } catch (const OperationError& error) {
     fit.failure = error.what();
