@@ -232,6 +232,38 @@ TEST(Evaluate, ASensorMayBeOnAFingerOfAnotherMesh) {
   EXPECT_EQ(Answer::parse(run.output).at("steps"), 1500);
 }
 
+// What people tell soft from hard by.
+TEST(Evaluate, ContactSpreadsFasterOverASpongeThanOverATable) {
+  const Workplace place;
+  const std::string plate = place.path("devices/plate-6dof.toml");
+  const Answer table =
+      evaluated({place.path("scenes/plane.toml"), "--device", plate, "--duration-s", "3"});
+  const Answer sponge =
+      evaluated({SOFTFINGER_SOURCE_DIR "/scenes/sponge.toml", "--device", "index=" + plate,
+                 "--device", "thumb=" + plate, "--duration-s", "1.6"});
+  const auto rate = [](const Answer& answer, std::size_t finger, const char* side) {
+    return answer.at("area_spread_rate").at(finger).at(side).get<double>();
+  };
+  const double hard = rate(table, 0, "virtual_mm2_per_N");
+  EXPECT_GT(hard, 0.0);
+  EXPECT_NEAR(rate(table, 0, "twin_mm2_per_N"), hard, 0.1 * hard) << "a plate is a table";
+  ASSERT_EQ(sponge.at("area_spread_rate").size(), 2U);
+  for (const std::size_t finger : {0U, 1U}) {
+    EXPECT_TRUE(sponge.at("area_spread_rate").at(finger).at("finger").is_string());
+    const double soft = rate(sponge, finger, "virtual_mm2_per_N");
+    EXPECT_GT(soft, 1.3 * hard);
+    EXPECT_LT(rate(sponge, finger, "twin_mm2_per_N"), soft) << "a rigid plate";
+  }
+  double most = 0.0;
+  for (const Answer& frame : table.at("frames")) {
+    most = std::max(most, frame.at("virtual_contact_area_mm2").get<double>());
+    if (frame.at("twin_force_sum_N") > 0.05) {
+      EXPECT_GT(frame.at("twin_contact_area_mm2"), 1.0);
+    }
+  }
+  EXPECT_GT(most, 30.0);
+}
+
 // Contact between samples leaves C empty, and presses all the same.
 TEST(Evaluate, NoFrameInWhichBothSidesPressIsMissed) {
   const Workplace place;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "softfinger/base/name_table.hpp"
+#include "softfinger/base/units.hpp"
 #include "softfinger/c_interface/answers.hpp"
 #include "softfinger/c_interface/host_watch.hpp"
 #include "softfinger/c_interface/table.hpp"
@@ -26,6 +27,9 @@ constexpr FrameColumn kFrameColumns[] = {
     {"virtual_force_sum_N", [](const EvaluatedFrame& frame) { return frame.virtual_force_sum; }},
     {"twin_force_N", [](const EvaluatedFrame& frame) { return frame.twin_force; }},
     {"twin_force_sum_N", [](const EvaluatedFrame& frame) { return frame.twin_force_sum; }},
+    {"virtual_contact_area_mm2",
+     [](const EvaluatedFrame& frame) { return frame.virtual_area / mm2; }},
+    {"twin_contact_area_mm2", [](const EvaluatedFrame& frame) { return frame.twin_area / mm2; }},
 };
 
 /// Where the device was commanded to, where its servos are, and where its motors hold it.

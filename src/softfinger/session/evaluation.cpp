@@ -8,6 +8,7 @@
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/session/rendering_judge.hpp"
 #include "softfinger/session/scene_load.hpp"
+#include "softfinger/twin/area_spread.hpp"
 
 namespace softfinger {
 
@@ -53,6 +54,16 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
     judges[i].check_cover();
   }
   return answer;
+}
+
+AreaSpreadRates area_spread_rates(const Evaluation& evaluation, std::size_t finger) {
+  AreaSpread virtual_side, twin;
+  for (const EvaluatedFrame& frame : evaluation.frames) {
+    if (frame.finger != finger || frame.commanded.kind != FrameKind::kBoth) continue;
+    virtual_side.add(frame.virtual_force_sum, frame.virtual_area);
+    twin.add(frame.twin_force_sum, frame.twin_area);
+  }
+  return {virtual_side.rate(), twin.rate()};
 }
 
 }  // namespace softfinger

@@ -23,6 +23,8 @@ struct EvaluatedFrame {
   double virtual_force_sum = 0.0;  ///< sum of the magnitudes of its normal forces, N
   double twin_force = 0.0;         ///< of the twin, N
   double twin_force_sum = 0.0;     ///< N
+  double virtual_area = 0.0;       ///< of contact, deformed, m^2
+  double twin_area = 0.0;          ///< m^2
   Vector3 virtual_tangential_F = Vector3::Zero();  ///< sum of the virtual tangential forces, N
   Vector3 twin_tangential_F = Vector3::Zero();     ///< of the twin's, N
   RenderingMeasures commanded;                     ///< twin pressed by the commanded configuration
@@ -46,6 +48,13 @@ struct Evaluation {
   std::vector<std::string> fingers;  ///< names, in the order of EvaluatedFrame::finger
   RunSummary run;
 };
+
+/// How the area of contact grew with the force (m^2/N, see AreaSpread) while both touched; NaN: the
+/// force hardly varied.
+struct AreaSpreadRates {
+  double virtual_side = 0.0, twin = 0.0;
+};
+[[nodiscard]] AreaSpreadRates area_spread_rates(const Evaluation& evaluation, std::size_t finger);
 
 /// Runs a scene with emulated devices and presses a second finger, the twin, with each command:
 /// what the wearer would feel, against what the virtual finger touches at the step whose match

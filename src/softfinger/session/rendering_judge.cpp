@@ -42,6 +42,7 @@ void RenderingJudge::judge(const VirtualFinger& finger, const DeviceLoop& device
   frame.time = tick.time;
   frame.virtual_force = contact.normal_force;
   frame.virtual_force_sum = contact.normal_force_sum;
+  frame.virtual_area = contact.contact_area;
   frame.virtual_tangential_F = contact.tangential_force_F;
   transform(finger.X_WF.inverse(), finger.nodes_W, nodes_F_);
   comparison_.take_virtual(contact, nodes_F_);
@@ -49,6 +50,7 @@ void RenderingJudge::judge(const VirtualFinger& finger, const DeviceLoop& device
   frame.commanded = press(twin_, tick.command.configuration, friction, elapsed, answer);
   frame.twin_force = twin_.contact().normal_force;
   frame.twin_force_sum = twin_.contact().normal_force_sum;
+  frame.twin_area = twin_.contact().contact_area;
   frame.twin_tangential_F = twin_.contact().tangential_force_F;
   answer.commanded.add(frame.commanded);
   JointAngles joints;

@@ -42,7 +42,14 @@ struct RunNumber {
 
 double number(std::uint64_t count) { return static_cast<double>(count); }
 
-constexpr std::array<RunNumber, 14> kRunNumbers{{
+/// Of the first finger, as a part of the virtual side's.
+double area_spread_error(const Evaluation& evaluation) {
+  const AreaSpreadRates rates = area_spread_rates(evaluation, 0);
+  return std::abs(rates.twin - rates.virtual_side) / rates.virtual_side;
+}
+
+constexpr std::array<RunNumber, 15> kRunNumbers{{
+    {"area_spread_rate_error", area_spread_error},
     {"frames_free",
      [](const Evaluation& e) { return static_cast<double>(e.commanded.frames(FrameKind::kFree)); }},
     {"frames_missed",

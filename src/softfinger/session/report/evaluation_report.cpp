@@ -34,6 +34,8 @@ Json frame_json(const EvaluatedFrame& frame, const Evaluation& evaluation) {
   result["virtual_force_sum_N"] = frame.virtual_force_sum;
   result["twin_force_N"] = frame.twin_force;
   result["twin_force_sum_N"] = frame.twin_force_sum;
+  result["virtual_contact_area_mm2"] = frame.virtual_area / mm2;
+  result["twin_contact_area_mm2"] = frame.twin_area / mm2;
   result["virtual_tangential_N"] = vector_json(frame.virtual_tangential_F);
   result["twin_tangential_N"] = vector_json(frame.twin_tangential_F);
   result["lagged"] = frame.lagged ? measures_json(*frame.lagged) : Json(nullptr);
@@ -43,6 +45,17 @@ Json frame_json(const EvaluatedFrame& frame, const Evaluation& evaluation) {
     result[linear ? "motor_force_N" : "motor_torque_N_mm"] =
         frame.motor_torque / (linear ? 1.0 : mm);
     result["motors_hold"] = !frame.motors_give_way;
+  }
+  return result;
+}
+
+Json area_spread_json(const Evaluation& evaluation) {
+  Json result = Json::array();
+  for (std::size_t finger = 0; finger < evaluation.fingers.size(); ++finger) {
+    const AreaSpreadRates rates = area_spread_rates(evaluation, finger);
+    result.push_back({{"finger", evaluation.fingers[finger]},
+                      {"virtual_mm2_per_N", number(rates.virtual_side, mm2)},
+                      {"twin_mm2_per_N", number(rates.twin, mm2)}});
   }
   return result;
 }
@@ -96,6 +109,7 @@ Json evaluation_report(const Evaluation& evaluation) {
   result["frames_missed"] = evaluation.commanded.frames(FrameKind::kMissed);
   result["frames_false"] = evaluation.commanded.frames(FrameKind::kFalse);
   result["frames_unconverged"] = evaluation.unconverged;
+  result["area_spread_rate"] = area_spread_json(evaluation);
   result["verdict"] = verdict_json(evaluation);
   result.update(run_report(evaluation.run));
   result["frames"] = Json::array();
@@ -136,6 +150,12 @@ std::string evaluation_report_text(const Evaluation& evaluation) {
       sources += fmt::format("  {}: {} ({})\n", name.name, threshold->what, threshold->source);
     }
     text += "\n";
+  }
+  for (std::size_t finger = 0; finger < evaluation.fingers.size(); ++finger) {
+    const AreaSpreadRates rates = area_spread_rates(evaluation, finger);
+    if (std::isnan(rates.virtual_side) || std::isnan(rates.twin)) continue;
+    text += fmt::format("  finger {}: contact grows by {:.3g} mm2/N, on the twin by {:.3g} mm2/N\n",
+                        evaluation.fingers[finger], rates.virtual_side / mm2, rates.twin / mm2);
   }
   if (evaluation.not_held > 0) {
     text += fmt::format("  in {} of {} frames the motors cannot hold what is commanded\n",
