@@ -33,7 +33,8 @@ MatchingOptions matching_options(const MatchFlags& flags, const ContactPointsFil
                               : as_published        ? "clamp"
                                                     : "inside");
   const bool has_gaps = !points.gaps.empty();
-  if (flags.separation == "scene" && !has_gaps) {
+  // As published it is refused whatever the points have, see first_touch_match().
+  if (flags.separation == "scene" && !has_gaps && !as_published) {
     throw InputError("match: --separation scene needs distance_mm in " + flags.points);
   }
   const bool constant =
