@@ -1,4 +1,4 @@
-import { Plane, Quaternion, Raycaster, Sphere, Vector2, Vector3 } from "three";
+import { Plane, Quaternion, Sphere, Vector3 } from "three";
 import type { FingerSnapshot, Request, Scene } from "softfinger-client";
 import type { View } from "./stage";
 import { kHand, type Shown } from "./shown";
@@ -120,19 +120,10 @@ export class Hand {
     this.position.clampScalar(-500, 500);
   }
 
-  private ray(event: PointerEvent): Raycaster {
-    const box = this.view.pane.getBoundingClientRect();
-    const raycaster = new Raycaster();
-    raycaster.setFromCamera(
-      new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height),
-      this.view.camera);
-    return raycaster;
-  }
-
   private take(event: PointerEvent): void {
     if (!this.active || !this.known || event.button !== 0) return;
     const middle = kMiddle.clone().applyQuaternion(this.rotation).add(this.position);
-    const raycaster = this.ray(event);
+    const raycaster = this.view.under(event);
     if (!raycaster.ray.intersectsSphere(new Sphere(middle, kReach))) return;
     const facing = this.view.camera.getWorldDirection(new Vector3());
     const plane = new Plane().setFromNormalAndCoplanarPoint(facing, middle);
@@ -148,7 +139,7 @@ export class Hand {
     const grip = this.grip;
     if (!grip || event.pointerId !== grip.pointer) return;
     event.stopImmediatePropagation();
-    const at = this.ray(event).ray.intersectPlane(grip.plane, new Vector3());
+    const at = this.view.under(event).ray.intersectPlane(grip.plane, new Vector3());
     if (event.shiftKey) {
       const { right, up } = this.directions();
       this.turn(up, (event.clientX - grip.x) * kTurnByDrag);

@@ -206,7 +206,6 @@ let lastMove = 0;
 function frame(now: number, worn: XRFrame | undefined): void {
   if (newest) hand.see(newest.fingers);
   hand.advance(now - lastMove);
-  objectHold.advance(now - lastMove);
   lastMove = now;
   if (worn) headset.follow(worn);
   for (const label of labels) label.sprite.visible = !worn;

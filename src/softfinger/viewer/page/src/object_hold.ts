@@ -1,4 +1,4 @@
-import { type Object3D, Plane, Quaternion, Raycaster, Vector2, Vector3 } from "three";
+import { type Object3D, Plane, Quaternion, Vector3 } from "three";
 import type { Request, Scene } from "softfinger-client";
 import type { ObjectView } from "./object_view";
 import type { View } from "./stage";
@@ -21,7 +21,7 @@ export class ObjectHold {
   private scene: Scene | null = null;
   private views: readonly ObjectView[] = [];
   private grip: Grip | null = null;
-  private sinceSent = 0;
+  private saying: number | undefined; // the timer that says it again, however slowly the page draws
 
   constructor(private readonly view: View, private readonly send: (request: Request) => void) {
     // Before the view's own controls, which turn the picture; after the hand, which is nearer.
@@ -41,16 +41,8 @@ export class ObjectHold {
   begin(scene: Scene, views: readonly ObjectView[]): void {
     this.scene = scene;
     this.views = views;
-    this.grip = null;
-    this.showGrip();
+    this.end();
     document.getElementById("object-hint")!.hidden = !scene.objects.some(({ holdable }) => holdable);
-  }
-
-  /** After `elapsed` ms: says again where it is held. */
-  advance(elapsed: number): void {
-    if (!this.grip) return;
-    this.sinceSent += elapsed;
-    if (this.sinceSent >= kInterval) this.say(this.grip);
   }
 
   private showGrip(): void {
@@ -58,30 +50,26 @@ export class ObjectHold {
     document.body.dataset.holds = this.grip?.name ?? "";
   }
 
-  private say({ name, position: p, rotation: q }: Grip): void {
-    this.sinceSent = 0;
-    this.send({ request: "hold", object: name, position_mm: [p.x, p.y, p.z], quaternion: [q.w, q.x, q.y, q.z] });
+  private end(): void {
+    window.clearInterval(this.saying);
+    this.grip = null;
+    this.showGrip();
   }
 
-  private ray(event: PointerEvent): Raycaster {
-    const box = this.view.pane.getBoundingClientRect();
-    const raycaster = new Raycaster();
-    raycaster.setFromCamera(
-      new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height),
-      this.view.camera);
-    return raycaster;
+  private say({ name, position: p, rotation: q }: Grip): void {
+    this.send({ request: "hold", object: name, position_mm: [p.x, p.y, p.z], quaternion: [q.w, q.x, q.y, q.z] });
   }
 
   private take(event: PointerEvent): void {
     const holdable = (this.scene?.objects ?? []).flatMap((object, i) => (object.holdable ? [{ object, group: this.views[i]!.group }] : []));
     if (event.button !== 0 || holdable.length === 0) return;
     // Through whatever cannot be taken: it is glass.
-    const hit = this.ray(event).intersectObjects(holdable.map(({ group }): Object3D => group))[0];
+    const hit = this.view.under(event).intersectObjects(holdable.map(({ group }): Object3D => group))[0];
     const taken = holdable.find(({ group }) => group === hit?.object.parent);
     if (!hit || !taken) return;
     const { object, group } = taken;
     const facing = this.view.camera.getWorldDirection(new Vector3());
-    this.grip = {
+    const grip = {
       pointer: event.pointerId,
       name: object.name,
       plane: new Plane().setFromNormalAndCoplanarPoint(facing, hit.point),
@@ -90,8 +78,10 @@ export class ObjectHold {
       rotation: group.quaternion.clone(),
     };
     this.view.pane.setPointerCapture(event.pointerId);
+    this.grip = grip;
     this.showGrip();
-    this.say(this.grip);
+    this.say(grip);
+    this.saying = window.setInterval(() => this.say(grip), kInterval);
     event.stopImmediatePropagation();
     event.preventDefault();
   }
@@ -100,15 +90,14 @@ export class ObjectHold {
     const grip = this.grip;
     if (!grip || event.pointerId !== grip.pointer) return;
     event.stopImmediatePropagation();
-    const at = this.ray(event).ray.intersectPlane(grip.plane, new Vector3());
+    const at = this.view.under(event).ray.intersectPlane(grip.plane, new Vector3());
     if (at) grip.position.copy(at).sub(grip.toGrip).clampScalar(-kFarthest, kFarthest);
   }
 
   private letGo(event: PointerEvent): void {
     if (!this.grip || event.pointerId !== this.grip.pointer) return;
     this.send({ request: "let_go", object: this.grip.name });
-    this.grip = null;
-    this.showGrip();
+    this.end();
     event.stopImmediatePropagation();
   }
 }

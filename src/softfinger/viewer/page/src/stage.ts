@@ -1,6 +1,6 @@
 import {
-  ACESFilmicToneMapping, DirectionalLight, HemisphereLight, PerspectiveCamera, PMREMGenerator, Scene,
-  Spherical, Vector3, WebGLRenderer,
+  ACESFilmicToneMapping, DirectionalLight, HemisphereLight, PerspectiveCamera, PMREMGenerator, Raycaster, Scene,
+  Spherical, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
@@ -69,6 +69,14 @@ export class View {
     shift.multiplyScalar(share);
     this.controls.target.add(shift);
     this.camera.position.add(shift);
+  }
+  /** The ray from the eye through the pointer. */
+  under({ clientX, clientY }: PointerEvent): Raycaster {
+    const box = this.pane.getBoundingClientRect();
+    const raycaster = new Raycaster();
+    raycaster.setFromCamera(
+      new Vector2((2 * (clientX - box.left)) / box.width - 1, 1 - (2 * (clientY - box.top)) / box.height), this.camera);
+    return raycaster;
   }
   /** Direction to the eye, as angles about the target. */
   angles(): Spherical {
