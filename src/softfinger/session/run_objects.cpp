@@ -37,7 +37,8 @@ void RunObjects::take(std::size_t object, std::int64_t step, const Pose& X_WT, b
 }
 
 std::span<const FollowRecord> RunObjects::sample(std::int64_t step, double time) {
-  for (std::size_t o = 0; o < holds_.size(); ++o) {
+  const bool anything_held = anything_held_.load(std::memory_order_relaxed);
+  for (std::size_t o = 0; anything_held && o < holds_.size(); ++o) {
     if (!holds_[o]) continue;
     const TrackedPose held = holds_[o]->sample(time);
     // Where nobody holds it nothing is told of it.
@@ -76,7 +77,9 @@ void RunObjects::offer(const XrHand& hand) noexcept {
 }
 
 void RunObjects::hold(std::size_t object, const Pose& X_WO) noexcept {
-  if (object < holds_.size() && holds_[object]) holds_[object]->offer(X_WO);
+  if (object >= holds_.size() || !holds_[object]) return;
+  holds_[object]->offer(X_WO);
+  anything_held_.store(true, std::memory_order_relaxed);
 }
 
 void RunObjects::let_go(std::size_t object) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,8 +30,8 @@ class RunObjects {
   /// A headset's. One thread; wait-free.
   void offer(const XrHand& hand) noexcept;
   /// A person holds the object at X_WO, finite and rigid, until let_go() or until nothing was said
-  /// for as long as the page tracker waits; nothing where can_be_held() says no. The same thread;
-  /// wait-free.
+  /// for as long as the page tracker waits; nothing where VirtualObject::can_be_held() says no. The
+  /// same thread; wait-free.
   void hold(std::size_t object, const Pose& X_WO) noexcept;
   void let_go(std::size_t object) noexcept;
 
@@ -40,6 +41,7 @@ class RunObjects {
   std::span<const SceneHand> hands_;
   std::vector<std::vector<std::unique_ptr<WebXrTracker>>> trackers_;  ///< by hand, unless scripted
   std::vector<std::unique_ptr<PageTracker>> holds_;                   ///< by object; null: never
+  std::atomic<bool> anything_held_{false};                            ///< so far
   std::vector<FollowRecord> rows_;
   std::vector<std::uint8_t> changed_;  ///< by object
 };
