@@ -25,6 +25,10 @@ TEST(Hash, PiecesGiveTheHashOfTheWhole) {
   EXPECT_EQ(Hash().add(all.first(7)).add(all.subspan(7)).value(), Hash().add(all).value());
 }
 
+TEST(Hash, AnEmptySpanAddsNothing) {
+  EXPECT_EQ(Hash().add(1.0).add(std::span<const double>()).value(), Hash().add(1.0).value());
+}
+
 TEST(Hash, SeesTheLastBit) {
   const double value = 1.0;
   EXPECT_NE(Hash().add(value).value(), Hash().add(value + 2.3e-16).value());

@@ -32,6 +32,7 @@ class Hash {
         matrix.data(), static_cast<std::size_t>(Matrix::SizeAtCompileTime)));
   }
   void add_bytes(std::span<const std::byte> bytes) {
+    if (bytes.empty()) return;  // its data may be null, which memcpy must not be given
     const bool fits =
         bytes.size() <= waiting_.size() && waiting_count_ <= waiting_.size() - bytes.size();
     if (!fits) return take_in(bytes);
