@@ -31,6 +31,8 @@ constexpr int kMountMotions = 6;
 /// What of a derivative goes through friction's limits and planes is iterated for, to this part.
 constexpr double kDragTolerance = 1e-4;
 constexpr int kDragRounds = 12;
+/// Components whose right-hand sides are solved for at once.
+constexpr std::size_t kDragsTogether = 12;
 
 }  // namespace
 
@@ -52,9 +54,11 @@ struct Twin::Implementation {
         anchors(kept_anchors),
         contact(make_contact_set(*wearer)),
         shifts(static_cast<std::size_t>(device->degrees_of_freedom()) + kMountMotions,
-               std::vector<double>(potential.gradient().size())),
-        pushed(potential.gradient().size()),
-        rubbed(pushed.size()) {
+               std::vector<double>(potential.gradient().size())) {
+    for (Drag& drag : drags) {
+      drag.pushed.resize(potential.gradient().size());
+      drag.rubbed.resize(potential.gradient().size());
+    }
     touching.reserve(pieces.size() * (wearer->sample_nodes.size() + FeaturePoints::kMost));
     for (std::size_t k = 0; k < pieces.size(); ++k) obstacles[k].shape = &pieces[k].shape;
     reset(device->home());
@@ -85,7 +89,12 @@ struct Twin::Implementation {
   std::array<PieceMotion, kMountMotions> mount_motions;
   /// Of the unknowns, by each component of q and of the mount.
   std::vector<std::vector<double>> shifts;
-  std::vector<double> pushed, rubbed;  ///< scratch, by unknowns
+  /// Scratch of drag_by(), of one component, by unknowns.
+  struct Drag {
+    int k = 0;
+    std::vector<double> pushed, rubbed;
+  };
+  std::array<Drag, kDragsTogether> drags;
   struct TouchingPair {
     std::size_t point, piece;
     ContactPotential::PairResponse response;
@@ -113,7 +122,8 @@ struct Twin::Implementation {
     return k < dof ? motions(piece, k) : mount_motions[static_cast<std::size_t>(k - dof)];
   }
   void find_touching(bool with_curvature);
-  void drag_by(int k);
+  void drag_by(int first, int end);
+  void drag_together(std::span<Drag> together);
   void add_push(int k, bool rubbing, std::span<const double> shift, std::span<double> push) const;
   /// How the forces of a touching pair grow with a component of q.
   struct ForceRates {
@@ -311,32 +321,57 @@ void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double>
   }
 }
 
-/// How the skin's equilibrium moves by component k: -A^-1 dG/dq. The part of dG/dx by which
-/// friction follows the normal forces is not symmetric and not in A: it is iterated for.
-void Twin::Implementation::drag_by(int k) {
-  std::vector<double>& shift = shifts[static_cast<std::size_t>(k)];
-  std::fill(shift.begin(), shift.end(), 0.0);
-  add_push(k, false, {}, shift);
-  pushed = shift;
-  potential.solve(shift);
-  const bool rubs = std::ranges::any_of(
-      touching, [](const TouchingPair& t) { return !t.response.following.isZero(0.0); });
-  for (int round = 0; rubs && round < kDragRounds; ++round) {
-    rubbed = pushed;
-    add_push(k, true, shift, rubbed);
-    potential.solve(rubbed);
-    double change = 0.0;
-    double size = 0.0;
-    for (std::size_t n = 0; n < shift.size(); ++n) {
-      change += (rubbed[n] - shift[n]) * (rubbed[n] - shift[n]);
-      size += rubbed[n] * rubbed[n];
-    }
-    std::swap(shift, rubbed);
-    if (change <= kDragTolerance * kDragTolerance * size) break;
+/// How the skin's equilibrium moves by components first to end - 1: -A^-1 dG/dq.
+void Twin::Implementation::drag_by(int first, int end) {
+  while (first < end) {
+    std::size_t count = 0;
+    for (; count < drags.size() && first < end; ++count, ++first) drags[count].k = first;
+    drag_together({drags.data(), count});
   }
 }
 
-/// What drag_by(k) found.
+/// The part of dG/dx by which friction follows the normal forces is not symmetric and not in A: it
+/// is iterated for.
+void Twin::Implementation::drag_together(std::span<Drag> together) {
+  const auto shift_of = [&](const Drag& drag) -> std::vector<double>& {
+    return shifts[static_cast<std::size_t>(drag.k)];
+  };
+  std::array<std::span<double>, kDragsTogether> sides;
+  for (std::size_t i = 0; i < together.size(); ++i) {
+    std::vector<double>& shift = shift_of(together[i]);
+    std::fill(shift.begin(), shift.end(), 0.0);
+    add_push(together[i].k, false, {}, shift);
+    std::copy(shift.begin(), shift.end(), together[i].pushed.begin());
+    sides[i] = shift;
+  }
+  potential.solve_together({sides.data(), together.size()});
+  const bool rubs = std::ranges::any_of(
+      touching, [](const TouchingPair& t) { return !t.response.following.isZero(0.0); });
+  for (int round = 0; rubs && round < kDragRounds && !together.empty(); ++round) {
+    for (std::size_t i = 0; i < together.size(); ++i) {
+      Drag& drag = together[i];
+      std::copy(drag.pushed.begin(), drag.pushed.end(), drag.rubbed.begin());
+      add_push(drag.k, true, shift_of(drag), drag.rubbed);
+      sides[i] = drag.rubbed;
+    }
+    potential.solve_together({sides.data(), together.size()});
+    // Those that are through make room for those that are not.
+    const auto through = std::partition(together.begin(), together.end(), [&](Drag& drag) {
+      std::vector<double>& shift = shift_of(drag);
+      double change = 0.0;
+      double size = 0.0;
+      for (std::size_t n = 0; n < shift.size(); ++n) {
+        change += (drag.rubbed[n] - shift[n]) * (drag.rubbed[n] - shift[n]);
+        size += drag.rubbed[n] * drag.rubbed[n];
+      }
+      std::swap(shift, drag.rubbed);
+      return change > kDragTolerance * kDragTolerance * size;
+    });
+    together = together.first(static_cast<std::size_t>(through - together.begin()));
+  }
+}
+
+/// What drag_by() found.
 Vector3 Twin::Implementation::node_motion(std::size_t node, int k) const {
   return node_motion(node, shifts[static_cast<std::size_t>(k)]);
 }
@@ -376,8 +411,8 @@ bool Twin::Implementation::forces_and_derivatives(TwinForces& forces) {
     find_touching(false);
   }
   motions.at(q);
+  drag_by(0, dof);
   for (int k = 0; k < dof; ++k) {
-    drag_by(k);
     for (const TouchingPair& pair : touching) {
       const ForceRates rates = force_rates(pair, k, shifts[static_cast<std::size_t>(k)]);
       forces.normal_by_q.col(k) += rates.normal;
@@ -402,7 +437,9 @@ bool Twin::Implementation::force_by_mount(const Vector3& origin_F, Vector6& by_m
     PieceMotion& moved = mount_motions[static_cast<std::size_t>(c)];
     moved = {.origin = origin_F};
     (c < 3 ? moved.velocity : moved.spin)[c % 3] = 1.0;
-    drag_by(dof + c);
+  }
+  drag_by(dof, dof + kMountMotions);
+  for (int c = 0; c < kMountMotions; ++c) {
     for (const TouchingPair& pair : touching) {
       const std::vector<double>& shift = shifts[static_cast<std::size_t>(dof + c)];
       by_mount[c] += along.dot(force_rates(pair, dof + c, shift).normal);
