@@ -9,13 +9,13 @@ install(TARGETS ${softfinger_targets} EXPORT softfingerTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
 # What `cmake --install` takes from the build: without it, installing fails half way.
 add_custom_target(to_install DEPENDS ${softfinger_targets})
-foreach(program softfinger softfinger-guard softfinger_mpi)
+foreach(program softfinger softfinger-guard softfinger_mpi softfinger_pagmo)
   if(TARGET ${program})
     add_dependencies(to_install ${program})
   endif()
 endforeach()
 install(DIRECTORY src/softfinger DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE PATTERN "hdf5" EXCLUDE PATTERN "config" EXCLUDE PATTERN "report" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "node_modules" EXCLUDE PATTERN "page" EXCLUDE PATTERN "server" EXCLUDE PATTERN "hdf5" EXCLUDE PATTERN "config" EXCLUDE PATTERN "report" EXCLUDE PATTERN "pagmo" EXCLUDE)
 
 install(FILES src/softfinger/softfinger.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/softfinger COMPONENT development)
 file(RELATIVE_PATH softfinger_prefix_from_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)

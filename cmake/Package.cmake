@@ -122,7 +122,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 # As softfingerConfig.cmake finds them.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libassimp-dev, libeigen3-dev, libfmt-dev, libsqlite3-dev, libssl-dev, libtomlplusplus-dev, libxxhash-dev, pkg-config, zlib1g-dev")
 # softfinger::export and softfinger::study alone.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libhdf5-dev, libmuparser-dev, libpagmo-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libhdf5-dev, libmuparser-dev")
 set(CPACK_COMPONENT_PYTHON_DEPENDS library)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)

@@ -25,6 +25,8 @@ class BuildWithLibrary(build_py):
             if not (BUILD / name).exists():
                 raise SystemExit(f"{BUILD / name}: not there; build it first: ./dev build")
             shutil.copy2(BUILD / name, package)
+        if (BUILD / "softfinger-pagmo.so").exists():  # searches of studies
+            shutil.copy2(BUILD / "softfinger-pagmo.so", package)
         for folder in ("devices", "fingers", "objects", "scenes", "studies"):
             shutil.copytree(ROOT / folder, package / "share/softfinger" / folder, dirs_exist_ok=True)
 

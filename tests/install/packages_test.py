@@ -22,7 +22,7 @@ HOLDS = {
         "usr/share/fish/vendor_completions.d/softfinger.fish", "usr/share/man/man1/softfinger-guard.1.gz",
         "usr/share/man/man1/softfinger.1.gz", "usr/share/zsh/vendor-completions/_softfinger",
     },
-    "libsoftfinger0": {"libsoftfinger.so.0"},
+    "libsoftfinger0": {"libsoftfinger.so.0", "softfinger-pagmo.so"},
     "softfinger-mpi": {"softfinger-mpi.so"},
     "libsoftfinger-dev": {*(f"usr/share/doc/libsoftfinger-dev/examples/{name}" for name in ("c_program/touch.c", "own_program/CMakeLists.txt")), "usr/include/softfinger/rendering.hpp", "usr/include/softfinger/softfinger.h",
                           "libsoftfinger.so", "libsoftfinger_rendering.a", "softfinger.pc", "softfingerConfig.cmake"},

@@ -1,15 +1,12 @@
 #include "softfinger/study/ranks.hpp"
 
-#include <dlfcn.h>
 #include <fmt/core.h>
 
-#include <array>
 #include <cstdlib>
 #include <filesystem>
-#include <system_error>
 
 #include "softfinger/base/error.hpp"
-#include "softfinger/files/shipped_file.hpp"
+#include "softfinger/study/loaded_module.hpp"
 
 namespace softfinger {
 namespace {
@@ -30,17 +27,6 @@ bool in_parallel_job() {
   return !environment("OMPI_COMM_WORLD_SIZE").empty() || (!tasks.empty() && tasks != "1");
 }
 
-/// Beside the program where that is built, else where it is installed.
-fs::path module_file() {
-  const fs::path own = own_folder();
-  std::error_code error;
-  for (const fs::path& folder : {own, own / ".." / SOFTFINGER_LIBRARY_FOLDER / "softfinger",
-                                 own / ".." / "lib/softfinger"}) {
-    if (fs::exists(folder / kModule, error)) return folder / kModule;
-  }
-  return {};
-}
-
 }  // namespace
 
 void OneRank::share(std::size_t count, const Work& work, const Take& take,
@@ -50,7 +36,7 @@ void OneRank::share(std::size_t count, const Work& work, const Take& take,
 
 std::unique_ptr<Ranks> ranks_of_this_job() {
   if (!in_parallel_job()) return std::make_unique<OneRank>();
-  const fs::path file = module_file();
+  const fs::path file = module_file(kModule);
   if (file.empty()) {
     throw OperationError(
         fmt::format("mpirun: this program has no {} beside it or in "
@@ -59,8 +45,7 @@ std::unique_ptr<Ranks> ranks_of_this_job() {
                     kModule));
   }
   // Loaded only here: who runs no parallel job needs no MPI, and no time to start it.
-  void* module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
-  void* make = module == nullptr ? nullptr : ::dlsym(module, "softfinger_make_mpi_ranks");
+  void* make = module_function(file, "softfinger_make_mpi_ranks");
   if (make == nullptr) {
     throw OperationError(
         fmt::format("{}: cannot be loaded; are Open MPI's libraries here?", file.string()));

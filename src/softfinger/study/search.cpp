@@ -1,29 +1,21 @@
 #include "softfinger/study/search.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "softfinger/base/error.hpp"
-
-#ifdef SOFTFINGER_PAGMO
-#include <algorithm>
-#include <exception>
-#include <pagmo/algorithms/gaco.hpp>
-#include <pagmo/algorithms/nsga2.hpp>
-#include <pagmo/bfe.hpp>
-#include <pagmo/population.hpp>
-#include <pagmo/problem.hpp>
-#include <utility>
-#endif
+#include "softfinger/study/loaded_module.hpp"
+#include "softfinger/study/pagmo/gene_search.hpp"
 
 namespace softfinger {
-
-#ifdef SOFTFINGER_PAGMO
 namespace {
 
-/// What pagmo knows of a study: box bounds, numbers of values last, as it wants whole numbers.
-class Chromosomes {
+/// Free parameters as genes: logarithms where they vary by factors, numbers of values, which come
+/// last.
+class Genes {
  public:
-  explicit Chromosomes(const Study& study) {
+  explicit Genes(const Study& study) {
     for (const Parameter& parameter : study.parameters) {
       if (parameter.is_free()) free_.push_back(&parameter);
     }
@@ -35,20 +27,21 @@ class Chromosomes {
       if (free_[k]->is_discrete()) order_.push_back(k);
     }
   }
-  [[nodiscard]] std::pair<std::vector<double>, std::vector<double>> bounds() const {
-    std::vector<double> low;
-    std::vector<double> high;
+  void bound(GeneSearch& search) const {
+    search.whole = order_.size() - continuous_;
     for (const std::size_t k : order_) {
       const Parameter& parameter = *free_[k];
       const bool log = parameter.log;
-      low.push_back(parameter.is_discrete() ? 0.0 : log ? std::log(parameter.min) : parameter.min);
-      high.push_back(parameter.is_discrete() ? static_cast<double>(parameter.values.size() - 1)
-                     : log                   ? std::log(parameter.max)
-                                             : parameter.max);
+      search.least.push_back(parameter.is_discrete() ? 0.0
+                             : log                   ? std::log(parameter.min)
+                                                     : parameter.min);
+      search.most.push_back(parameter.is_discrete()
+                                ? static_cast<double>(parameter.values.size() - 1)
+                            : log ? std::log(parameter.max)
+                                  : parameter.max);
     }
-    return {low, high};
   }
-  [[nodiscard]] std::size_t whole() const { return order_.size() - continuous_; }
+  [[nodiscard]] std::size_t count() const { return order_.size(); }
   [[nodiscard]] std::vector<double> chosen(const double* genes) const {
     std::vector<double> chosen(order_.size());
     for (std::size_t i = 0; i < order_.size(); ++i) {
@@ -70,77 +63,42 @@ class Chromosomes {
   std::size_t continuous_ = 0;
 };
 
-struct StudyProblem {
-  std::pair<std::vector<double>, std::vector<double>> bounds;
-  std::size_t whole = 0, objectives = 1;
+}  // namespace
 
-  [[nodiscard]] std::vector<double> fitness(const std::vector<double>&) const {
-    throw OperationError("study: a design was evaluated alone");  // batches alone
+bool can_search() { return !module_file(kPagmoModule).empty(); }
+
+void search(const Study& study, const BatchFitness& fitness) {
+  const std::filesystem::path file = module_file(kPagmoModule);
+  if (file.empty()) {
+    throw OperationError(
+        "this program was built without pagmo, which searches; use grid, lhs or "
+        "sobol, or build it where libpagmo-dev is installed");
   }
-  [[nodiscard]] std::pair<std::vector<double>, std::vector<double>> get_bounds() const {
-    return bounds;
+  void* const search_genes = module_function(file, kSearchGenes);
+  if (search_genes == nullptr) {
+    throw OperationError(file.string() + ": cannot be loaded; is pagmo's library here?");
   }
-  [[nodiscard]] std::size_t get_nix() const { return whole; }
-  [[nodiscard]] std::size_t get_nobj() const { return objectives; }
-};
-
-/// Ours, in the place of pagmo's own threads.
-struct StudyBatch {
-  const Chromosomes* chromosomes = nullptr;
-  const BatchFitness* batch = nullptr;
-
-  std::vector<double> operator()(const pagmo::problem& problem,
-                                 const std::vector<double>& genes) const {
-    const std::size_t size = problem.get_nx();
+  const DesignPlan& plan = study.plan;
+  const Genes genes_of_study(study);
+  GeneSearch search{.objectives = study.objectives.size(),
+                    .of_a_front = plan.kind == DesignKind::kNsga2,
+                    .size = static_cast<unsigned>(plan.size),
+                    .generations = static_cast<unsigned>(plan.generations),
+                    .seed = static_cast<unsigned>(plan.seed)};
+  genes_of_study.bound(search);
+  search.fitness = [&](const std::vector<double>& genes) {
     std::vector<std::vector<double>> designs;
-    for (std::size_t at = 0; at + size <= genes.size(); at += size) {
-      designs.push_back(chromosomes->chosen(genes.data() + at));
+    for (std::size_t at = 0; at + genes_of_study.count() <= genes.size();
+         at += genes_of_study.count()) {
+      designs.push_back(genes_of_study.chosen(genes.data() + at));
     }
     std::vector<double> result;
-    for (const std::vector<double>& one : (*batch)(designs)) {
+    for (const std::vector<double>& one : fitness(designs)) {
       result.insert(result.end(), one.begin(), one.end());
     }
     return result;
-  }
-};
-
-}  // namespace
-
-bool can_search() { return true; }
-
-void search(const Study& study, const BatchFitness& fitness) {
-  const Chromosomes chromosomes(study);
-  const pagmo::problem problem(StudyProblem{.bounds = chromosomes.bounds(),
-                                            .whole = chromosomes.whole(),
-                                            .objectives = study.objectives.size()});
-  const pagmo::bfe batch(StudyBatch{&chromosomes, &fitness});
-  const DesignPlan& plan = study.plan;
-  pagmo::population population(problem, batch, plan.size, plan.seed);
-  const auto generations = static_cast<unsigned>(plan.generations);
-  if (plan.kind == DesignKind::kNsga2) {
-    pagmo::nsga2 algorithm(generations, 0.95, 10.0, 1.0 / static_cast<double>(problem.get_nx()),
-                           50.0, plan.seed);
-    algorithm.set_bfe(batch);
-    static_cast<void>(algorithm.evolve(std::move(population)));
-  } else {
-    const auto kernel = static_cast<unsigned>(std::min<std::size_t>(63, plan.size));
-    pagmo::gaco algorithm(generations, kernel, 1.0, 0.0, 0.01, 1, 7, 100000, 100000, 0.0, false,
-                          plan.seed);
-    algorithm.set_bfe(batch);
-    static_cast<void>(algorithm.evolve(std::move(population)));
-  }
+  };
+  reinterpret_cast<SearchGenes>(search_genes)(search);
 }
-
-#else
-
-bool can_search() { return false; }
-
-void search(const Study&, const BatchFitness&) {
-  throw OperationError(
-      "this program was built without pagmo, which searches; use grid, lhs or "
-      "sobol, or build it where libpagmo-dev is installed");
-}
-
-#endif
 
 }  // namespace softfinger
