@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../tests/support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/rendering.hpp"
 #include "softfinger/softfinger.h"
@@ -16,7 +17,7 @@
 namespace softfinger {
 namespace {
 
-const std::string kSphere = std::string(SOFTFINGER_SOURCE_DIR) + "/scenes/sphere.toml";
+const std::string kSphere = source_folder() + "/scenes/sphere.toml";
 
 double median_of(std::vector<double>& times) {
   const auto middle = times.begin() + static_cast<long>(times.size() / 2);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "../tests/support/folders.hpp"
 #include "scenario.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -39,7 +40,7 @@ void force_aware(benchmark::State& state, const char* scene, const char* finger,
                  const char* device_name) {
   const Scenario scenario = scripted(scene, finger, 1e-3);
   const std::vector<ContactSet> contacts = contacts_of(scenario);
-  const auto device = load_device(std::string(SOFTFINGER_SOURCE_DIR "/devices/") + device_name);
+  const auto device = load_device(source_folder() + "/devices/" + device_name);
   std::vector<double> times;
   double iterations = 0.0;
   for ([[maybe_unused]] auto unused : state) {

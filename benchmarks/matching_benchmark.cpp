@@ -11,6 +11,7 @@
 #include <unsupported/Eigen/NumericalDiff>
 #include <vector>
 
+#include "../tests/support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/device/kinds/pin_array.hpp"
@@ -25,7 +26,7 @@ namespace {
 
 std::shared_ptr<const Device> thimble() {
   static const std::shared_ptr<const Device> device =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+      load_device(source_folder() + "/devices/thimble-3rrs.toml");
   return device;
 }
 
@@ -310,9 +311,8 @@ void matching_pins_samples(benchmark::State& state) {
 }
 
 void matching_device(benchmark::State& state, const char* name) {
-  match_rolling_ball(state,
-                     load_device(std::string(SOFTFINGER_SOURCE_DIR "/devices/") + name + ".toml"),
-                     kSamples, true);
+  match_rolling_ball(state, load_device(source_folder() + "/devices/" + name + ".toml"), kSamples,
+                     true);
 }
 
 std::vector<Configuration> poses() {

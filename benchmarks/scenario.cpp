@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "../tests/support/folders.hpp"
 #include "soak/violent_motion.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/loop/finger_loop.hpp"
@@ -15,12 +16,11 @@ constexpr double kOwnModulus = 34e3;  // Pa
 constexpr double kOwnPoissonsRatio = 0.27;
 
 Scene shipped_scene(const std::string& name) {
-  return load_scene(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes" / (name + ".toml"));
+  return load_scene(std::filesystem::path(source_folder()) / "scenes" / (name + ".toml"));
 }
 
 std::shared_ptr<const FingerModel> shipped_finger(const std::string& name) {
-  return FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                           (name + ".toml"));
+  return FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / (name + ".toml"));
 }
 
 }  // namespace

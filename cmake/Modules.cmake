@@ -72,12 +72,10 @@ function(softfinger_test name)
     return()
   endif()
   add_executable(${name}_test ${sources})
-  target_link_libraries(${name}_test PRIVATE ${arg_LIBRARIES} softfinger_compiler GTest::gmock GTest::gtest_main)
+  target_link_libraries(${name}_test PRIVATE ${arg_LIBRARIES} softfinger_test_folders softfinger_compiler GTest::gmock GTest::gtest_main)
   softfinger_quick_build(${name}_test test)
   target_compile_options(${name}_test PRIVATE ${SOFTFINGER_TEST_OPTIONS})
   softfinger_count_branches(${name}_test ${name})
-  target_compile_definitions(${name}_test PRIVATE
-    SOFTFINGER_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SOFTFINGER_PROGRAM="${PROJECT_BINARY_DIR}/softfinger")
   # Two builds that are tested at once must not write over each other's files.
   set(temporary ${CMAKE_CURRENT_BINARY_DIR}/temporary)
   file(MAKE_DIRECTORY ${temporary})

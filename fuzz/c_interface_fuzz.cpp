@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "../tests/support/folders.hpp"
 #include "scratch_file.hpp"
 #include "softfinger/softfinger.h"
 
@@ -104,7 +105,7 @@ class Several {
   Several() {
     std::string scene(kScene);
     for (std::size_t at; (at = scene.find("SOURCE")) != std::string::npos;) {
-      scene.replace(at, 6, SOFTFINGER_SOURCE_DIR);
+      scene.replace(at, 6, softfinger::source_folder());
     }
     const softfinger::ScratchFile file("several.toml");
     file.write({reinterpret_cast<const std::uint8_t*>(scene.data()), scene.size()});
@@ -189,8 +190,8 @@ class Several {
 class Drive {
  public:
   Drive() {
-    expect(sf_device_create(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml", &handle_, nullptr,
-                            0) == SF_DONE);
+    expect(sf_device_create((softfinger::source_folder() + "/devices/thimble-3rrs.toml").c_str(),
+                            &handle_, nullptr, 0) == SF_DONE);
   }
 
   void call(Bytes& bytes) {
@@ -299,8 +300,8 @@ class Host {
 
  private:
   sf_status create() {
-    return sf_rendering_create(SOFTFINGER_SOURCE_DIR "/scenes/plane.toml", nullptr, &rendering_,
-                               nullptr, 0);
+    return sf_rendering_create((softfinger::source_folder() + "/scenes/plane.toml").c_str(),
+                               nullptr, &rendering_, nullptr, 0);
   }
 
   sf_status call(int which, sf_rendering* handle, Bytes& bytes) {

@@ -11,6 +11,7 @@
 #include <functional>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "guarded_thimble.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/actuation/travel_ceiling.hpp"
@@ -87,7 +88,7 @@ TEST_F(GuardedThimble, FollowsAndRetractsAtTheEnd) {
 }
 
 TEST_F(GuardedThimble, EndsWithItsProcessAndNoLater) {
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
+  GuardProcess guard(guard_program(), device->home(), setup());
   const std::ptrdiff_t descriptors = open_descriptors();
   ASSERT_EQ(guard.start(false), "");
   ASSERT_TRUE(soon([&] {
@@ -128,7 +129,7 @@ TEST_F(GuardedThimble, SaysWhyAPortCannotBeOpened) {
 
 TEST_F(GuardedThimble, NobodyElseGetsThePort) {
   const Actuator first(device, options());
-  for (const char* guard : {SOFTFINGER_GUARD, ""}) {
+  for (const std::string& guard : {guard_program(), std::string()}) {
     ActuatorOptions second = options();
     second.guard_program = guard;
     try {
@@ -141,7 +142,7 @@ TEST_F(GuardedThimble, NobodyElseGetsThePort) {
 }
 
 TEST_F(GuardedThimble, OneThatWaitsForAProcessorIsNotTakenForOneThatHangs) {
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
+  GuardProcess guard(guard_program(), device->home(), setup());
   ASSERT_EQ(guard.start(false), "");
   ASSERT_TRUE(soon([&] {
     guard.submit(wanted, DeviceState::kRendering);
@@ -189,7 +190,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, FaultyGuard,
                          [](const auto& fault) { return fault.param.name; });
 
 TEST_P(FaultyGuard, IsReplacedByOneThatRetractsUntilItIsReleased) {
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
+  GuardProcess guard(guard_program(), device->home(), setup());
   ASSERT_EQ(guard.start(false), "");
   const auto follow = [&](const std::function<bool()>& done) {
     for (int k = 0; k < 300; ++k) {

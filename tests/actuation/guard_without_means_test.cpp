@@ -24,6 +24,7 @@
 #include <thread>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "guarded_thimble.hpp"
 #include "softfinger/actuation/guard_process.hpp"
@@ -82,13 +83,13 @@ class GuardWithoutMeans : public GuardedThimble {
 TEST_F(GuardWithoutMeans, SaysSoWhereTheSystemHasNoMoreDescriptors) {
   {
     const FewDescriptors none(0);
-    EXPECT_THROW(GuardProcess(SOFTFINGER_GUARD, device->home(), setup()), OperationError);
+    EXPECT_THROW(GuardProcess(guard_program(), device->home(), setup()), OperationError);
   }
   {
     const FewDescriptors only_the_event(1);
-    EXPECT_THROW(GuardProcess(SOFTFINGER_GUARD, device->home(), setup()), OperationError);
+    EXPECT_THROW(GuardProcess(guard_program(), device->home(), setup()), OperationError);
   }
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
+  GuardProcess guard(guard_program(), device->home(), setup());
   {
     const FewDescriptors no_sockets(0);
     expect_refused(guard, "no more sockets");
@@ -104,7 +105,7 @@ TEST_F(GuardWithoutMeans, SaysSoWhereTheSystemHasNoMemoryToShare) {
   none.rlim_cur = 0;
   const std::ptrdiff_t descriptors = open_descriptors();
   ::setrlimit(RLIMIT_FSIZE, &none);
-  EXPECT_THROW(GuardProcess(SOFTFINGER_GUARD, device->home(), setup()), OperationError);
+  EXPECT_THROW(GuardProcess(guard_program(), device->home(), setup()), OperationError);
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, before_signal);
   EXPECT_EQ(open_descriptors(), descriptors);
@@ -136,7 +137,7 @@ TEST_F(GuardWithoutMeans, SaysSoWhereItIsAnotherProgram) {
 TEST_F(GuardWithoutMeans, KeepsNobodyWherePortsAreNotThere) {
   GuardSetup absent = setup();
   absent.line.port = "/dev/softfinger-no-such-port";
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(), absent);
+  GuardProcess guard(guard_program(), device->home(), absent);
   const std::ptrdiff_t before = open_descriptors();
   EXPECT_THAT(guard.start(false), HasSubstr("no such port"));
   EXPECT_EQ(open_descriptors(), before);
@@ -194,6 +195,7 @@ TEST_F(GuardWithoutMeans, HasNothingOfItsParentButWhatItIsGiven) {
 /// business
 /// (-1: none); its exit status.
 int run_guard(int socket, int memory, int foreign = -1) {
+  const char* const guard = guard_program().c_str();
   const pid_t process = ::fork();
   if (process == 0) {
     // Out of the way of each other first.
@@ -205,7 +207,7 @@ int run_guard(int socket, int memory, int foreign = -1) {
     if (from_memory >= 0) ::dup2(from_memory, guard_socket::kMemory);
     if (from_foreign >= 0) ::dup2(from_foreign, guard_socket::kFirstForeign);
     for (int descriptor = 100; descriptor < 120; ++descriptor) ::close(descriptor);
-    ::execl(SOFTFINGER_GUARD, SOFTFINGER_GUARD, nullptr);
+    ::execl(guard, guard, nullptr);
     ::_exit(99);
   }
   int status = 0;
@@ -290,7 +292,7 @@ INSTANTIATE_TEST_SUITE_P(Places, GuardThatIsNotThereAgain, testing::Values("", "
                          });
 
 TEST_F(GuardWithoutMeans, HearsAStopOnlyWhereItRuns) {
-  GuardProcess guard(SOFTFINGER_GUARD, device->home(), setup());
+  GuardProcess guard(guard_program(), device->home(), setup());
   ASSERT_EQ(guard.start(false), "");
   EXPECT_TRUE(guard.would_hear_a_stop(std::chrono::seconds(10)));
   EXPECT_EQ(guard.channel().commands_sent, 0U) << "nothing moves for that";
@@ -303,7 +305,7 @@ TEST_F(GuardWithoutMeans, HearsAStopOnlyWhereItRuns) {
 /// A guard by a name that may come to mean something else.
 class ExchangedGuard : public GuardWithoutMeans {
  protected:
-  ExchangedGuard() { fs::create_symlink(SOFTFINGER_GUARD, program_); }
+  ExchangedGuard() { fs::create_symlink(guard_program(), program_); }
   void exchange(const std::string& script) {
     fs::remove(program_);
     std::ofstream(program_) << "#!/bin/sh\n" << script << "\n";
@@ -390,7 +392,7 @@ TEST_F(ExchangedGuard, TheEndWaitsUntilTheDeviceIsRetracted) {
 
 TEST_P(GuardThatIsNotThereAgain, IsToldAsLost) {
   const fs::path program = directory_ / "softfinger-guard";
-  fs::create_symlink(SOFTFINGER_GUARD, program);
+  fs::create_symlink(guard_program(), program);
   ActuatorOptions guarded = options();
   guarded.guard_program = program;
   Actuator actuator(device, guarded);

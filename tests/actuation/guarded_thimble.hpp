@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/maestro_terminal.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/actuation/guard_setup.hpp"
@@ -19,7 +20,7 @@
 namespace softfinger {
 
 inline const std::filesystem::path kThimble =
-    std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / "thimble-3rrs.toml";
+    std::filesystem::path(source_folder()) / "devices" / "thimble-3rrs.toml";
 inline constexpr double kNear = 0.01;  ///< rad
 
 /// Of this process.
@@ -58,7 +59,7 @@ class GuardedThimble : public ::testing::Test {
     return farthest;
   }
   ActuatorOptions options() const {
-    return {.port = terminal.port(), .device_file = kThimble, .guard_program = SOFTFINGER_GUARD};
+    return {.port = terminal.port(), .device_file = kThimble, .guard_program = guard_program()};
   }
   GuardSetup setup() const {
     return {.device_file = kThimble,

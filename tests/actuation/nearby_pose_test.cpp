@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <random>
 
+#include "../support/folders.hpp"
 #include "../support/lever_platform.hpp"
 #include "softfinger/device/device_file.hpp"
 
@@ -12,7 +13,7 @@ namespace softfinger {
 namespace {
 
 std::shared_ptr<const Device> shipped(const std::string& name) {
-  return load_device(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / (name + ".toml"));
+  return load_device(std::filesystem::path(source_folder()) / "devices" / (name + ".toml"));
 }
 
 // As far as the coarsest servo rounds: a step of 4096 a turn.

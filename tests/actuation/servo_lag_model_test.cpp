@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace softfinger {
@@ -18,15 +19,15 @@ constexpr std::size_t kLagKept = 256;  ///< entries
 constexpr double kLagLeast = 2.0;
 
 /// The entries, oldest first, since when the joint has gone one way; the newest at least.
-std::vector<ToldTo> run_of(const std::vector<ToldTo>& told, Eigen::Index joint) {
-  std::vector<ToldTo> run(told.end() - 1, told.end());
-  for (std::size_t k = told.size() - 1; k > 0 && run.size() < kLagKept; --k) {
+std::span<const ToldTo> run_of(std::span<const ToldTo> told, Eigen::Index joint) {
+  std::size_t length = 1;
+  for (std::size_t k = told.size() - 1; k > 0 && length < kLagKept; --k) {
     const double step = told[k].joints[joint] - told[k - 1].joints[joint];
     const double last = told.back().joints[joint] - told[told.size() - 2].joints[joint];
     if (!(step > 0.0 && last > 0.0) && !(step < 0.0 && last < 0.0)) break;
-    run.insert(run.begin(), told[k - 1]);
+    ++length;
   }
-  return run;
+  return told.last(length);
 }
 
 /// The same by another way: the run of the joint that went furthest is a function of time that can
@@ -35,15 +36,16 @@ std::optional<double> lag_by_inversion(const std::vector<ToldTo>& told, double t
                                        const JointAngles& joints) {
   Eigen::Index furthest = -1;
   double most = kLagLeast;
+  std::span<const ToldTo> run;
   for (Eigen::Index joint = 0; joint < joints.size() && !told.empty(); ++joint) {
-    const auto run = run_of(told, joint);
-    const double moved = std::abs(run.back().joints[joint] - run.front().joints[joint]);
+    const std::span<const ToldTo> of_joint = run_of(told, joint);
+    const double moved = std::abs(of_joint.back().joints[joint] - of_joint.front().joints[joint]);
     if (moved < most) continue;
     furthest = joint;
     most = moved;
+    run = of_joint;
   }
   if (furthest < 0) return std::nullopt;
-  const auto run = run_of(told, furthest);
   const double place = joints[furthest];
   for (std::size_t k = 0; k + 1 < run.size(); ++k) {
     const double from = run[k].joints[furthest];

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "../support/folders.hpp"
 #include "softfinger/actuation/motion_guard.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -16,7 +17,7 @@ constexpr double kMaxTilt = 30.0 * deg;
 class Thimble : public testing::Test {
  protected:
   std::shared_ptr<const Device> device_ =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+      load_device(source_folder() + "/devices/thimble-3rrs.toml");
   std::mt19937_64 random_{17};
   std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
 

@@ -4,6 +4,7 @@
 #include <random>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/actuation/travel_ceiling.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -40,7 +41,7 @@ class TravelCeilingGrid : public testing::Test {
   }
 
   std::shared_ptr<const Device> device_ =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+      load_device(source_folder() + "/devices/thimble-3rrs.toml");
   std::vector<TravelCeiling::GridAxis> grid_{{0, -0.3, 0.1, 3}, {1, -0.2, 0.4, 4}};
   std::mt19937_64 random_{37};
   std::uniform_real_distribution<double> uniform_{0.0, 1.0};

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/lever_platform.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -17,7 +18,7 @@ namespace softfinger {
 namespace {
 
 std::shared_ptr<const Device> device_of(const std::string& name) {
-  return load_device(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / (name + ".toml"));
+  return load_device(std::filesystem::path(source_folder()) / "devices" / (name + ".toml"));
 }
 
 /// One point 2 mm from the thimble's disk at travel 0, on its axis.

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "program.hpp"
 #include "workplace.hpp"
 
@@ -398,9 +399,9 @@ TEST(BadInput, PoseFileIsNamedWithItsLine) {
 }
 
 TEST(BadInput, WrongUsage) {
-  const std::string scene = SOFTFINGER_SOURCE_DIR "/scenes/plane.toml";
-  const std::string finger = SOFTFINGER_SOURCE_DIR "/fingers/index.toml";
-  const std::string device = SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml";
+  const std::string scene = source_folder() + "/scenes/plane.toml";
+  const std::string finger = source_folder() + "/fingers/index.toml";
+  const std::string device = source_folder() + "/devices/thimble-3rrs.toml";
   expect_refused({}, {});
   expect_refused({"explode"}, {"explode"});
   expect_refused({"run"}, {"SCENE"});
@@ -435,7 +436,7 @@ TEST(BadInput, WrongUsage) {
 
 TEST(BadInput, PoseOutsideTheWorkspaceIsAnAnswer) {
   const ProgramRun run =
-      run_program({"device", "solve", SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml",
+      run_program({"device", "solve", source_folder() + "/devices/thimble-3rrs.toml",
                    "--configuration", "pitch_deg=80,roll_deg=0,travel_mm=0", "--json"});
   EXPECT_EQ(run.status, 0) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("\"reachable\""));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "program.hpp"
 #include "workplace.hpp"
 
@@ -24,7 +25,7 @@ json answer_of(std::vector<std::string> arguments) {
 
 std::vector<std::string> shipped_devices() {
   std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() + "/devices")) {
     if (entry.path().extension() == ".toml") files.push_back(entry.path());
   }
   return files;

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "../support/folders.hpp"
 #include "program.hpp"
 #include "workplace.hpp"
 
@@ -174,7 +175,7 @@ TEST(Evaluate, AForceSensorCorrectsForAnotherWearer) {
 }
 
 std::string shipped_finger(const std::string& name) {
-  return SOFTFINGER_SOURCE_DIR "/fingers/" + name + ".toml";
+  return source_folder() + "/fingers/" + name + ".toml";
 }
 
 double mean_of(const Answer& answer, const char* measure) {
@@ -239,8 +240,8 @@ TEST(Evaluate, ContactSpreadsFasterOverASpongeThanOverATable) {
   const Answer table =
       evaluated({place.path("scenes/plane.toml"), "--device", plate, "--duration-s", "3"});
   const Answer sponge =
-      evaluated({SOFTFINGER_SOURCE_DIR "/scenes/sponge.toml", "--device", "index=" + plate,
-                 "--device", "thumb=" + plate, "--duration-s", "1.6"});
+      evaluated({source_folder() + "/scenes/sponge.toml", "--device", "index=" + plate, "--device",
+                 "thumb=" + plate, "--duration-s", "1.6"});
   const auto rate = [](const Answer& answer, std::size_t finger, const char* side) {
     return answer.at("area_spread_rate").at(finger).at(side).get<double>();
   };

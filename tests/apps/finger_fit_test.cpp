@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "program.hpp"
 #include "workplace.hpp"
 
@@ -143,7 +144,7 @@ TEST_F(FingerFitCommand, ScalesEveryLayer) {
 }
 
 TEST_F(FingerFitCommand, FitsOneFactorOnAllLayersAndKeepsThem) {
-  const std::filesystem::path fingers = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers";
+  const std::filesystem::path fingers = std::filesystem::path(source_folder()) / "fingers";
   for (const char* file : {"index-layered.toml", "index-layered.msh"}) {
     std::filesystem::copy(fingers / file, place_.path("fingers"));
   }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "program.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/motors/emulation/emulator_terminal.hpp"
@@ -108,8 +109,9 @@ TEST_F(KilledProgram, LeavesTheDeviceRetracted) { expect_retracted_after(SIGKILL
 
 // Whoever calls the library has the guard that comes with it.
 TEST_F(KilledProgram, OfSomebodyElsesLeavesTheDeviceRetracted) {
-  RunningProgram program({place.path("scenes/sphere.toml"), "26.5"},
-                         "shift; exec " SOFTFINGER_C_PROGRAM " \"$@\"");
+  RunningProgram program(
+      {place.path("scenes/sphere.toml"), "26.5"},
+      "shift; exec " + build_folder() + "/tests/c_interface/c_program_live \"$@\"");
   expect_retracted_after(SIGKILL, program);
 }
 

@@ -153,9 +153,11 @@ TEST_F(SceneWithoutFinger, IsToldWhatItNeeds) {
 }
 
 /// Objects of a shipped scene after `seconds` of it.
-json objects_of(const char* scene, const char* seconds) {
-  const ProgramRun done = run_program(
-      {"run", scene, "--headless", "--as-fast-as-possible", "--duration-s", seconds, "--json"});
+json objects_of(const char* scene, const char* seconds, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"run",          scene,   "--headless", "--as-fast-as-possible",
+                                 "--duration-s", seconds, "--json"};
+  words.insert(words.end(), more.begin(), more.end());
+  const ProgramRun done = run_program(words);
   EXPECT_EQ(done.status, 0) << done.errors;
   const json answer = json::parse(done.output);
   EXPECT_EQ(answer.at("unconverged_steps"), 0);
@@ -234,8 +236,19 @@ TEST(MovingScene, HandIsCheckedAndSaysHowItFollows) {
 }
 
 TEST(MovingScene, SpongeIsLiftedAndSetDown) {
-  EXPECT_NEAR(place_mm(objects_of("sponge", "2.3"), "sponge", 2), 40.0, 1.5);
-  const json set_down = objects_of("sponge", "6");
+  const Workplace place;
+  const std::string file = place.path("sponge.sqlite");
+  const json set_down = objects_of("sponge", "6", {"--record", file});
+  ASSERT_EQ(run_program({"export", file, "--to", place.path("csv")}).status, 0);
+  std::istringstream rows(place.read("csv/objects.csv"));
+  std::string header;
+  std::string row;
+  std::getline(rows, header);
+  ASSERT_TRUE(header.starts_with("time_s,object,x_mm,y_mm,z_mm,")) << header;
+  while (std::getline(rows, row) && !row.starts_with("2.3,sponge,")) continue;
+  double height = 0.0;
+  ASSERT_EQ(std::sscanf(row.c_str(), "2.3,sponge,%*f,%*f,%lf", &height), 1) << row;
+  EXPECT_NEAR(height, 40.0, 1.5);
   EXPECT_NEAR(place_mm(set_down, "sponge", 2), 10.0, 0.05);
   EXPECT_TRUE(set_down.at("sponge").at("joint").is_null());
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "../support/folders.hpp"
 #include "program.hpp"
 #include "workplace.hpp"
 
@@ -181,7 +182,7 @@ TEST_P(Taps, IsFelt) {
   std::string scene = fmt::format(
       "[[finger]]\nname = \"finger\"\nmodel = \"{0}/fingers/{1}.toml\"\n"
       "device = \"{0}/devices/{2}.toml\"\n",
-      SOFTFINGER_SOURCE_DIR, tap.finger, tap.device);
+      source_folder(), tap.finger, tap.device);
   for (const auto& [time, height] :
        {std::pair{0.0, 20.5}, std::pair{0.3, 20.5}, std::pair{0.3 + tap.down_s, 5.2},
         std::pair{0.6 + tap.down_s, 5.2}}) {

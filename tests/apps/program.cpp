@@ -1,4 +1,5 @@
 #include "program.hpp"
+#include "../support/folders.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -36,7 +37,7 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments,
   errors_file_ = stem + ".err";
   std::vector<std::string> words;
   if (!shell_line.empty()) words = {"/bin/bash", "-c", shell_line, "bash"};
-  words.emplace_back(SOFTFINGER_PROGRAM);
+  words.emplace_back(build_folder() + "/softfinger");
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "help_text.hpp"
 #include "program.hpp"
@@ -61,16 +62,15 @@ TEST(ShippedNames, AreFoundBesideTheProgram) {
   const TemporaryDirectory prefix;
   fs::create_directories(prefix / "bin");
   fs::create_directories(prefix / "share/softfinger");
-  fs::copy_file(SOFTFINGER_PROGRAM, prefix / "bin/softfinger");
+  fs::copy_file(build_folder() + "/softfinger", prefix / "bin/softfinger");
   const std::string line =
       "cd / && PATH='" + (prefix / "bin").string() + "':$PATH && exec softfinger \"${@:2}\"";
   const ProgramRun lacking = run_in_shell(line, {"press", "own"});
   expect_refused(lacking, {"own: no such file, and no share/softfinger/fingers beside ",
                            (prefix / "bin").string()});
-  fs::create_directory_symlink(SOFTFINGER_SOURCE_DIR "/devices",
-                               prefix / "share/softfinger/devices");
+  fs::create_directory_symlink(source_folder() + "/devices", prefix / "share/softfinger/devices");
   fs::create_directories(prefix / "share/softfinger/scenes");
-  fs::copy_file(SOFTFINGER_SOURCE_DIR "/devices/membrane.toml",
+  fs::copy_file(source_folder() + "/devices/membrane.toml",
                 prefix / "share/softfinger/scenes/own.toml");
   // Read as a scene, it is none: found it was.
   EXPECT_THAT(run_in_shell(line, {"scene", "check", "own"}).errors,

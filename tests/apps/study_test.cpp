@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "../support/child_process.hpp"
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "../viewer/raw_client.hpp"
 #include "program.hpp"
@@ -64,7 +65,7 @@ kind = "lhs"
 };
 
 bool has_mpi() {
-  const fs::path beside = fs::path(SOFTFINGER_PROGRAM).parent_path() / "softfinger-mpi.so";
+  const fs::path beside = fs::path(build_folder()) / "softfinger-mpi.so";
   return fs::exists(beside) && std::system("command -v mpirun >/dev/null") == 0;
 }
 
@@ -314,7 +315,7 @@ TEST_F(StudyCommand, WritesContactsThatPythonReads) {
   const std::string file = path("contacts.h5");
   EXPECT_EQ(run_program({"study", "export", path("contacts"), "--to", file}).status, 0);
   const std::string example = fmt::format(
-      "/usr/bin/python3 {}/examples/contacts/load_contacts.py {}", SOFTFINGER_SOURCE_DIR, file);
+      "/usr/bin/python3 {}/examples/contacts/load_contacts.py {}", source_folder(), file);
   if (std::system("/usr/bin/python3 -c 'import h5py' 2>/dev/null") != 0) GTEST_SKIP() << "no h5py";
   const ProgramRun loaded = run_in_shell(example, {});
   EXPECT_EQ(loaded.status, 0) << loaded.errors;

@@ -1,4 +1,5 @@
 #include "workplace.hpp"
+#include "../support/folders.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 Workplace::Workplace() {
   std::string pattern = testing::TempDir() + "softfinger-workplace-XXXXXX";
   folder_ = mkdtemp(pattern.data());
-  const fs::path tree = SOFTFINGER_SOURCE_DIR;
+  const fs::path tree = source_folder();
   for (const char* kind : {"devices", "scenes"}) fs::copy(tree / kind, folder_ / kind);
   fs::create_directory(folder_ / "fingers");
   for (const char* file : {"index.toml", "index.msh", "index-medium.toml", "index-medium.msh"}) {

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "../support/folders.hpp"
 #include "softfinger/geometry/pose.hpp"
 #include "softfinger/softfinger.h"
 
 namespace softfinger {
 
 inline std::filesystem::path shipped_scene(const char* name) {
-  return std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes" / name;
+  return std::filesystem::path(source_folder()) / "scenes" / name;
 }
 
 /// One second on scenes/plane.toml: down to 3 mm below where the pad touches, tipping, and up.

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "poses.hpp"
 
@@ -21,7 +22,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string shipped_file(const char* path) {
-  return (std::filesystem::path(SOFTFINGER_SOURCE_DIR) / path).string();
+  return (std::filesystem::path(source_folder()) / path).string();
 }
 
 std::vector<double> column_of(const sf_table* table, std::string_view wanted) {

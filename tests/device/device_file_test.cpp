@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "thimble.hpp"
@@ -20,7 +21,7 @@ using testing::HasSubstr;
 
 /// The shipped file with `from` replaced by `to`, loaded.
 std::shared_ptr<const Device> loaded(const std::string& from, const std::string& to) {
-  std::ifstream shipped(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+  std::ifstream shipped(source_folder() + "/devices/thimble-3rrs.toml");
   std::stringstream text;
   text << shipped.rdbuf();
   std::string content = text.str();

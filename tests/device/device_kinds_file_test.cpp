@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../support/folders.hpp"
 #include "kinds.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/kinds/device_kinds.hpp"
@@ -17,7 +18,7 @@ using testing::HasSubstr;
 
 /// What is said about a shipped file with `from` replaced by `to`; empty where it is accepted.
 std::string said_about(const std::string& name, const std::string& from, const std::string& to) {
-  std::ifstream shipped_file(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml");
+  std::ifstream shipped_file(source_folder() + "/devices/" + name + ".toml");
   std::stringstream text;
   text << shipped_file.rdbuf();
   std::string content = text.str();

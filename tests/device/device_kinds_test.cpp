@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "../support/derivative_check.hpp"
+#include "../support/folders.hpp"
 #include "kinds.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/device/kinds/cable_platform.hpp"
@@ -165,7 +166,7 @@ TEST_P(EveryDevice, SumsOverSamplesAgreeWithSingleQueries) {
 
 // So nothing jumps when the following of the skin begins.
 TEST_P(EveryDevice, HomeLeavesTheApproachDistanceToTheRestingSkin) {
-  const TetrahedralMesh mesh = read_msh(SOFTFINGER_SOURCE_DIR "/fingers/index.msh", mm);
+  const TetrahedralMesh mesh = read_msh(source_folder() + "/fingers/index.msh", mm);
   std::vector<double> x, y, z;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.surface_names[static_cast<std::size_t>(mesh.triangle_surface[t])] != "skin") continue;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 
@@ -17,7 +18,7 @@ namespace softfinger {
 /// The shipped device files of the kinds that are written in code, sorted.
 inline std::vector<std::filesystem::path> device_files() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() + "/devices")) {
     if (entry.path().extension() == ".toml") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
@@ -25,7 +26,7 @@ inline std::vector<std::filesystem::path> device_files() {
 }
 
 inline std::shared_ptr<const Device> shipped(const std::string& name) {
-  return load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml");
+  return load_device(source_folder() + "/devices/" + name + ".toml");
 }
 
 /// A configuration around the axes' range, or around zero where an axis has no limits of its own;

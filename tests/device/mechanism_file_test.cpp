@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../support/folders.hpp"
 #include "mechanisms.hpp"
 #include "softfinger/base/error.hpp"
 
@@ -16,7 +17,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::string shipped_text(const std::string& name) {
-  std::ifstream file(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml");
+  std::ifstream file(source_folder() + "/devices/" + name + ".toml");
   std::stringstream text;
   text << file.rdbuf();
   return text.str();

@@ -4,6 +4,7 @@
 #include <random>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/device/mechanism/mechanism.hpp"
@@ -12,7 +13,7 @@ namespace softfinger {
 
 /// A shipped mechanism by the name of its file.
 inline std::shared_ptr<const Device> mechanism(const std::string& name) {
-  return load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml");
+  return load_device(source_folder() + "/devices/" + name + ".toml");
 }
 inline const Mechanism& linkage_of(const Device& device) {
   return dynamic_cast<const Mechanism&>(device.kinematics());

@@ -4,6 +4,7 @@
 #include <memory>
 #include <random>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/device/kinds/platform_3rrs.hpp"
@@ -13,7 +14,7 @@ namespace softfinger {
 /// The shipped device, loaded once.
 inline const Device& thimble() {
   static const std::shared_ptr<const Device> device =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+      load_device(source_folder() + "/devices/thimble-3rrs.toml");
   return *device;
 }
 inline const Platform3rrs& thimble_legs() {

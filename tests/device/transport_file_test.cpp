@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "../support/folders.hpp"
 #include "kinds.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/motors/motor_kinds.hpp"
@@ -24,7 +25,7 @@ std::string thimble_with(const std::string& motors) {
 }
 
 std::string thimble_text(const std::string& motors) {
-  std::ifstream input(SOFTFINGER_SOURCE_DIR "/devices/" + thimble_with(motors) + ".toml");
+  std::ifstream input(source_folder() + "/devices/" + thimble_with(motors) + ".toml");
   return {std::istreambuf_iterator<char>(input), {}};
 }
 

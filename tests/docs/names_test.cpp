@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/device/kinds/device_kinds.hpp"
@@ -25,7 +26,7 @@ using testing::ElementsAreArray;
 using testing::UnorderedElementsAreArray;
 
 std::string source(const std::string& name) {
-  return read_text_file(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / name, 1 << 20);
+  return read_text_file(std::filesystem::path(source_folder()) / name, 1 << 20);
 }
 
 /// From a mark to the next end; empty where the mark is not there.

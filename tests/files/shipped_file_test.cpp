@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/base/error.hpp"
 
@@ -42,7 +43,7 @@ class ShippedFile : public testing::Test {
 };
 
 TEST_F(ShippedFile, EveryOneIsFoundByName) {
-  const fs::path source = SOFTFINGER_SOURCE_DIR;
+  const fs::path source = source_folder();
   for (const auto& [kind, folder] : {std::pair{Shipped::kScene, "scenes"},
                                      {Shipped::kDevice, "devices"},
                                      {Shipped::kFinger, "fingers"}}) {

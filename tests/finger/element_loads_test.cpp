@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "../support/folders.hpp"
 #include "softfinger/finger/finger_potential.hpp"
 
 namespace softfinger {
@@ -13,9 +14,8 @@ namespace {
 
 class ElementLoadsOf : public ::testing::TestWithParam<const char*> {
  protected:
-  std::shared_ptr<const FingerModel> model =
-      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                        (std::string(GetParam()) + ".toml"));
+  std::shared_ptr<const FingerModel> model = FingerModel::load(
+      std::filesystem::path(source_folder()) / "fingers" / (std::string(GetParam()) + ".toml"));
   ElementLoads loads{model};
 
   /// Of every node, by `size` m; those of the bone stay.

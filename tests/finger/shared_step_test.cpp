@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
@@ -12,7 +13,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kRoot = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kRoot = source_folder();
 
 std::vector<std::uint64_t> hashes_of_a_press(const std::string& finger, int threads) {
   VirtualObject plate;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/geometry/tetrahedron_faces.hpp"
 
@@ -39,7 +40,7 @@ std::ostream& operator<<(std::ostream& stream, const Expected& expected) {
 class ShippedFinger : public ::testing::TestWithParam<Expected> {
  protected:
   static std::filesystem::path folder() {
-    return std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers";
+    return std::filesystem::path(source_folder()) / "fingers";
   }
   void SetUp() override { model_ = FingerModel::load(folder() / (GetParam().name + ".toml")); }
 
@@ -158,8 +159,8 @@ TEST_P(ShippedFinger, ElementsAreWellShaped) {
 }
 
 TEST(LayeredFinger, HasLayersOfTheThicknessItsFileSays) {
-  const auto model = FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                                       "index-layered.toml");
+  const auto model =
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index-layered.toml");
   const TetrahedralMesh& mesh = model->mesh;
   ASSERT_EQ(mesh.volume_names, (std::vector<std::string>{"epidermis", "dermis", "subcutaneous"}));
   std::array<std::set<int>, 3> nodes;
@@ -194,7 +195,7 @@ TEST(LayeredFinger, HasLayersOfTheThicknessItsFileSays) {
 }
 
 TEST(ViscoelasticFinger, IsTheDefaultFingerWithRelaxation) {
-  const std::filesystem::path folder = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers";
+  const std::filesystem::path folder = std::filesystem::path(source_folder()) / "fingers";
   auto viscous =
       nlohmann::json::parse(FingerModel::load(folder / "index-viscoelastic.toml")->as_read);
   const auto plain = nlohmann::json::parse(FingerModel::load(folder / "index.toml")->as_read);

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <random>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/indentation.hpp"
 
@@ -24,8 +25,8 @@ constexpr double kTrueMax = 1.36;
 /// sides.
 std::shared_ptr<const FingerModel> default_finger() {
   static const auto model = [] {
-    auto copy = std::make_shared<FingerModel>(*FingerModel::load(
-        std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / "index.toml"));
+    auto copy = std::make_shared<FingerModel>(
+        *FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index.toml"));
     for (FingerModel::Material& material : copy->materials) {
       material.youngs_modulus = 25e3;
       material.poissons_ratio = 0.4;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/loop/travel_offset.hpp"
@@ -13,7 +14,7 @@ namespace softfinger {
 namespace {
 
 TEST(DeadForceSensor, CorrectsNextToNothing) {
-  const std::filesystem::path project = SOFTFINGER_SOURCE_DIR;
+  const std::filesystem::path project = source_folder();
   const auto device = load_device(project / "devices" / "thimble-3rrs.toml");
   for (const double says : {0.0, 0.4}) {
     TravelOffset offset(FingerModel::load(project / "fingers" / "index.toml"), device);

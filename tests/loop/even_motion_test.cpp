@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "../support/sent_motion.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
@@ -51,7 +52,7 @@ struct StrokeForces {
 /// Of the even part of the stroke; held: as before poses were interpolated.
 StrokeForces stroke_forces(const Sending& sending, bool held) {
   static const auto model =
-      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml");
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers/index.toml");
   std::vector<VirtualObject> objects(1);
   objects[0].shape = HalfSpace{};
   const auto tracker = conditioned(std::make_unique<SentMotion>(stroke, sending), {}, !held);

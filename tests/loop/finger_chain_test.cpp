@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/loop/tick_handover.hpp"
@@ -35,7 +36,7 @@ class FingerChainOf : public testing::Test {
   FingerChainOf() : objects_(1) { objects_[0].shape = HalfSpace{}; }
 
   [[nodiscard]] FingerChainOptions options(bool with_device = true) const {
-    const std::filesystem::path project = SOFTFINGER_SOURCE_DIR;
+    const std::filesystem::path project = source_folder();
     static const auto model = FingerModel::load(project / "fingers/index.toml");
     static const auto device = load_device(project / "devices/thimble-3rrs.toml");
     FingerChainOptions options{
@@ -213,7 +214,7 @@ TEST_F(FingerChainOf, FinishRetractsTheDevice) {
 
 TEST(TickHandover, GivesTheNewestAloneAndNothingAfterItsEnd) {
   const auto model =
-      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml");
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers/index.toml");
   TickHandover handover(*model);
   ContactSet contact;
   EXPECT_EQ(handover.last().step, 0);

@@ -6,6 +6,7 @@
 #include <new>
 #include <span>
 
+#include "../support/folders.hpp"
 #include "pad.hpp"
 #include "softfinger/matching/contact_plane.hpp"
 #include "softfinger/matching/levenberg_marquardt.hpp"
@@ -47,7 +48,7 @@ TEST(Allocation, SolvesAndTicksDoNotAllocate) {
     contacts.push_back(contact);
   }
   int devices = 0;
-  for (const auto& file : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
+  for (const auto& file : std::filesystem::directory_iterator(source_folder() + "/devices")) {
     if (file.path().extension() != ".toml") continue;
     const auto device = load_device(file.path());
     // Files that differ by their motors alone match as one.

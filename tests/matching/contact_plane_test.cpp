@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include "../support/folders.hpp"
 #include "pad.hpp"
 
 namespace softfinger {
 namespace {
 
 std::shared_ptr<const Device> device_of_file(const std::string& name) {
-  return load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml");
+  return load_device(source_folder() + "/devices/" + name + ".toml");
 }
 
 Vector3 leaning(double tilt_deg, double azimuth_deg) {

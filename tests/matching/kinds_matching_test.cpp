@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "../support/folders.hpp"
 #include "pad.hpp"
 #include "random_descent.hpp"
 
@@ -36,7 +37,7 @@ class KindsMatching : public testing::TestWithParam<std::string> {};
 
 // Cold and from the last answer, within 0.1 % of what the search finds.
 TEST_P(KindsMatching, FindsTheGlobalMinimum) {
-  const auto device = load_device(SOFTFINGER_SOURCE_DIR "/devices/" + GetParam() + ".toml");
+  const auto device = load_device(source_folder() + "/devices/" + GetParam() + ".toml");
   std::mt19937 random(21);
   ContactSurfaceMatching matching(device, 120);
   Configuration warm = device->home();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "../support/folders.hpp"
 #include "pad.hpp"
 #include "random_descent.hpp"
 #include "softfinger/matching/packed_samples.hpp"
@@ -13,7 +14,7 @@ constexpr MatchingOptions kUnlimited{.limits = MatchingLimits::kNone,
                                      .separation = Separation::kConstant};
 
 std::shared_ptr<const Device> device_named(const std::string& name) {
-  return load_device(SOFTFINGER_SOURCE_DIR "/devices/" + name + ".toml");
+  return load_device(source_folder() + "/devices/" + name + ".toml");
 }
 
 double deviation_of(const Device& device, const SurfaceSamples& samples, Configuration q, int k,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../support/folders.hpp"
 #include "../support/turn_onto.hpp"
 #include "multipliers.hpp"
 #include "pad.hpp"
@@ -36,7 +37,7 @@ std::shared_ptr<const Device> narrow_thimble() {
 
 /// The resting skin of the shipped index finger.
 Pad resting_index() {
-  const TetrahedralMesh mesh = read_msh(SOFTFINGER_SOURCE_DIR "/fingers/index.msh", mm);
+  const TetrahedralMesh mesh = read_msh(source_folder() + "/fingers/index.msh", mm);
   std::vector<bool> is_skin(mesh.nodes.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.surface_names[static_cast<std::size_t>(mesh.triangle_surface[t])] != "skin") continue;

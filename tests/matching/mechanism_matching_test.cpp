@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "../support/folders.hpp"
 #include "pad.hpp"
 
 namespace softfinger {
@@ -8,7 +9,7 @@ namespace {
 // The thimble described body by body is matched as its closed form is, whatever the limits.
 TEST(MechanismMatching, AgreesWithTheClosedForm) {
   const std::shared_ptr<const Device> by_bodies =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs-mechanism.toml");
+      load_device(source_folder() + "/devices/thimble-3rrs-mechanism.toml");
   std::mt19937 random(21);
   ContactSurfaceMatching closed_form(thimble(), 120);
   ContactSurfaceMatching general(by_bodies, 120);
@@ -32,7 +33,7 @@ TEST(MechanismMatching, AgreesWithTheClosedForm) {
 // More freedom renders no worse.
 TEST(MechanismMatching, SixDegreesOfFreedomRenderAtLeastAsWellAsThree) {
   const std::shared_ptr<const Device> plate =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/plate-6dof.toml");
+      load_device(source_folder() + "/devices/plate-6dof.toml");
   std::mt19937 random(22);
   ContactSurfaceMatching three(thimble(), 120);
   ContactSurfaceMatching six(plate, 120);

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/matching/contact_surface_matching.hpp"
@@ -13,7 +14,7 @@ namespace softfinger {
 
 inline std::shared_ptr<const Device> thimble() {
   static const std::shared_ptr<const Device> device =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+      load_device(source_folder() + "/devices/thimble-3rrs.toml");
   return device;
 }
 

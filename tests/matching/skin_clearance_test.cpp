@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "pad.hpp"
 
 namespace softfinger {
@@ -15,7 +16,7 @@ class Clearance : public testing::TestWithParam<std::string> {};
 // Wherever the device is, in the flesh and beyond it too, it keeps the gap from outside: no further
 // advanced than where it comes that near from home.
 TEST_P(Clearance, IsKeptFromOutside) {
-  const auto device = load_device(SOFTFINGER_SOURCE_DIR "/devices/" + GetParam() + ".toml");
+  const auto device = load_device(source_folder() + "/devices/" + GetParam() + ".toml");
   const int axis = device->approach_axis();
   ASSERT_GE(axis, 0);
   std::mt19937 random(5);

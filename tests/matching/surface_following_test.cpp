@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../support/folders.hpp"
 #include "pad.hpp"
 #include "softfinger/matching/skin_points.hpp"
 
@@ -42,7 +43,7 @@ ContactSet plane_contact(const Pad& rest, const Vector3& normal, double height) 
 
 /// The thimble, with this much of a turn on the skin, rad/s.
 std::shared_ptr<const Device> device_with_turn_on_skin(double rate) {
-  std::ifstream shipped(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+  std::ifstream shipped(source_folder() + "/devices/thimble-3rrs.toml");
   std::stringstream text;
   text << shipped.rdbuf();
   std::string content = text.str();
@@ -275,7 +276,7 @@ TEST(SurfaceFollowing, EveryKindFollowsWithoutJumps) {
   std::mt19937 random(9);
   const Pad rest = resting_pad(117, random);
   int devices = 0;
-  for (const auto& file : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
+  for (const auto& file : std::filesystem::directory_iterator(source_folder() + "/devices")) {
     if (file.path().extension() != ".toml") continue;
     const auto device = load_device(file.path());
     // Files that differ by their motors alone move as one.

@@ -10,6 +10,7 @@
 #include <random>
 #include <regex>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_size.hpp"
@@ -38,7 +39,7 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-fs::path source() { return SOFTFINGER_SOURCE_DIR; }
+fs::path source() { return source_folder(); }
 
 }  // namespace
 

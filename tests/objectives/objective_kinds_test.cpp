@@ -9,6 +9,7 @@
 #include <map>
 #include <string_view>
 
+#include "../support/folders.hpp"
 #include "pressed_finger.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/matching/packed_samples.hpp"
@@ -64,7 +65,7 @@ TEST(ObjectiveKinds, NumbersNeverChange) {
 }
 
 TEST(ObjectiveKinds, AShippedDeviceCanHaveEach) {
-  for (const auto& file : std::filesystem::directory_iterator(SOFTFINGER_SOURCE_DIR "/devices")) {
+  for (const auto& file : std::filesystem::directory_iterator(source_folder() + "/devices")) {
     if (file.path().extension() != ".toml") continue;
     const auto device = load_device(file.path());
     for (const ObjectiveKind& kind : objective_kinds()) EXPECT_EQ(why_not(kind, *device), "");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
@@ -18,8 +19,8 @@ inline constexpr double kTick = 1.0 / 30.0;  // s
 /// The index finger, held on a plane with friction.
 struct PressedFinger {
   explicit PressedFinger(double depth)
-      : model(FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                                "index.toml")) {
+      : model(
+            FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index.toml")) {
     VirtualObject object;
     object.name = "plane";
     object.motion = Trajectory({Waypoint{}});
@@ -45,7 +46,7 @@ struct PressedFinger {
 };
 
 inline std::shared_ptr<const Device> device_of(const std::string& name) {
-  return load_device(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "devices" / (name + ".toml"));
+  return load_device(std::filesystem::path(source_folder()) / "devices" / (name + ".toml"));
 }
 
 }  // namespace softfinger

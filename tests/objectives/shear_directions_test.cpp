@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "../support/folders.hpp"
 #include "pressed_finger.hpp"
 #include "softfinger/objectives/force_aware_matching.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 std::shared_ptr<const FingerModel> index_finger() {
   static const auto model =
-      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / "index.toml");
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index.toml");
   return model;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
@@ -14,7 +15,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kRoot = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kRoot = source_folder();
 constexpr double kTimeStep = 1e-3;
 constexpr double kMostSunk = 0.1 * mm;
 constexpr double kMostSunkOnABlade = 0.11 * mm;

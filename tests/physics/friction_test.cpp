@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "../support/folders.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 
@@ -39,8 +40,7 @@ class FrictionOnEveryObject : public testing::TestWithParam<Case> {
   /// Calls visit(finger, time) after every step of press and drag.
   template <typename Visit>
   void explore(Visit&& visit) const {
-    static const auto model =
-        FingerModel::load(std::string(SOFTFINGER_SOURCE_DIR) + "/fingers/index.toml");
+    static const auto model = FingerModel::load(source_folder() + "/fingers/index.toml");
     const std::vector<VirtualObject> objects = object();
     FingerSimulation finger(model, objects, 1e-3);
     finger.reset({Matrix3::Identity(), Vector3(0.0, 0.0, 2e-3)});
@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& of) { return of.param.name; });
 
 TEST(Friction, HoldsWithoutCreepThroughALongHold) {
-  const auto model = FingerModel::load(std::string(SOFTFINGER_SOURCE_DIR) + "/fingers/index.toml");
+  const auto model = FingerModel::load(source_folder() + "/fingers/index.toml");
   const Pose tilted{exp_rotation(Vector3(0.15, 0.0, 0.0)), Vector3(0.0, 0.0, kPad)};
   const std::vector<VirtualObject> objects{{"slope", HalfSpace{}, Trajectory(tilted), 0.8}};
   FingerSimulation finger(model, objects, 1e-3);

@@ -2,8 +2,10 @@
 
 #include <filesystem>
 
+#include "../support/folders.hpp"
+
 namespace softfinger {
 
-inline const std::filesystem::path kProject = SOFTFINGER_SOURCE_DIR;
+inline const std::filesystem::path kProject = source_folder();
 
 }  // namespace softfinger

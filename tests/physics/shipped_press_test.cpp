@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/indentation.hpp"
 
@@ -19,8 +20,8 @@ const std::vector<IndentationRow>& press_of(const std::string& finger) {
   static std::map<std::string, std::vector<IndentationRow>> known;
   std::vector<IndentationRow>& rows = known[finger];
   if (!rows.empty()) return rows;
-  const auto model = FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                                       (finger + ".toml"));
+  const auto model =
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / (finger + ".toml"));
   IndentationOptions options;
   options.depth = 1.6e-3;
   options.rows = 16;
@@ -153,7 +154,7 @@ TEST(ShippedPresses, MeshesAgreeOnTheAreaAndItGrowsSmoothly) {
   EXPECT_EQ(compared, 13);
 
   const auto model =
-      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / "index.toml");
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index.toml");
   IndentationOptions options;
   options.depth = 1.5e-3;
   options.rows = 150;
@@ -176,7 +177,7 @@ TEST(ShippedPresses, ATapLosesTheSameEnergyAtAnySpeed) {
 #ifndef NDEBUG
   GTEST_SKIP() << "takes minutes without optimisation";
 #endif
-  const auto model = FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
+  const auto model = FingerModel::load(std::filesystem::path(source_folder()) / "fingers" /
                                        "index-viscoelastic.toml");
   std::vector<double> lost;
   for (const double speed : {20e-3, 27.6e-3}) {
@@ -204,7 +205,7 @@ TEST(ShippedPresses, ARelaxedPadCarriesAThirdOfItsForce) {
 #ifndef NDEBUG
   GTEST_SKIP() << "takes minutes without optimisation";
 #endif
-  const auto model = FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
+  const auto model = FingerModel::load(std::filesystem::path(source_folder()) / "fingers" /
                                        "index-viscoelastic.toml");
   double force[2] = {};
   for (const bool relaxed : {false, true}) {

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "../geometry/generated_mesh.hpp"
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/contact/deepest_point.hpp"
 #include "softfinger/geometry/closed_surface.hpp"
@@ -71,7 +72,7 @@ std::shared_ptr<const FingerModel> draw_finger(Draw& draw, std::string& what) {
                               "ring",  "pinky", "index-layered", "index-viscoelastic"};
   const char* name = kNames[static_cast<std::size_t>(draw.below(kNames.size()))];
   const auto file =
-      std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" / (std::string(name) + ".toml");
+      std::filesystem::path(source_folder()) / "fingers" / (std::string(name) + ".toml");
   const FingerSize natural = finger_size(*FingerModel::load(file));
   const double length = draw.between(0.9, 1.1) * *natural.length;
   const double breadth = draw.between(0.9, 1.1) * *natural.breadth;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "draw.hpp"
 #include "softfinger/recording/recording_reader.hpp"
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 std::string finger_table(Draw& draw, const std::string& name) {
   std::string text =
       fmt::format("[[finger]]\nname = \"{}\"\nmodel = \"{}\"\n", name,
-                  (fs::path(SOFTFINGER_SOURCE_DIR) / "fingers" / (name + ".toml")).string());
+                  (fs::path(source_folder()) / "fingers" / (name + ".toml")).string());
   const double x = draw.between(-8.0, 8.0);
   const double y = draw.between(-8.0, 8.0);
   const double pitch = draw.between(0.0, 20.0);

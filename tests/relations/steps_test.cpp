@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "drawn_exploration.hpp"
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/units.hpp"
@@ -35,7 +36,7 @@ TEST(Steps, From100HertzTo20Kilohertz) {
 // The same bits.
 TEST(Steps, OnAnyNumberOfThreads) {
   const auto medium =
-      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers/index-medium.toml");
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers/index-medium.toml");
   for (int number = 0; number < cases(2); ++number) {
     Draw draw("threads", number);
     Exploration exploration = draw_exploration(draw, number, kAllThings, {Path::kTap});

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/replay.hpp"
@@ -21,7 +22,7 @@ namespace softfinger {
 namespace {
 
 const std::filesystem::path kScene =
-    std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes" / "sphere.toml";
+    std::filesystem::path(source_folder()) / "scenes" / "sphere.toml";
 
 Pose at_height(double z) {
   Pose pose;
@@ -324,7 +325,7 @@ TEST(Rendering, AStopLastsUntilItIsReleasedAndReplays) {
 TEST(Rendering, AStopNeedsNoCallOfStep) {
   RenderingOptions options;
   options.open_device = true;
-  options.guard_program = SOFTFINGER_GUARD;
+  options.guard_program = guard_program();
   Rendering rendering(kScene, options);
   const auto began = std::chrono::steady_clock::now();
   const auto now = [&] {

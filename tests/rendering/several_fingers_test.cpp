@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/rendering.hpp"
@@ -20,7 +21,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kRoot = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kRoot = source_folder();
 const std::filesystem::path kCup = kRoot / "scenes/cup.toml";
 const std::filesystem::path kSponge = kRoot / "scenes/sponge.toml";
 constexpr double kRate = 1000.0;  ///< Hz

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/scene/scene.hpp"
 
@@ -213,7 +214,7 @@ TEST(SceneFile, NamesLineAndKeyOfObjectErrors) {
 TEST(SceneFile, ShippedScenesAreUnhurriedAndBeginAndEndAloft) {
   for (const char* name : {"plane", "edge", "sphere"}) {
     const auto file =
-        std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes" / (std::string(name) + ".toml");
+        std::filesystem::path(source_folder()) / "scenes" / (std::string(name) + ".toml");
     const Scene scene = load_scene(file);
     ASSERT_EQ(scene.fingers.size(), 1u) << name;
     ASSERT_EQ(scene.objects.size(), 1u) << name;

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/wire/osc.hpp"
@@ -115,7 +116,7 @@ TEST(EventSender, SaysWhereItCannotSend) {
 TEST(EventSender, ARunSendsWhatHappensInIt) {
   OscListener listener;
   RunOptions options;
-  options.scene = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes/button.toml";
+  options.scene = std::filesystem::path(source_folder()) / "scenes/button.toml";
   options.as_fast_as_possible = true;
   options.duration = 1.6;
   options.events = listener.target();

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "recorded_run.hpp"
 #include "softfinger/base/error.hpp"
@@ -26,7 +27,7 @@ class HandRun : public testing::Test {
       scene << "[[hand.waypoint]]\ntime_s = " << at << "\nindex_deg = [0, 20, 30]\n";
     }
     scene << "[[finger]]\nname = \"index\"\nhand = \"right\"\nmodel = \""
-          << (fs::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml").string()
+          << (fs::path(source_folder()) / "fingers/index.toml").string()
           << "\"\n[[object]]\nname = \"ball\"\nshape = \"sphere\"\nradius_mm = 15.0\n"
              "motion = \"dynamic\"\nmass_g = 40.0\nposition_mm = [0, 5, 15]\n"
              "[[object]]\nname = \"table\"\nshape = \"plane\"\n";

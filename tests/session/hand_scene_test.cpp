@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "../support/folders.hpp"
 #include "softfinger/session/live_session.hpp"
 
 namespace softfinger {
@@ -9,7 +10,7 @@ namespace {
 
 TEST(HandScene, EveryFingerTouchesTheBallAndItsDeviceFollows) {
   RunOptions options;
-  options.scene = SOFTFINGER_SOURCE_DIR "/scenes/hand.toml";
+  options.scene = source_folder() + "/scenes/hand.toml";
   options.duration = 1.6;
   options.as_fast_as_possible = true;
   options.threads = 2;
@@ -27,7 +28,7 @@ TEST(HandScene, EveryFingerTouchesTheBallAndItsDeviceFollows) {
 
 TEST(HandScene, AHeadsetMovesAllOfIt) {
   RunOptions options;
-  options.scene = SOFTFINGER_SOURCE_DIR "/scenes/hand.toml";
+  options.scene = source_folder() + "/scenes/hand.toml";
   options.trackers = {"webxr:left"};
   const auto setup = load_setup(options);
   for (const SceneFinger& finger : setup->scene.fingers) {

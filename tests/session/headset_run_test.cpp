@@ -5,6 +5,7 @@
 #include <fstream>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/session/live_session.hpp"
@@ -23,7 +24,7 @@ class HeadsetRun : public testing::Test {
     std::ofstream scene(options_.scene);
     for (const char* name : {"thumb", "other"}) {
       scene << "[[finger]]\nname = \"" << name << "\"\nmodel = \""
-            << (fs::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml").string()
+            << (fs::path(source_folder()) / "fingers/index.toml").string()
             << "\"\n[[finger.waypoint]]\ntime_s = 0.0\nposition_mm = [0.0, 0.0, 100.0]\n"
                "rotation_vector_deg = [0.0, 0.0, 0.0]\n";
     }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "../support/environment_variable.hpp"
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/actuation/force_ceiling.hpp"
 #include "softfinger/base/code_hash.hpp"
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double kForce = 2.0;  // N
 
-fs::path shipped_file_of(const std::string& name) { return fs::path(SOFTFINGER_SOURCE_DIR) / name; }
+fs::path shipped_file_of(const std::string& name) { return fs::path(source_folder()) / name; }
 
 /// With a folder for caches of its own.
 class KeptCeiling : public testing::Test {

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/turn_onto.hpp"
 #include "softfinger/base/units.hpp"
@@ -25,8 +26,8 @@ constexpr auto kPatience = std::chrono::seconds(60);
 class HeldBody {
  public:
   HeldBody()
-      : model_(FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                                 "index.toml")) {}
+      : model_(
+            FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index.toml")) {}
 
   [[nodiscard]] Pose pose(Posture posture) const {
     const Matrix3 rotation = turn_onto(up_in_finger(posture), Vector3::UnitZ());

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -14,7 +15,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kProject = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kProject = source_folder();
 
 /// Waits for the next press, for as long as a test may take.
 bool next_press(LiveTwin& twin) {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/base/error.hpp"
@@ -15,7 +16,7 @@ namespace softfinger {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kSource = SOFTFINGER_SOURCE_DIR;
+const fs::path kSource = source_folder();
 
 /// A scene of its own that strokes the relief, a copy of it beside.
 class MeshRun : public testing::Test {

@@ -9,6 +9,7 @@
 
 #include <fstream>
 
+#include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -171,7 +172,7 @@ class PersonRun : public testing::Test {
   }
   /// scenes/plane.toml with a finger file of the person's size.
   [[nodiscard]] std::filesystem::path sized_scene() const {
-    const std::filesystem::path fingers = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers";
+    const std::filesystem::path fingers = std::filesystem::path(source_folder()) / "fingers";
     std::string finger = read_text_file(fingers / "index.toml", 100000);
     finger.replace(finger.find("index.msh"), 9, (fingers / "index.msh").string());
     std::ofstream(directory_ / "sized.toml")

@@ -15,6 +15,7 @@
 
 #include "../support/child_process.hpp"
 #include "../support/environment_variable.hpp"
+#include "../support/folders.hpp"
 #include "../support/large_mesh.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
@@ -101,7 +102,7 @@ TEST(FirstLoad, EndsAmongFingersAndDevices) {
   const TemporaryDirectory nothing_kept;
   const EnvironmentVariable caches("XDG_CACHE_HOME", nothing_kept / "caches");
   RunOptions options;
-  options.scene = std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "scenes/hand.toml";
+  options.scene = std::filesystem::path(source_folder()) / "scenes/hand.toml";
   std::atomic<bool> stop{false};
   std::chrono::steady_clock::time_point stopped;
   std::thread person([&] {

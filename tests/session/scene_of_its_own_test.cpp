@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
 #include "recorded_run.hpp"
@@ -20,7 +21,7 @@ class SceneOfItsOwn : public testing::Test {
  protected:
   /// One finger a name, side by side above a plane; no device where the path is empty.
   fs::path write_scene(const std::vector<std::string>& names, const fs::path& device) {
-    const fs::path root(SOFTFINGER_SOURCE_DIR);
+    const fs::path root(source_folder());
     std::ofstream scene(directory_ / "scene.toml");
     double y = 0.0;
     for (const std::string& name : names) {
@@ -115,7 +116,7 @@ TEST_F(SceneOfItsOwn, MeasuredForceReplaysToTheBit) {
 TEST_F(SceneOfItsOwn, ForceLimitGoesWithEveryCommand) {
   const fs::path device = directory_ / "device.toml";
   std::string text =
-      thimble_file(fs::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml", "surface", "");
+      thimble_file(fs::path(source_folder()) / "devices/thimble-3rrs.toml", "surface", "");
   const std::string plain = "max_force_N = 4.7";
   ASSERT_NE(text.find(plain), std::string::npos);
   text.replace(text.find(plain), plain.size(), "max_force_N = 0.3");

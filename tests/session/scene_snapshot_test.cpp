@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -16,7 +17,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kShipped = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kShipped = source_folder();
 
 class EveryDevice : public testing::TestWithParam<std::string> {
  protected:

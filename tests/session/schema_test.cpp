@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/json_schema.hpp"
 #include "../support/toml_json.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -23,7 +24,7 @@ using nlohmann::json;
 
 std::vector<fs::path> files(const char* kind) {
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(fs::path(SOFTFINGER_SOURCE_DIR) / kind)) {
+  for (const auto& entry : fs::directory_iterator(fs::path(source_folder()) / kind)) {
     if (entry.path().extension() == ".toml") found.push_back(entry.path());
   }
   std::sort(found.begin(), found.end());

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "../support/json_schema.hpp"
 #include "../support/toml_json.hpp"
 #include "softfinger/base/error.hpp"
@@ -35,7 +36,7 @@ using nlohmann::json;
 using Reader = std::function<void(const fs::path& file)>;
 using Change = std::function<void(toml::table& table, const std::string& key)>;
 
-const fs::path kTree = SOFTFINGER_SOURCE_DIR;
+const fs::path kTree = source_folder();
 
 /// One way to spoil one key of a file.
 struct Spoiling {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/base/units.hpp"
@@ -42,9 +43,9 @@ class Untracked : public testing::Test {
     std::ofstream scene(options_.scene);
     for (std::size_t i = 0; i < trackers.size(); ++i) {
       scene << "[[finger]]\nname = \"f" << i << "\"\nmodel = \""
-            << (fs::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml").string()
-            << "\"\ndevice = \"" << scenes_.device("thimble-3rrs").string() << "\"\ntracker = \""
-            << trackers[i] << "\"\n";
+            << (fs::path(source_folder()) / "fingers/index.toml").string() << "\"\ndevice = \""
+            << scenes_.device("thimble-3rrs").string() << "\"\ntracker = \"" << trackers[i]
+            << "\"\n";
     }
     scene << "[[object]]\nname = \"block\"\nshape = \"box\"\nsize_mm = [200.0, 200.0, 200.0]\n";
   }

@@ -8,6 +8,7 @@
 #include <regex>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
@@ -20,8 +21,7 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 std::shared_ptr<const FingerModel> finger(const char* name) {
-  return FingerModel::load(fs::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                           (std::string(name) + ".toml"));
+  return FingerModel::load(fs::path(source_folder()) / "fingers" / (std::string(name) + ".toml"));
 }
 
 /// A shipped device with a change to its text.
@@ -29,7 +29,7 @@ class WornDevice : public testing::Test {
  protected:
   fs::path device(const std::string& name, const std::string& pattern = "",
                   const std::string& text = "") {
-    std::ifstream shipped(fs::path(SOFTFINGER_SOURCE_DIR) / "devices" / (name + ".toml"));
+    std::ifstream shipped(fs::path(source_folder()) / "devices" / (name + ".toml"));
     std::string content{std::istreambuf_iterator<char>(shipped), {}};
     if (!pattern.empty()) {
       const std::string changed = std::regex_replace(content, std::regex(pattern), text,

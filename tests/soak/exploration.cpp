@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "recovery.hpp"
 #include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/histogram.hpp"
@@ -162,7 +163,7 @@ void print(const std::string& what, const Recovery& recovery) {
 bool explore_violently(long steps, std::uint64_t seed) {
   fmt::print("iterations and step times: median / 99 % / most; seed {}\n", seed);
   bool sound = true;
-  const std::filesystem::path root = SOFTFINGER_SOURCE_DIR;
+  const std::filesystem::path root = source_folder();
   for (const bool limited : {true, false}) {
     fmt::print("tracked pose {}\n",
                limited ? "held to the speed that a run allows" : "as it comes");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "../support/folders.hpp"
 #include "../support/temporary_directory.hpp"
 #include "largest_file.hpp"
 #include "softfinger/base/error.hpp"
@@ -97,12 +98,12 @@ double time_to(const JointAngles& there, const TroubledBoard& board,
 RunOptions options_for(const LiveFault& fault, double seconds,
                        const TemporaryDirectory& directory) {
   RunOptions options;
-  options.scene = fs::path(SOFTFINGER_SOURCE_DIR) / "scenes/sphere.toml";
+  options.scene = fs::path(source_folder()) / "scenes/sphere.toml";
   if (!fault.device.empty()) {
-    options.devices = {(fs::path(SOFTFINGER_SOURCE_DIR) / "devices" / fault.device).string()};
+    options.devices = {(fs::path(source_folder()) / "devices" / fault.device).string()};
   }
   options.duration = seconds;
-  options.actuator.guard_program = SOFTFINGER_GUARD;
+  options.actuator.guard_program = guard_program();
   options.actuator.port = (directory / "board").string();
   options.recording = directory / "run.db";
   options.record_state = fault.disk_fills;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "../support/folders.hpp"
 #include "softfinger/files/text_file.hpp"
 
 namespace softfinger {
@@ -63,8 +64,7 @@ TEST(Population, IsTheSameForTheSameSeed) {
 }
 
 TEST(Population, APersonsFingerHasTheirSizeAndStiffness) {
-  const std::filesystem::path file =
-      std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml";
+  const std::filesystem::path file = std::filesystem::path(source_folder()) / "fingers/index.toml";
   const std::string text = read_text_file(file, 1 << 20);
   const auto nominal = FingerModel::load(file, text);
   const PersonFactors person{.length = 1.1, .breadth = 0.9, .depth = 1.05, .modulus = 1.5};

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "../support/folders.hpp"
 #include "mortal_rank.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -171,7 +172,7 @@ TEST(RunStudy, RefusesToMixStudies) {
 
 TEST(RunStudy, RefusesAnotherDeviceOrMesh) {
   StudyPlace place;
-  const fs::path shipped = SOFTFINGER_SOURCE_DIR;
+  const fs::path shipped = source_folder();
   for (const char* folder : {"devices", "fingers", "scenes"}) {
     fs::copy(shipped / folder, place.at(folder));
   }
@@ -216,7 +217,7 @@ TEST(RunStudy, MeasuresWhatEvaluateDoes) {
                                 "[[finger.waypoint]]\ntime_s = 0.3\nposition_mm = [0.0, 0.0, 6.0]\n"
                                 "[[finger.waypoint]]\ntime_s = 0.6\nposition_mm = [0.5, 0.0, 6.2]\n"
                                 "[[object]]\nshape = \"plane\"\n",
-                                SOFTFINGER_SOURCE_DIR));
+                                source_folder()));
   const StudyTable table = place.run_all(R"toml(
 scene = "scene.toml"
 device = "thimble-3rrs"
@@ -239,7 +240,7 @@ kind = "grid"
   ASSERT_EQ(table.rows.size(), 1u);
   EvaluationOptions options;
   options.run.scene = scene;
-  options.run.devices = {fs::path(SOFTFINGER_SOURCE_DIR) / "devices/thimble-3rrs.toml"};
+  options.run.devices = {fs::path(source_folder()) / "devices/thimble-3rrs.toml"};
   const std::atomic<bool> stop{false};
   const Evaluation evaluation = evaluate(options, stop);
   const RenderingMeasures mean = evaluation.commanded.mean();

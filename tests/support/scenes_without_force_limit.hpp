@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include "folders.hpp"
 #include "temporary_directory.hpp"
 
 namespace softfinger {
@@ -14,7 +15,7 @@ class ScenesWithoutForceLimit {
  public:
   ScenesWithoutForceLimit() {
     namespace fs = std::filesystem;
-    const fs::path shipped = SOFTFINGER_SOURCE_DIR;
+    const fs::path shipped = source_folder();
     for (const char* folder : {"fingers", "objects"}) {
       fs::create_directory_symlink(shipped / folder, directory_ / folder);
     }

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_contact.hpp"
 #include "softfinger/identification/indentation.hpp"
@@ -16,8 +17,7 @@ namespace {
 using Fingers = std::shared_ptr<const FingerModel>;
 
 Fingers shipped(const std::string& name) {
-  return FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers" /
-                           (name + ".toml"));
+  return FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / (name + ".toml"));
 }
 
 /// Another one with this size, each length times `scale`.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../support/box_finger.hpp"
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/finger_potential.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 std::shared_ptr<const Device> thimble() {
   static const std::shared_ptr<const Device> device =
-      load_device(SOFTFINGER_SOURCE_DIR "/devices/thimble-3rrs.toml");
+      load_device(source_folder() + "/devices/thimble-3rrs.toml");
   return device;
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/identification/indentation.hpp"
@@ -14,7 +15,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kHere = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kHere = source_folder();
 
 std::shared_ptr<const FingerModel> wearer(const std::string& name = "index") {
   return FingerModel::load(kHere / "fingers" / (name + ".toml"));

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/twin/motor_torque.hpp"
@@ -13,7 +14,7 @@ namespace softfinger {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kProject = SOFTFINGER_SOURCE_DIR;
+const fs::path kProject = source_folder();
 
 std::shared_ptr<const FingerModel> index_finger() {
   return FingerModel::load(kProject / "fingers/index.toml");

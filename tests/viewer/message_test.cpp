@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "../support/folders.hpp"
 #include "softfinger/actuation/device_state.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/recording/record_fields.hpp"
@@ -459,7 +460,7 @@ TEST(SnapshotMessage, FollowsItsLayout) {
 }
 
 TEST(SnapshotMessage, ClientsKnowTheSumsByTheirNamesInOrder) {
-  std::ifstream file(SOFTFINGER_SOURCE_DIR "/clients/javascript/src/wire.js");
+  std::ifstream file(source_folder() + "/clients/javascript/src/wire.js");
   std::string names;
   std::getline(file, names, '\0');
   names = names.substr(names.find("kContactSums = ["));

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/wearer/press_plan.hpp"
@@ -13,7 +14,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kWearerProject = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kWearerProject = source_folder();
 
 class PressModelTest : public testing::Test {
  protected:

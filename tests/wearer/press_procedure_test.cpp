@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -16,7 +17,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kPressProject = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kPressProject = source_folder();
 constexpr double kTick = 1.0 / 30.0;
 
 /// Force by how far the device stands beyond the resting skin (m) and time (s); the sensor says it

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
@@ -15,7 +16,7 @@
 namespace softfinger {
 namespace {
 
-const std::filesystem::path kEstimateProject = SOFTFINGER_SOURCE_DIR;
+const std::filesystem::path kEstimateProject = source_folder();
 
 class WearerEstimateTest : public testing::Test {
  protected:

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "../support/derivative_check.hpp"
+#include "../support/folders.hpp"
 #include "play.hpp"
 #include "softfinger/world/body_pull.hpp"
 
@@ -248,7 +249,7 @@ TEST(HandBone, ThatNobodySeesIsNowhereAndOneThatAppearsInsideSomethingPartsSlowl
 
 TEST(HandBone, IsMetByNoFingerOfItsOwnHand) {
   static const auto model =
-      FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml");
+      FingerModel::load(std::filesystem::path(source_folder()) / "fingers/index.toml");
   const Matrix3 upside_down = exp_rotation(Vector3(3.141592653589793, 0.0, 0.0));
   for (const int hand : {-1, 0}) {
     for (const double side : {1.0, -1.0}) {  // from above, from below

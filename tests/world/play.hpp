@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_model.hpp"
 #include "softfinger/world/world.hpp"
@@ -48,7 +49,7 @@ class Play {
         world_(objects_, gravity, kStep, team) {
     for (const Path& path : paths_) {
       static const auto model =
-          FingerModel::load(std::filesystem::path(SOFTFINGER_SOURCE_DIR) / "fingers/index.toml");
+          FingerModel::load(std::filesystem::path(source_folder()) / "fingers/index.toml");
       fingers_.push_back(std::make_unique<FingerSimulation>(model, objects_, kStep));
       world_.add(*fingers_.back());
       all_.push_back(fingers_.back().get());
