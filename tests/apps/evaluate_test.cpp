@@ -169,8 +169,8 @@ TEST(Evaluate, AForceSensorCorrectsForAnotherWearer) {
   place.write("devices/thimble-3rrs.toml", place.read("devices/thimble-3rrs.toml") +
                                                "\n[force_sensor]\nkind = \"emulator\"\n"
                                                "noise_N = 0.02\n");
-  const Answer answer =
-      evaluated({place.path("scenes/plane.toml"), "--wearer", larger_wearer(place)});
+  const Answer answer = evaluated(
+      {place.path("scenes/plane.toml"), "--wearer", larger_wearer(place), "--duration-s", "3"});
   EXPECT_LT(answer.at("mean").at("normal_force_error"), 0.3);
 }
 
@@ -187,7 +187,7 @@ TEST(Evaluate, TheMeasuresHardlyDependOnTheWearersMesh) {
   const Workplace place;
   const std::string scene = place.path("scenes/plane.toml");
   for (const char* objective : {"surface", "surface_and_force"}) {
-    const std::vector<std::string> words{scene, "--objective", objective, "--duration-s", "4.5"};
+    const std::vector<std::string> words{scene, "--objective", objective, "--duration-s", "2.4"};
     const Answer same = evaluated(words);
     std::vector<std::string> with_wearer = words;
     with_wearer.insert(with_wearer.end(), {"--wearer", shipped_finger("index-medium")});

@@ -148,10 +148,10 @@ Outcome render_poses(const std::string& finger, int count) {
 }
 
 TEST(ForceAwareMatching, MeetsTheForceOnPlanesAndSpheres) {
-  const Outcome outcome = render_poses("index", 200);
+  const Outcome outcome = render_poses("index", 100);
   EXPECT_LE(outcome.percentile(0.5), 0.005);
   EXPECT_LE(outcome.percentile(0.9), 0.02);
-  EXPECT_LE(outcome.unreachable, 40);
+  EXPECT_LE(outcome.unreachable, 20);
   EXPECT_EQ(outcome.unconverged, 0);
 }
 

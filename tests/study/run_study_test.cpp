@@ -234,6 +234,7 @@ free = { measure = "frames_free" }
 greatest = { measure = "max_normal_force_N" }
 area = { measure = "max_contact_area_mm2" }
 sent = { measure = "commands_sent" }
+spread = { measure = "area_spread_rate_error" }
 [design]
 kind = "grid"
 )toml");
@@ -246,6 +247,7 @@ kind = "grid"
   const RenderingMeasures mean = evaluation.commanded.mean();
   const std::vector<double>& q = table.rows[0].quantities;
   ASSERT_GT(evaluation.commanded.frames(FrameKind::kBoth), 10);
+  const AreaSpreadRates spread = area_spread_rates(evaluation, 0);
   double worst = 0.0;
   for (const EvaluatedFrame& frame : evaluation.frames) {
     worst = std::max(worst, frame.commanded.normal_force_error);
@@ -256,7 +258,9 @@ kind = "grid"
                      evaluation.loaded.mean().normal_force_error,
                      evaluation.commanded.frames(FrameKind::kFree),
                      evaluation.run.all.max_normal_force, evaluation.run.all.max_contact_area / mm2,
-                     static_cast<double>(evaluation.run.all.commands_sent)));
+                     static_cast<double>(evaluation.run.all.commands_sent),
+                     std::abs(spread.twin - spread.virtual_side) / spread.virtual_side));
+  EXPECT_GT(spread.virtual_side, 0.0);
 }
 
 double hypervolume(const StudyTable& table) {
