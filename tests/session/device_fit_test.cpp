@@ -73,7 +73,7 @@ double force_error(const DeviceFitOptions& fitted, bool with_person) {
   options.run.devices = {fitted.device.string()};
   options.run.wearer = fitted.wearer;
   if (with_person) options.run.person = fitted.person;
-  options.run.duration = 3.0;
+  options.run.duration = 2.0;
   return evaluate(options, std::atomic<bool>{false}).commanded.mean().normal_force_error;
 }
 
