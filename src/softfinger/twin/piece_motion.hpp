@@ -30,16 +30,24 @@ class PieceMotions {
   explicit PieceMotions(const Device& device);
 
   void at(const Configuration& q);
+  /// How far the piece that moves farthest goes from one configuration to another, m, in the metric
+  /// of the axes that move it.
+  [[nodiscard]] double longest(const Configuration& from, const Configuration& to) const;
   /// Of piece `piece` by coordinate `k`.
   [[nodiscard]] const PieceMotion& operator()(std::size_t piece, int k) const {
-    return motions_[piece * static_cast<std::size_t>(device_.degrees_of_freedom()) +
-                    static_cast<std::size_t>(k)];
+    return motions_[place(piece, k)];
   }
 
  private:
+  [[nodiscard]] std::size_t place(std::size_t piece, int k) const {
+    return piece * static_cast<std::size_t>(device_.degrees_of_freedom()) +
+           static_cast<std::size_t>(k);
+  }
+
   const Device& device_;
   std::vector<SolidPiece> forward_, backward_;
   std::vector<PieceMotion> motions_;
+  std::vector<char> moves_;  ///< whether coordinate k moves the piece, as motions_; at home
 };
 
 }  // namespace softfinger

@@ -14,7 +14,8 @@
 namespace softfinger {
 namespace {
 
-/// The device moves on the skin in parts no longer than this, so that friction sees the path, m.
+/// No piece of the device moves on the skin in parts longer than this, so that friction sees the
+/// path, m.
 constexpr double kLongestPart = 0.25e-3;
 /// A jump has no path worth following: no more parts than this.
 constexpr int kMostParts = 16;
@@ -325,7 +326,11 @@ void Twin::Implementation::add_push(int k, bool rubbing, std::span<const double>
 void Twin::Implementation::drag_by(int first, int end) {
   while (first < end) {
     std::size_t count = 0;
-    for (; count < drags.size() && first < end; ++count, ++first) drags[count].k = first;
+    for (; count < drags.size() && first < end; ++first) {
+      const bool pushes = std::ranges::any_of(
+          touching, [&](const TouchingPair& pair) { return motion(pair.piece, first).moves(); });
+      if (pushes) drags[count++].k = first;
+    }
     drag_together({drags.data(), count});
   }
 }
@@ -520,7 +525,7 @@ void Twin::reset(const Configuration& q) { implementation_->reset(q); }
 TwinSummary Twin::press(const Configuration& q, double friction_coefficient, double elapsed) {
   Implementation& self = *implementation_;
   const Configuration from = self.kept_q;
-  const double way = std::sqrt(self.device->squared_distance(q, from));
+  const double way = self.motions.longest(from, q);
   const int parts = std::clamp(static_cast<int>(std::ceil(way / kLongestPart)), 1, kMostParts);
   TwinSummary summary;
   for (int part = 1; part <= parts; ++part) {
@@ -542,8 +547,7 @@ TwinSummary Twin::attempt(const Configuration& q) { return implementation_->atte
 void Twin::keep() { implementation_->keep(); }
 void Twin::end_frame(const Configuration& q) {
   const Implementation& self = *implementation_;
-  const double way = std::sqrt(self.device->squared_distance(q, self.kept_q));
-  if (self.q == q && way <= kLongestPart) {
+  if (self.q == q && self.motions.longest(self.kept_q, q) <= kLongestPart) {
     keep();
   } else {
     press(q, self.friction_coefficient, self.elapsed);
