@@ -196,6 +196,9 @@ class ContactPotential {
     Vector3 normal = Vector3::UnitZ();
     int obstacle = -1;
   };
+  [[nodiscard]] bool is_soft(int obstacle) const {
+    return obstacle >= 0 && obstacles_[static_cast<std::size_t>(obstacle)].is_soft;
+  }
   [[nodiscard]] Nearest nearest(std::size_t i) const;
 
  private:

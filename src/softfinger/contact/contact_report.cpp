@@ -51,6 +51,7 @@ void report_samples(const SettledContact& contact, const Pose& X_FW, ContactSet&
     sample.position_F = X_FW * contact.positions[i];
     sample.gap = nearest.gap;
     sample.object = nearest.obstacle;
+    sample.on_soft = contact.potential.is_soft(nearest.obstacle);
     sample.normal_F = X_FW.rotation * nearest.normal;
     sample.normal_force_F = X_FW.rotation * forces.normal;
     sample.own_normal_force = forces.normal.norm();

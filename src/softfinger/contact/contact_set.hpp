@@ -32,6 +32,7 @@ struct ContactSample {
   bool slides = false;            ///< tangential force at its limit
   bool in_contact = false;        ///< member of C (else of N)
   int object = -1;                ///< index of the nearest object, -1 if there is none
+  bool on_soft = false;           ///< that object is soft
 
   /// Area at rest that the sample itself stands for, m^2.
   [[nodiscard]] double weight() const { return (1.0 - taken) * rest_area; }

@@ -42,7 +42,9 @@ FittedPlane contact_plane(const ContactPoints& points, MatchingWeights weights,
   const auto for_each_contact = [&](auto&& visit) {
     for (std::size_t i = 0; i < points.points_F.size(); ++i) {
       if (points.in_contact[i] == 0) continue;
-      visit(points.points_F[i], weights == MatchingWeights::kArea ? points.areas[i] : 1.0);
+      const double share = points.shares.empty() ? 1.0 : points.shares[i];
+      visit(points.points_F[i],
+            share * (weights == MatchingWeights::kArea ? points.areas[i] : 1.0));
     }
   };
   for_each_contact([&](const Vector3& p, double weight) {

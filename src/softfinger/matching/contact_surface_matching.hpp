@@ -27,6 +27,7 @@ struct ContactPoints {
   std::span<const std::uint8_t> in_contact;  ///< 1: member of C
   std::span<const double> areas;             ///< m^2; may be empty unless weights are kArea
   std::span<const double> gaps;              ///< virtual gaps, m; may be empty unless kScene
+  std::span<const double> shares;  ///< by which each counts, 0 to 1; may be empty: all by 1
 };
 
 struct MatchingOptions {

@@ -31,7 +31,8 @@ SurfaceSamples PackedSamples::pack(const ContactPoints& points, const MatchingOp
       y_[packed] = points.points_F[i].y();
       z_[packed] = points.points_F[i].z();
       weight_[packed] =
-          options.weights == MatchingWeights::kArea ? points.areas[i] * per_area : 1.0;
+          (options.weights == MatchingWeights::kArea ? points.areas[i] * per_area : 1.0) *
+          (points.shares.empty() ? 1.0 : points.shares[i]);
       margin_[packed] = options.separation == Separation::kScene && !points.gaps.empty()
                             ? std::max(0.0, std::min(eps, points.gaps[i]))
                             : eps;

@@ -22,8 +22,10 @@ PublishedObjective::PublishedObjective(const std::shared_ptr<const FingerModel>&
 }
 
 const RenderedSurface& PublishedObjective::tick(const VirtualFinger& finger, double /*elapsed*/) {
-  const SurfaceSamples samples = packed_.pack(points_.take(finger.contact), kAsPublished,
-                                              device_->settings().matching.separation_tolerance);
+  ContactPoints points = points_.take(finger.contact);
+  points.shares = {};
+  const SurfaceSamples samples =
+      packed_.pack(points, kAsPublished, device_->settings().matching.separation_tolerance);
   const LevenbergMarquardt::Outcome found = minimiser_.minimise(samples, rendered_.configuration);
   rendered_.configuration = clamped_to_limits(*device_, found.q);
   static_cast<void>(device_->inverse_kinematics(rendered_.configuration, rendered_.joints));
