@@ -9,9 +9,9 @@
 namespace softfinger {
 
 /// A contact set as matching sees it: its samples and, behind them, its features. What touches a
-/// soft object counts by its pressure as a part of the greatest there: such
-/// contact spreads far at next to no force, and a rigid surface that was to touch all of it alike
-/// would press too hard. Allocates only in the constructor.
+/// soft object counts by its pressure as a part of the greatest there: such contact spreads far at
+/// next to no force, and a rigid surface that was to touch all of it alike would press too hard.
+/// Allocates only in the constructor.
 class SkinPoints {
  public:
   /// `capacity`: most samples, the rest is ignored; features have room besides.
