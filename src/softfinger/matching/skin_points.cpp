@@ -1,7 +1,6 @@
 #include "softfinger/matching/skin_points.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 namespace softfinger {

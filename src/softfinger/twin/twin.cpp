@@ -93,6 +93,7 @@ struct Twin::Implementation {
   /// Scratch of drag_by(), of one component, by unknowns.
   struct Drag {
     int k = 0;
+    bool settled = false;
     std::vector<double> pushed, rubbed;
   };
   std::array<Drag, kDragsTogether> drags;
@@ -360,8 +361,7 @@ void Twin::Implementation::drag_together(std::span<Drag> together) {
       sides[i] = drag.rubbed;
     }
     potential.solve_together({sides.data(), together.size()});
-    // Those that are through make room for those that are not.
-    const auto through = std::partition(together.begin(), together.end(), [&](Drag& drag) {
+    for (Drag& drag : together) {
       std::vector<double>& shift = shift_of(drag);
       double change = 0.0;
       double size = 0.0;
@@ -370,9 +370,11 @@ void Twin::Implementation::drag_together(std::span<Drag> together) {
         size += drag.rubbed[n] * drag.rubbed[n];
       }
       std::swap(shift, drag.rubbed);
-      return change > kDragTolerance * kDragTolerance * size;
-    });
-    together = together.first(static_cast<std::size_t>(through - together.begin()));
+      drag.settled = change <= kDragTolerance * kDragTolerance * size;
+    }
+    const auto settled = std::partition(together.begin(), together.end(),
+                                        [](const Drag& drag) { return !drag.settled; });
+    together = together.first(static_cast<std::size_t>(settled - together.begin()));
   }
 }
 
