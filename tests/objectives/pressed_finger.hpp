@@ -9,6 +9,7 @@
 #include "../support/folders.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
+#include "softfinger/finger/finger_model.hpp"
 #include "softfinger/finger/finger_simulation.hpp"
 #include "softfinger/objectives/objective.hpp"
 

@@ -142,6 +142,32 @@ TEST(Twin, AttemptsDoNotChangeWhatTheNextFrameStartsFrom) {
               2e-3 * calm.contact().normal_force);
 }
 
+// To search is to solve less fully: for the same forces, with fewer iterations.
+TEST(Twin, FeelsTheSameToAThousandthWhereItOnlySearches) {
+  const auto model = wearer();
+  const auto device = thimble_under_test();
+  const double touch = touching_travel(*device, *model);
+  Twin judging(model, device);
+  Twin searching(model, device, TwinPrecision::kSearching);
+  int judged = 0;
+  int searched = 0;
+  for (int k = 1; k <= 12; ++k) {
+    Configuration q(3);
+    q << 0.02 * std::sin(k), 0.03 * std::cos(k), touch + 0.08 * mm * k;
+    judged += judging.press(q, 0.5, 0.0).iterations;
+    const TwinSummary summary = searching.press(q, 0.5, 0.0);
+    EXPECT_TRUE(summary.converged);
+    searched += summary.iterations;
+    const Vector3 force = normal_force_vector(judging.contact());
+    ASSERT_GT(force.norm(), 0.0);
+    EXPECT_LT((normal_force_vector(searching.contact()) - force).norm(), 2e-3 * force.norm());
+    EXPECT_LT(
+        (searching.contact().tangential_force_F - judging.contact().tangential_force_F).norm(),
+        5e-3 * force.norm());
+  }
+  EXPECT_LT(searched, 0.85 * judged);
+}
+
 TEST(Twin, IsFreeWhereTheDeviceIsHomeAndAfterItLeaves) {
   const auto model = wearer();
   const auto device = thimble_under_test();

@@ -9,6 +9,7 @@
 #include "softfinger/matching/packed_samples.hpp"
 #include "softfinger/matching/skin_points.hpp"
 #include "softfinger/numerics/quadratic_program.hpp"
+#include "softfinger/objectives/secant_forces.hpp"
 #include "softfinger/objectives/shear_directions.hpp"
 #include "softfinger/objectives/stress_match.hpp"
 
@@ -16,12 +17,17 @@ namespace softfinger {
 namespace {
 
 constexpr double kWorthwhileForce = 1e-3;  // N; a smaller force is not worth an iteration
-constexpr double kForceTolerance = 1e-3;   // of the virtual force; nobody feels less
-constexpr double kFarOff = 0.5;            // of the virtual force; the last frame is no start then
-constexpr double kStepTolerance = 1e-6;    // m of surface motion
-constexpr double kLeastDamping = 1e-4;     // of the largest diagonal
-constexpr int kRejections = 4;
-constexpr double kStressTolerance = 1e-3;  // of the cost; a step that gains less is the last
+/// Of the virtual force. People tell forces apart by 7 % and more (Jones, "Matching forces:
+/// constant errors and differential thresholds", Perception 1989): nobody feels this.
+constexpr double kForceTolerance = 5e-3;
+constexpr double kForceGain = 2e-3;      // likewise; a step that gains less is not made
+constexpr double kFarOff = 0.2;          // of the virtual force; the last frame is no start then
+constexpr double kStepTolerance = 1e-6;  // m of surface motion
+constexpr double kLeastDamping = 1e-4;   // of the largest diagonal
+constexpr int kAttempts = 8;             // a frame
+// Of the cost; a step that gains less is not made.
+constexpr double kCostTolerance = 5e-3;
+constexpr double kStressTolerance = 1e-3;
 
 }  // namespace
 
@@ -31,7 +37,7 @@ struct ForceAwareMatching::Implementation {
                  const ForceAwareOptions& the_options)
       : device(std::move(the_device)),
         options(the_options),
-        twin(model, device),
+        twin(model, device, TwinPrecision::kSearching),
         dof(device->degrees_of_freedom()),
         program(dof, device->constraint_count()),
         gradient(dof),
@@ -70,6 +76,12 @@ struct ForceAwareMatching::Implementation {
   Configuration before;                         ///< the last match
   Configuration anchor;                         ///< the surface's match
   bool under_way = false;                       ///< the last frame has not ended
+  bool attempted = false;                       ///< in this frame
+  SecantForces known;                           ///< at result.configuration and thereabouts
+  bool foreknown = false;                       ///< by the last frame
+  bool derived = false;                         ///< right at result.configuration
+  double damping = 0.0;                         ///< of the next step, of the largest diagonal
+  double gain = 0.0;  ///< m^2 of cost, of `step` by the linearised problem
   ForceAwareResult result;
 
   [[nodiscard]] double metric(int k) const {
@@ -97,15 +109,29 @@ struct ForceAwareMatching::Implementation {
     const double amiss = force_error().squaredNorm() + tangential_error().squaredNorm();
     return std::sqrt(amiss) < kForceTolerance * target.norm();
   }
+  /// Nobody feels what a step gains that gains less, m^2.
+  [[nodiscard]] double worthwhile(double cost) const {
+    const double felt = options.force_weight * kForceTolerance * target.norm();
+    return std::max(felt * felt, (stress ? kStressTolerance : kCostTolerance) * cost);
+  }
+  [[nodiscard]] double cost_at(const Configuration& q) { return surface_cost(q) + felt_cost(); }
+  /// Whether the twin's skin came to rest there.
+  bool attempt(const Configuration& q) {
+    attempted = true;
+    return twin.attempt(q).converged;
+  }
   void choose_start(const Configuration& surface);
-  [[nodiscard]] bool form_step(const Configuration& q, const TwinForces& forces, double damping);
-  void add_forces(const TwinForces& forces);
+  [[nodiscard]] bool form_step(const Configuration& q);
+  void add_forces();
   void cut_step();
+  [[nodiscard]] bool derive();
+  [[nodiscard]] bool form_trial(double cost, Configuration& trial);
   void search();
+  void take_forces();
 };
 
 /// Adds the forces' part to gradient and Gauss-Newton matrix of the cost.
-void ForceAwareMatching::Implementation::add_forces(const TwinForces& forces) {
+void ForceAwareMatching::Implementation::add_forces() {
   const auto add = [&](double weight, const Vector3& error, const SurfaceJacobian& by_q) {
     if (!(weight > 0.0)) return;
     const double per_newton = 2.0 * weight * weight;
@@ -116,6 +142,7 @@ void ForceAwareMatching::Implementation::add_forces(const TwinForces& forces) {
       }
     }
   };
+  const TwinForces& forces = known.forces;
   add(options.force_weight, forces.normal - target, forces.normal_by_q);
   if (shear.isZero(0.0)) return;
   add(options.tangential_weight, shear * forces.tangential - tangential_target,
@@ -123,8 +150,7 @@ void ForceAwareMatching::Implementation::add_forces(const TwinForces& forces) {
 }
 
 /// Damped Gauss-Newton step at q within the device's constraints, in `step` (by q).
-bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const TwinForces& forces,
-                                                   double damping) {
+bool ForceAwareMatching::Implementation::form_step(const Configuration& q) {
   device->deviation_derivatives(q, samples, gradient, gauss_newton, hessian);
   const double per_deviation = options.surface_weight * options.surface_weight;
   gradient *= per_deviation;
@@ -133,7 +159,7 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
     stress->linearise(twin);
     stress->add_to(gradient, gauss_newton);
   }
-  add_forces(forces);
+  add_forces();
   const double inertia = 2.0 * options.inertia_weight * options.inertia_weight;
   const double held = 2.0 * options.anchor_weight * options.anchor_weight;
   for (int k = 0; k < dof; ++k) {
@@ -155,7 +181,11 @@ bool ForceAwareMatching::Implementation::form_step(const Configuration& q, const
   } else {
     program.solve(gradient);
   }
-  for (int k = 0; k < dof; ++k) step[k] = program.step()[k] / metric(k);
+  gain = 0.0;
+  for (int k = 0; k < dof; ++k) {
+    gain -= 0.5 * gradient[k] * program.step()[k];
+    step[k] = program.step()[k] / metric(k);
+  }
   return true;
 }
 
@@ -171,54 +201,80 @@ void ForceAwareMatching::Implementation::cut_step() {
 }
 
 /// Where the last match was, unless the surface match is better: at first touch, and where the
-/// twin has lost contact. The twin is then at result.configuration.
+/// twin has lost contact. The twin is then at result.configuration, or as the last frame left it.
 void ForceAwareMatching::Implementation::choose_start(const Configuration& surface) {
-  const auto cost_at = [&](const Configuration& q) {
-    twin.attempt(q);
-    return surface_cost(q) + felt_cost();
-  };
+  const auto near = [&] { return force_error().norm() < kFarOff * target.norm(); };
   result.configuration = before;
+  foreknown = foreknown && twin.configuration() == before && near();
+  if (foreknown) return;
+  attempt(before);
+  if (near()) return;
   const double cost = cost_at(before);
-  if (force_error().norm() < kFarOff * target.norm()) return;
+  attempt(surface);
   if (cost_at(surface) < cost) {
     result.configuration = surface;
   } else {
-    twin.attempt(before);
+    attempt(before);
   }
 }
 
-/// From the twin's present attempt at result.configuration.
+/// The twin is at result.configuration.
+void ForceAwareMatching::Implementation::take_forces() {
+  known.forces.normal = normal_force_vector(twin.contact());
+  known.forces.tangential = twin.contact().tangential_force_F;
+}
+
+/// The derivatives at result.configuration.
+bool ForceAwareMatching::Implementation::derive() {
+  if (twin.configuration() != result.configuration) attempt(result.configuration);
+  foreknown = twin.forces_and_derivatives(known.forces);
+  known.doubtful = false;
+  derived = true;
+  damping = 0.0;
+  return foreknown;
+}
+
+/// A configuration worth trying, with the derivatives as they are.
+bool ForceAwareMatching::Implementation::form_trial(double cost, Configuration& trial) {
+  if (!form_step(result.configuration) || gain < worthwhile(cost)) return false;
+  cut_step();
+  trial = result.configuration + step;
+  if (!device->reachable(trial)) trial = last_reachable(*device, result.configuration, trial);
+  return std::sqrt(device->squared_distance(trial, result.configuration)) >= kStepTolerance;
+}
+
+/// From result.configuration, with the derivatives that are known from the last frame.
 void ForceAwareMatching::Implementation::search() {
-  TwinForces forces;
-  if (!twin.forces_and_derivatives(forces)) return;
-  double cost = surface_cost(result.configuration) + felt_cost();
-  double damping = 0.0;
-  int rejections = 0;
-  while (result.iterations < options.iterations && rejections < kRejections) {
-    if (!form_step(result.configuration, forces, damping)) return;
-    cut_step();
-    Configuration trial = result.configuration + step;
-    if (!device->reachable(trial)) {
-      trial = last_reachable(*device, result.configuration, trial);
+  derived = false;
+  damping *= 0.1;
+  if (!foreknown && !derive()) return;
+  double cost = cost_at(result.configuration);
+  Configuration trial = result.configuration;
+  for (int attempts = 0; attempts < kAttempts && result.iterations < options.iterations;
+       ++attempts) {
+    if (!form_trial(cost, trial)) {
+      if (!known.doubtful || derived || is_met() || !derive()) return;
+      cost = cost_at(result.configuration);
+      if (!form_trial(cost, trial)) return;
     }
-    const double length = std::sqrt(device->squared_distance(trial, result.configuration));
-    if (length < kStepTolerance) return;
-    const bool settled = twin.attempt(trial).converged;
-    const double trial_cost = surface_cost(trial) + felt_cost();
+    const bool settled = attempt(trial);
+    const double trial_cost = cost_at(trial);
+    const bool foretold = settled && known.learn(*device, trial - result.configuration,
+                                                 normal_force_vector(twin.contact()),
+                                                 twin.contact().tangential_force_F);
     if (!settled || !(trial_cost < cost)) {
-      ++rejections;
       damping = std::max(10.0 * damping, kLeastDamping * 10.0);
       continue;
     }
     ++result.iterations;
     result.configuration = trial;
+    derived = false;
+    take_forces();
     const bool gained = cost - trial_cost > kStressTolerance * cost;
     cost = trial_cost;
-    damping *= 0.1;
-    rejections = 0;
+    damping = damping < kLeastDamping ? 0.0 : 0.1 * damping;
     if (stress ? !gained : is_met()) return;
-    if (result.iterations == options.iterations) return;
-    if (!twin.forces_and_derivatives(forces)) return;
+    if ((stress || foretold) && !derive()) return;
   }
 }
 
@@ -234,6 +290,7 @@ ForceAwareMatching& ForceAwareMatching::operator=(ForceAwareMatching&&) noexcept
 void ForceAwareMatching::reset() {
   implementation_->twin.reset();
   implementation_->under_way = false;
+  implementation_->foreknown = false;
   implementation_->before = implementation_->device->home();
 }
 
@@ -253,17 +310,23 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   self.anchor = surface;
   self.twin.begin_frame(friction_coefficient, elapsed);
   self.under_way = true;
+  self.attempted = false;
   if (virtual_side.contact_count > 0 && self.target.norm() > kWorthwhileForce) {
     if (self.stress) self.stress->want(nodes_F);
     self.choose_start(surface);
     self.search();
   } else {
     result.configuration = surface;
+    self.foreknown = false;
   }
   // A step that was refused is not where the frame ends.
-  if (self.twin.configuration() != result.configuration) self.twin.attempt(result.configuration);
+  if (!self.attempted || self.twin.configuration() != result.configuration) {
+    self.attempt(result.configuration);
+  }
   result.force = normal_force_vector(self.twin.contact());
   result.tangential_force = self.twin.contact().tangential_force_F;
+  self.take_forces();
+  self.foreknown = self.foreknown && !self.stress;
   result.deviation = self.device->deviation(result.configuration, self.samples);
   self.before = result.configuration;
   return result;

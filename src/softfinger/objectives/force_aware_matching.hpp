@@ -28,7 +28,7 @@ struct ForceAwareOptions {
   /// w_a, likewise: what moves neither surface nor force, a disk's turn about its own axis, does
   /// not wander off with the skin that it drags along.
   double anchor_weight = 0.3;
-  int iterations = 4;          ///< Gauss-Newton steps a frame
+  int iterations = 4;          ///< Gauss-Newton steps a frame that gain, of at most 8 attempts
   double max_angle = 0.15;     ///< rad a step
   double max_length = 0.6e-3;  ///< m a step
 
@@ -56,7 +56,8 @@ struct ForceAwareResult {
 /// stress below the skin (Verschoor et al., "Tactile rendering based on skin stress optimization",
 /// ACM Trans. Graphics 2020, match skin stress; the measure is ours). Gauss-Newton on the cost
 /// above with the derivative of the twin's equilibrium by the implicit function theorem (see Twin),
-/// limits as constraints of a quadratic program. After the bilevel problem in Perez et al.,
+/// corrected by secants (see SecantForces) from attempt to attempt and from frame to frame; limits
+/// as constraints of a quadratic program. After the bilevel problem in Perez et al.,
 /// "Optimization-based wearable tactile rendering", IEEE Trans. Haptics 2017; ours are the force
 /// vector beside the surface term and the derivatives. Allocates only in the constructor.
 class ForceAwareMatching {

@@ -19,14 +19,23 @@ namespace {
 constexpr double kLongestPart = 0.25e-3;
 /// A jump has no path worth following: no more parts than this.
 constexpr int kMostParts = 16;
-constexpr double kTolerance = 1e-7;  // relative residual
-constexpr double kRoughly = 1e-4;    // likewise, while friction limits and features still change
-constexpr int kIterations = 120;     // a press
-/// Lagged friction limits are renewed until they change by less than this, N.
-constexpr double kFrictionTolerance = 1e-5;
+constexpr int kIterations = 120;  // a press
+struct Tolerances {
+  double residual = 0.0;  ///< relative
+  double roughly = 0.0;   ///< likewise, while friction limits and features still change
+  /// Lagged friction limits are renewed until they change by less than this, N, ...
+  double friction = 0.0;
+  double friction_part = 0.0;  ///< ... or this part of the normal force
+};
+Tolerances tolerances_for(TwinPrecision precision) {
+  if (precision == TwinPrecision::kJudging) return {1e-7, 1e-4, 1e-5, 0.0};
+  return {1e-4, 1e-3, 1e-5, 1e-3};
+}
 constexpr int kFrictionPasses = 20;
 /// Features are met as planes, where they were seen before the skin moved: it looks again.
 constexpr int kLooks = 2;
+/// Residual of skin that is taken to be where it was foreseen, whatever its energy elsewhere.
+constexpr double kNearBalance = 0.3;
 /// Translations and rotations.
 constexpr int kMountMotions = 6;
 /// What of a derivative goes through friction's limits and planes is iterated for, to this part.
@@ -43,9 +52,10 @@ Vector3 normal_force_vector(const ContactSet& contact) {
 
 struct Twin::Implementation {
   Implementation(std::shared_ptr<const FingerModel> the_wearer,
-                 std::shared_ptr<const Device> the_device)
+                 std::shared_ptr<const Device> the_device, TwinPrecision the_precision)
       : wearer(std::move(the_wearer)),
         device(std::move(the_device)),
+        precision(the_precision),
         pieces(static_cast<std::size_t>(device->solid_piece_count())),
         obstacles(pieces.size()),
         motions(*device),
@@ -67,6 +77,7 @@ struct Twin::Implementation {
 
   std::shared_ptr<const FingerModel> wearer;
   std::shared_ptr<const Device> device;
+  TwinPrecision precision;
   std::vector<SolidPiece> pieces;
   std::vector<Obstacle> obstacles;
   PieceMotions motions;
@@ -102,7 +113,7 @@ struct Twin::Implementation {
     ContactPotential::PairResponse response;
   };
   std::vector<TouchingPair> touching;  ///< at the last attempt
-  bool shifts_known = false;           ///< at the last attempt
+  bool shifts_known = false;           ///< at the last attempt, or one before it
 
   void reset(const Configuration& at);
   void place();
@@ -202,26 +213,31 @@ void Twin::Implementation::foresee(const Configuration& at) {
   }
 }
 
-/// Evaluates where the skin is or, if its energy is less there, where it is foreseen.
+/// Evaluates where the skin is foreseen or, if that is far from balance and its energy is less
+/// there, where it is.
 void Twin::Implementation::start(bool was_foreseen) {
-  potential.start_from(positions, Pose{});
-  if (!was_foreseen) return;
-  const double energy = potential.energy();
+  if (!was_foreseen) {
+    potential.start_from(positions, Pose{});
+    return;
+  }
   potential.start_from(foreseen, Pose{});
-  if (!(potential.energy() < energy)) potential.start_from(positions, Pose{});
+  if (potential.residual() < kNearBalance) return;
+  const double energy = potential.energy();
+  potential.start_from(positions, Pose{});
+  if (energy < potential.energy()) potential.start_from(foreseen, Pose{});
 }
 
 TwinSummary Twin::Implementation::attempt(const Configuration& at) {
-  const bool was_foreseen = shifts_known;
+  const bool was_foreseen = shifts_known && at != q;
   if (was_foreseen) foresee(at);
-  shifts_known = false;
   q = at;
   // A piece may have changed its shape.
   potential.forget_sightings();
   potential.restore_features(kept_features);
   place();
+  const Tolerances tolerances = tolerances_for(precision);
   NewtonOptions newton;
-  newton.tolerance = kRoughly;
+  newton.tolerance = tolerances.roughly;
   newton.max_iterations = kIterations;
   newton.stop = stop;
   TwinSummary summary;
@@ -238,12 +254,16 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
     potential.settle();
     std::copy(potential.positions().begin(), potential.positions().end(), positions.begin());
     const double change = potential.contact().update_limits(anchors);
-    const bool stand = pass + 1 >= kLooks && change < kFrictionTolerance;
-    const bool fully = newton.tolerance == kTolerance || solved.residual <= kTolerance;
+    const double little =
+        std::max(tolerances.friction, tolerances.friction_part * potential.contact().force_norm());
+    const bool stand = pass + 1 >= kLooks && change < little;
+    const bool fully =
+        newton.tolerance == tolerances.residual || solved.residual <= tolerances.residual;
     if (stand && fully) break;
-    if (stand || pass + 2 == kFrictionPasses) newton.tolerance = kTolerance;
+    if (stand || pass + 2 == kFrictionPasses) newton.tolerance = tolerances.residual;
   }
   report_contact(*wearer, potential, contact);
+  shifts_known = shifts_known && contact.contact_count > 0;
   return summary;
 }
 
@@ -514,8 +534,10 @@ bool Twin::Implementation::load_and_derivative(DeviceLoad& load) {
   return stable;
 }
 
-Twin::Twin(std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device)
-    : implementation_(std::make_unique<Implementation>(std::move(wearer), std::move(device))) {}
+Twin::Twin(std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device,
+           TwinPrecision precision)
+    : implementation_(
+          std::make_unique<Implementation>(std::move(wearer), std::move(device), precision)) {}
 Twin::~Twin() = default;
 Twin::Twin(Twin&&) noexcept = default;
 Twin& Twin::operator=(Twin&&) noexcept = default;

@@ -18,6 +18,10 @@ struct TwinSummary {
   bool converged = true;
 };
 
+/// How fully equilibria are solved for: to judge a device by, or to search among configurations,
+/// several times as fast, with forces to a thousandth.
+enum class TwinPrecision { kJudging, kSearching };
+
 /// Normal contact force of device on skin, as one vector: the sum of the normal forces; in F, N.
 [[nodiscard]] Vector3 normal_force_vector(const ContactSet& contact);
 
@@ -43,7 +47,8 @@ struct DeviceLoad {
 class Twin {
  public:
   /// `wearer` may differ from the simulated finger in size and constants.
-  Twin(std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device);
+  Twin(std::shared_ptr<const FingerModel> wearer, std::shared_ptr<const Device> device,
+       TwinPrecision precision = TwinPrecision::kJudging);
   ~Twin();
   Twin(Twin&&) noexcept;
   Twin& operator=(Twin&&) noexcept;
