@@ -173,8 +173,13 @@ class ContactPotential {
                         std::span<FrictionAnchor> anchors) const;
   /// Replaces only the friction limits and normals by those of the positions last evaluated,
   /// keeping where samples stick: one pass of the iteration that removes the lag. `only_lower`:
-  /// none rises, so that passes come to an end. Returns the greatest change.
-  double update_limits(std::span<FrictionAnchor> anchors, bool only_lower = false) const;
+  /// none rises, so that passes come to an end, and each goes further by this part of its fall:
+  /// with less friction the next normal force is mostly lower too. Returns the greatest change.
+  double update_limits(std::span<FrictionAnchor> anchors, bool only_lower = false,
+                       double overshoot = kOvershoot) const;
+  static constexpr double kOvershoot = 0.3;
+  /// Sum over all points of the friction last evaluated beyond that cone, N.
+  [[nodiscard]] double beyond_cone() const;
   /// Whether the friction last evaluated is within the cone of the normal forces last evaluated:
   /// at every point, to kConeRelative of mu f_n and kConeAbsolute (N).
   [[nodiscard]] bool is_in_cone() const;

@@ -10,9 +10,13 @@ namespace {
 /// What is left of the friction limit of a point that came off, so that it is known to have
 /// touched, N.
 constexpr double kLeastLimit = 1e-12;
-/// A limit that only falls goes further by this part of its fall: with less friction the next
-/// normal force is mostly lower too.
-constexpr double kOvershoot = 0.3;
+/// With more overshoot than is usual a limit falls no further below the cone than this part of it.
+constexpr double kMostBelow = 0.1;
+
+double fall_beyond(double fall, double limit, double overshoot) {
+  const double usual = std::min(overshoot, ContactPotential::kOvershoot) * fall;
+  return std::max(usual, std::min(overshoot * fall, kMostBelow * limit));
+}
 
 }  // namespace
 
@@ -62,7 +66,8 @@ ContactSide ContactPotential::side_after(std::size_t i, std::size_t o, const Pai
   return side_at({pair.gap, R_OW * pair.gradient, Matrix3::Zero()}, pair.position_O);
 }
 
-double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool only_lower) const {
+double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool only_lower,
+                                       double overshoot) const {
   double change = 0.0;
   for (std::size_t i = 0; i < points_; ++i) {
     if (is_near_[i] == 0) continue;
@@ -75,7 +80,8 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool o
       if (anchor.limit <= 0.0) continue;  // it touches for the first time: no history to slide from
       double limit = obstacle.friction_coefficient * pair.pressing * pair.gradient.norm();
       if (only_lower && limit >= anchor.limit) continue;
-      if (only_lower) limit = std::max(0.0, limit - kOvershoot * (anchor.limit - limit));
+      if (only_lower)
+        limit = std::max(0.0, limit - fall_beyond(anchor.limit - limit, limit, overshoot));
       change = std::max(change, std::abs(limit - anchor.limit));
       anchor.limit = std::max(limit, kLeastLimit);
       if (limit <= 0.0) continue;
@@ -83,6 +89,22 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool o
     }
   }
   return change;
+}
+
+double ContactPotential::beyond_cone() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points_; ++i) {
+    if (is_near_[i] == 0) continue;
+    for (std::size_t o = 0; o < obstacle_count_; ++o) {
+      const std::size_t k = i * obstacle_count_ + o;
+      if (near_[k] == 0 || !(pairs_[k].friction_limit > 0.0)) continue;
+      const Pair& pair = pairs_[k];
+      const double limit =
+          obstacles_[o].friction_coefficient * pair.pressing * pair.gradient.norm();
+      sum += std::max(0.0, pair.friction_force.norm() - limit);
+    }
+  }
+  return sum;
 }
 
 bool ContactPotential::is_in_cone() const {

@@ -77,7 +77,9 @@ class FingerPotential {
   /// Leaves the strain limits out, or in again, and evaluates the current point anew.
   void limit_strain(bool limited);
   /// Friction limits of the step's anchors from the normal forces last evaluated.
-  void update_limits(bool only_lower) { contact_.update_limits(step_.anchors, only_lower); }
+  void update_limits(bool only_lower, double overshoot = ContactPotential::kOvershoot) {
+    contact_.update_limits(step_.anchors, only_lower, overshoot);
+  }
   /// Whether an element is inside out at the last evaluation.
   [[nodiscard]] bool is_tangled() const;
   /// Makes what is cached (stretches, contact) that of the current point.

@@ -45,6 +45,12 @@ void BodyMotion::rest_at(const Pose& X_WO) {
   steps_ = 0;
 }
 
+void BodyMotion::rest() {
+  rest_at(Pose(now_.X_WO));
+  rate_ = old_rate_ = 0.0;
+  old_q_ = now_.q;
+}
+
 Matrix3 BodyMotion::inertia_about_centre(const Matrix3& R_WO) const {
   const Matrix3 second = R_WO * body_.inertia.second_O * R_WO.transpose();
   return second.trace() * Matrix3::Identity() - second;

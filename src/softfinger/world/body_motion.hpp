@@ -25,6 +25,9 @@ class BodyMotion {
   /// At rest there from now on.
   void rest_at(const Pose& X_WO);
 
+  /// At rest where it is.
+  void rest();
+
   /// Before a step of time_step (s). `smooth`: nothing touched the body of late.
   void begin(double time_step, bool smooth);
   /// Where the step leads without forces: q, turn, pose. What is jointed is to be put on its

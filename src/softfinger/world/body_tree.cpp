@@ -86,6 +86,7 @@ BodyTree::BodyTree(std::span<const VirtualObject> objects)
       }
       freedoms_ += body.freedoms;
       body_of_object_[o] = static_cast<int>(bodies_.size());
+      all_.push_back(bodies_.size());
       bodies_.push_back(body);
     }
     if (bodies_.size() == before) throw InputError("the joints of objects make a loop");
@@ -121,9 +122,10 @@ void BodyTree::put_on_parent(std::size_t b, double time, std::span<BodyPlace> pl
   place.X_WO = parent_pose(body, places, time) * body.X_PO * moved;
 }
 
-void BodyTree::advance(std::span<const BodyPlace> from, std::span<const double> direction, double t,
-                       double time, std::span<BodyPlace> to) const {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+void BodyTree::advance(std::span<const std::size_t> which, std::span<const BodyPlace> from,
+                       std::span<const double> direction, double t, double time,
+                       std::span<BodyPlace> to) const {
+  for (const std::size_t b : which) {
     const Body& body = bodies_[b];
     const double* const d = direction.data() + body.first;
     BodyPlace& place = to[b];
@@ -147,9 +149,9 @@ void BodyTree::advance(std::span<const BodyPlace> from, std::span<const double> 
   }
 }
 
-void BodyTree::columns(std::span<const BodyPlace> places, double time,
-                       std::span<Columns> out) const {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+void BodyTree::columns(std::span<const std::size_t> which, std::span<const BodyPlace> places,
+                       double time, std::span<Columns> out) const {
+  for (const std::size_t b : which) {
     const Body& body = bodies_[b];
     const Vector3& origin = places[b].X_WO.translation;
     Columns& own = out[b];

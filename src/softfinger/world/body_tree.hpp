@@ -63,10 +63,13 @@ class BodyTree {
 
   /// Where bodies stand at the start, one a body.
   [[nodiscard]] std::vector<BodyPlace> start() const;
-  /// From `from` along `direction` (one a coordinate), with what they hang on where it is at
-  /// `time`, s.
-  void advance(std::span<const BodyPlace> from, std::span<const double> direction, double t,
-               double time, std::span<BodyPlace> to) const;
+  /// All of them, in order.
+  [[nodiscard]] std::span<const std::size_t> all() const { return all_; }
+  /// These bodies, in order and each with what it hangs on, from `from` along `direction` (one a
+  /// coordinate of all), with what follows a script where it is at `time`, s.
+  void advance(std::span<const std::size_t> which, std::span<const BodyPlace> from,
+               std::span<const double> direction, double t, double time,
+               std::span<BodyPlace> to) const;
   /// Of a body with its joint at q or `turn`, and its parent in `places`.
   void put_on_parent(std::size_t body, double time, std::span<BodyPlace> places) const;
 
@@ -75,15 +78,16 @@ class BodyTree {
     int coordinate = 0;
     Vector6 twist;
   };
-  /// By its own coordinates and those of all it hangs on, as the bodies stand at `places`. At most
-  /// kMostColumns.
+  /// Of these bodies, as for advance(): by its own coordinates and those of all it hangs on, as the
+  /// bodies stand at `places`. At most kMostColumns.
   static constexpr std::size_t kMostColumns = 24;
   struct Columns {
     std::array<Column, kMostColumns> columns;
     std::size_t count = 0;
     [[nodiscard]] std::span<const Column> all() const { return {columns.data(), count}; }
   };
-  void columns(std::span<const BodyPlace> places, double time, std::span<Columns> out) const;
+  void columns(std::span<const std::size_t> which, std::span<const BodyPlace> places, double time,
+               std::span<Columns> out) const;
 
   [[nodiscard]] Vector3 centre(std::size_t body, const Pose& X_WO) const {
     return X_WO * bodies_[body].inertia.centre_O;
@@ -95,6 +99,7 @@ class BodyTree {
 
   std::span<const VirtualObject> objects_;
   std::vector<Body> bodies_;
+  std::vector<std::size_t> all_;
   std::vector<int> body_of_object_;
   int freedoms_ = 0;
 };

@@ -17,6 +17,8 @@ constexpr double kConeRelative = 1e-3;
 constexpr double kConeAbsolute = 1e-7;
 /// What is left of a limit of what came off within a step, N.
 constexpr double kLeastLimit = 1e-12;
+/// A limit that only falls goes no further below the cone than this part of it.
+constexpr double kMostBelow = 0.1;
 /// More are never in reach of each other at once; the nearest of later ones are left out.
 constexpr std::size_t kMostCandidates = 4096;
 
@@ -66,7 +68,9 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
     points_.push_back(surface_points(objects[o].shape));
     bounds_.push_back(bounds(objects[o].shape));
     memories_.emplace_back(points_.back().size());
+    moves_.push_back(masses[o] > 0.0 ? 1 : 0);
   }
+  remembered_.assign(objects.size(), 0);
   const auto are_apart = [&](std::size_t a, std::size_t b) {
     return std::ranges::any_of(apart, [&](const std::array<int, 2>& pair) {
       const auto x = static_cast<std::size_t>(pair[0]);
@@ -99,6 +103,8 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
   std::size_t most = 0;
   for (const Pair& pair : pairs_) most += points_[pair.of].size();
   candidates_.resize(std::min(most, kMostCandidates));
+  shared_.reserve(candidates_.size());
+  starts_.reserve(objects.size() + 1);
 }
 
 void SolidContact::add_hand_pairs(std::size_t a, std::size_t b, double friction) {
@@ -121,7 +127,25 @@ void SolidContact::reset() {
     for (auto& point : of) point.fill(Memory{});
   }
   candidate_count_ = 0;
-  std::fill(touched_.begin(), touched_.end(), 0.0);
+  std::ranges::fill(touched_, 0.0);
+  std::ranges::fill(remembered_, std::size_t{0});
+}
+
+void SolidContact::forget(std::size_t object) {
+  for (std::size_t of = 0; of < memories_.size(); ++of) {
+    if (remembered_[of] == 0) continue;
+    for (std::array<Memory, kPartners>& point : memories_[of]) {
+      for (Memory& memory : point) {
+        const bool known = of == object ? memory.on >= 0 : memory.on == static_cast<int>(object);
+        if (known) forget(of, memory);
+      }
+    }
+  }
+}
+
+void SolidContact::forget(std::size_t of, Memory& memory) {
+  memory = Memory{};
+  --remembered_[of];
 }
 
 SolidContact::Memory* SolidContact::memory_of(std::size_t of, std::size_t point, std::size_t on) {
@@ -131,10 +155,34 @@ SolidContact::Memory* SolidContact::memory_of(std::size_t of, std::size_t point,
   return nullptr;
 }
 
-void SolidContact::begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected) {
+void SolidContact::begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected,
+                         std::span<const Motion> motions) {
   candidate_count_ = 0;
-  std::fill(near_.begin(), near_.end(), std::uint8_t{0});
-  for (const Pair& pair : pairs_) add_candidates(pair, X_WO, X_WO_expected);
+  std::ranges::fill(near_, std::uint8_t{0});
+  for (std::size_t o = 0; o < motions.size(); ++o) {
+    if (motions[o] != Motion::kLies) touched_[o] = 0.0;
+  }
+  for (const Pair& pair : pairs_) {
+    const Motion of = motions[pair.of];
+    const Motion on = motions[pair.on];
+    if (of == Motion::kAbsent || on == Motion::kAbsent) continue;
+    if (of == Motion::kStirs || on == Motion::kStirs) add_candidates(pair, X_WO, X_WO_expected);
+  }
+}
+
+void SolidContact::share_out(std::span<const int> island_of_object, std::size_t islands) {
+  const auto island_of = [&](const Candidate& c) {
+    const int island = std::max(island_of_object[c.of], island_of_object[c.on]);
+    return static_cast<std::size_t>(island);
+  };
+  starts_.assign(islands + 1, 0);
+  shared_.resize(candidate_count_);
+  for (std::size_t k = 0; k < candidate_count_; ++k) ++starts_[island_of(candidates_[k])];
+  for (std::size_t i = 1; i <= islands; ++i) starts_[i] += starts_[i - 1];
+  // From the ends, so that each keeps its order.
+  for (std::size_t k = candidate_count_; k-- > 0;) {
+    shared_[--starts_[island_of(candidates_[k])]] = k;
+  }
 }
 
 void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
@@ -166,7 +214,7 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
     if (point.spacing > 0.0) {
       place = place_of(point, expected.transpose() * at.gradient);
       if (place.share < kLeastShare) {
-        if (memory != nullptr) *memory = Memory{};
+        if (memory != nullptr) forget(pair.of, *memory);
         continue;
       }
       centre_on = X_on_of * place.centre_O;
@@ -241,46 +289,64 @@ double SolidContact::evaluate(Candidate& c, std::span<const Pose> X_WO) const {
   return energy + c.limit * (length - 0.5 * c.limit / k);
 }
 
-double SolidContact::evaluate(std::span<const Pose> X_WO, std::span<Vector6> wrenches) {
-  double energy = 0.0;
-  double squared = 0.0;
-  std::fill(touched_.begin(), touched_.end(), 0.0);
+SolidContact::Sum SolidContact::evaluate(std::size_t island, std::span<const Pose> X_WO,
+                                         std::span<Vector6> wrenches) {
+  Sum sum;
+  // What forces do not move may be touched by several islands, on as many threads.
+  const std::span<const std::size_t> all = of_island(island);
+  for (const std::size_t k : all) {
+    for (const std::size_t o : {candidates_[k].of, candidates_[k].on}) {
+      if (moves_[o] != 0) touched_[o] = 0.0;
+    }
+  }
   const auto add = [&](const Candidate& c, const Vector3& at, const Vector3& force) {
     for (const std::size_t o : {c.of, c.on}) {
+      if (moves_[o] == 0) continue;
       const double sign = o == c.of ? -1.0 : 1.0;
       const Vector3 arm = at - X_WO[o].translation;
       wrenches[o].head<3>() += sign * force;
       wrenches[o].tail<3>() += sign * arm.cross(force);
     }
-    squared += force.squaredNorm();
+    sum.squared_force += force.squaredNorm();
   };
-  for (std::size_t k = 0; k < candidate_count_; ++k) {
+  for (const std::size_t k : all) {
     Candidate& c = candidates_[k];
-    energy += evaluate(c, X_WO);
+    sum.energy += evaluate(c, X_WO);
     if (c.pressing > 0.0) {
-      for (const std::size_t o : {c.of, c.on}) touched_[o] += c.stiffness;
+      for (const std::size_t o : {c.of, c.on}) {
+        if (moves_[o] != 0) touched_[o] += c.stiffness;
+      }
       add(c, c.centre_W, c.pressing * c.normal);
     }
     if (c.limit > 0.0) add(c, c.material_W, c.friction_force);
   }
-  force_norm_ = std::sqrt(squared);
-  return energy;
+  return sum;
 }
 
-bool SolidContact::is_in_cone() const {
-  return std::all_of(
-      candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(candidate_count_),
-      [](const Candidate& c) {
-        const double limit = c.friction_coefficient * c.pressing;
-        return c.friction_force.norm() <= (1.0 + kConeRelative) * limit + kConeAbsolute;
-      });
-}
-
-void SolidContact::update_limits(bool only_lower) {
-  for (std::size_t k = 0; k < candidate_count_; ++k) {
-    Candidate& c = candidates_[k];
+bool SolidContact::is_in_cone(std::size_t island) const {
+  return std::ranges::all_of(of_island(island), [&](std::size_t k) {
+    const Candidate& c = candidates_[k];
     const double limit = c.friction_coefficient * c.pressing;
+    return c.friction_force.norm() <= (1.0 + kConeRelative) * limit + kConeAbsolute;
+  });
+}
+
+double SolidContact::beyond_cone(std::size_t island) const {
+  double sum = 0.0;
+  for (const std::size_t k : of_island(island)) {
+    const Candidate& c = candidates_[k];
+    if (!(c.limit > 0.0)) continue;
+    sum += std::max(0.0, c.friction_force.norm() - c.friction_coefficient * c.pressing);
+  }
+  return sum;
+}
+
+void SolidContact::update_limits(std::size_t island, bool only_lower, double overshoot) {
+  for (const std::size_t k : of_island(island)) {
+    Candidate& c = candidates_[k];
+    double limit = c.friction_coefficient * c.pressing;
     if (only_lower && limit >= c.limit) continue;
+    if (only_lower) limit -= std::min(overshoot * (c.limit - limit), kMostBelow * limit);
     c.limit = std::max(limit, c.limit > 0.0 ? kLeastLimit : 0.0);
   }
 }
@@ -290,7 +356,7 @@ void SolidContact::end(std::span<const Pose> X_WO) {
     const Candidate& c = candidates_[k];
     Memory* memory = memory_of(c.of, c.point, c.on);
     if (!(c.pressing > 0.0)) {
-      if (memory != nullptr) *memory = Memory{};
+      if (memory != nullptr) forget(c.of, *memory);
       continue;
     }
     if (memory == nullptr) {
@@ -299,6 +365,7 @@ void SolidContact::end(std::span<const Pose> X_WO) {
       }
     }
     if (memory == nullptr) continue;
+    if (memory->on < 0) ++remembered_[c.of];
     memory->on = static_cast<int>(c.on);
     memory->normal_O = X_WO[c.on].rotation.transpose() * c.normal;
     const double limit = c.friction_coefficient * c.pressing;

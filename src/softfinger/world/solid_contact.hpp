@@ -30,6 +30,8 @@ namespace softfinger {
 /// strip that it stands for, and only the other object's distance is looked at. One that is inside
 /// another before it touches is let be there, and parts at kParting.
 ///
+/// What touches is shared out to islands, which are evaluated each by itself, on any thread.
+///
 /// What is deeper inside another at the start of a step than it could part in it at kParting is let
 /// be there so far: objects that start inside each other part at that speed.
 class SolidContact {
@@ -44,10 +46,25 @@ class SolidContact {
   SolidContact(std::span<const VirtualObject> objects, std::span<const double> masses,
                std::span<const std::array<int, 2>> apart, double time_step);
 
+  /// What an object does in a step. Two that lie keep what they remember of each other; what is
+  /// nowhere touches nothing.
+  enum class Motion : std::uint8_t { kLies, kStirs, kAbsent };
   /// Objects stand at X_WO at the start of the step and are expected at X_WO_expected.
-  void begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected);
+  void begin(std::span<const Pose> X_WO, std::span<const Pose> X_WO_expected,
+             std::span<const Motion> motions);
+  /// Calls meet(object, object) for all that may touch in this step, once a point.
+  template <typename Visitor>
+  void for_each_near(const Visitor& meet) const {
+    for (std::size_t k = 0; k < candidate_count_; ++k) meet(candidates_[k].of, candidates_[k].on);
+  }
+  /// How many points that are.
+  [[nodiscard]] std::size_t near_count() const { return candidate_count_; }
+  /// What belongs to which of so many islands; by object, -1: to that of the other.
+  void share_out(std::span<const int> island_of_object, std::size_t islands);
   /// Nothing has touched.
   void reset();
+  /// The object has touched nothing.
+  void forget(std::size_t object);
 
   /// Calls visit(of, on, depth in m) for each point that is further inside at the start of the step
   /// than the step can part.
@@ -59,13 +76,16 @@ class SolidContact {
     }
   }
 
-  /// Energy with the objects there, J. wrenches: derivative by the translation of each object's
-  /// origin and its rotation, W; added to.
-  double evaluate(std::span<const Pose> X_WO, std::span<Vector6> wrenches);
-  /// Of all points that touched the object at the last evaluation, N/m; 0: none did.
+  struct Sum {
+    double energy = 0.0;         ///< J
+    double squared_force = 0.0;  ///< of all points, N^2
+  };
+  /// Of an island with the objects there. wrenches: derivative by the translation of each object's
+  /// origin and its rotation, W; added to, of those that move by forces.
+  Sum evaluate(std::size_t island, std::span<const Pose> X_WO, std::span<Vector6> wrenches);
+  /// Of all points that touched the object, one that moves by forces, at the last evaluation, N/m;
+  /// 0: none did.
   [[nodiscard]] double stiffness(std::size_t object) const { return touched_[object]; }
-  /// Norm of all forces last evaluated, N.
-  [[nodiscard]] double force_norm() const { return force_norm_; }
 
   /// One point of an object against another as last evaluated.
   struct Touch {
@@ -73,10 +93,11 @@ class SolidContact {
     Vector3 at = Vector3::Zero();         ///< where the force acts, W
     Matrix3 stiffness = Matrix3::Zero();  ///< second derivative by the point's position on `on`
   };
-  /// Calls touch(Touch) for all that do something to each other.
+  /// Calls touch(Touch) for all of an island that do something to each other, those of two objects
+  /// one after the other.
   template <typename Visitor>
-  void for_each_touch(const Visitor& visit) const {
-    for (std::size_t k = 0; k < candidate_count_; ++k) {
+  void for_each_touch(std::size_t island, const Visitor& visit) const {
+    for (const std::size_t k : of_island(island)) {
       const Candidate& c = candidates_[k];
       if (c.pressing > 0.0) visit(Touch{c.of, c.on, c.centre_W, c.normal_stiffness});
       if (c.limit > 0.0) visit(Touch{c.of, c.on, c.material_W, c.friction_stiffness});
@@ -93,9 +114,17 @@ class SolidContact {
     }
   }
 
-  [[nodiscard]] bool is_in_cone() const;
-  /// Friction limits from the normal forces last evaluated.
-  void update_limits(bool only_lower);
+  /// Calls meet(object, object) for all of an island that may touch in this step, once a point.
+  template <typename Visitor>
+  void for_each_near(std::size_t island, const Visitor& meet) const {
+    for (const std::size_t k : of_island(island)) meet(candidates_[k].of, candidates_[k].on);
+  }
+
+  [[nodiscard]] bool is_in_cone(std::size_t island) const;
+  /// Sum of all friction last evaluated beyond the cone of the normal forces, N.
+  [[nodiscard]] double beyond_cone(std::size_t island) const;
+  /// Friction limits from the normal forces last evaluated, `overshoot` as ContactPotential's.
+  void update_limits(std::size_t island, bool only_lower, double overshoot);
   /// The step has ended as last evaluated.
   void end(std::span<const Pose> X_WO);
 
@@ -106,15 +135,15 @@ class SolidContact {
   /// Sum of normal forces between two objects at the last evaluation, N.
   [[nodiscard]] double normal_force(std::size_t a, std::size_t b) const;
 
+  /// What the next step depends on of an object's own points.
   template <typename Hash>
-  void add_to(Hash& hash) const {
-    for (const std::vector<std::array<Memory, kPartners>>& of : memories_) {
-      for (const std::array<Memory, kPartners>& point : of) {
-        for (const Memory& memory : point) {
-          if (memory.on < 0) continue;
-          hash.add(memory.on).add(memory.slip_O).add(memory.normal_O).add(memory.limit);
-          if (memory.allowed < 0.0) hash.add(memory.allowed);
-        }
+  void add_to(Hash& hash, std::size_t object) const {
+    if (remembered_[object] == 0) return;
+    for (const std::array<Memory, kPartners>& point : memories_[object]) {
+      for (const Memory& memory : point) {
+        if (memory.on < 0) continue;
+        hash.add(memory.on).add(memory.slip_O).add(memory.normal_O).add(memory.limit);
+        if (memory.allowed < 0.0) hash.add(memory.allowed);
       }
     }
   }
@@ -158,7 +187,11 @@ class SolidContact {
   void add_candidates(const Pair& pair, std::span<const Pose> X_WO,
                       std::span<const Pose> X_WO_expected);
   double evaluate(Candidate& candidate, std::span<const Pose> X_WO) const;
+  [[nodiscard]] std::span<const std::size_t> of_island(std::size_t island) const {
+    return {shared_.data() + starts_[island], starts_[island + 1] - starts_[island]};
+  }
   [[nodiscard]] double friction_stiffness(const Candidate& c) const;
+  void forget(std::size_t of, Memory& memory);
   [[nodiscard]] Memory* memory_of(std::size_t of, std::size_t point, std::size_t on);
 
   std::span<const VirtualObject> objects_;
@@ -168,10 +201,12 @@ class SolidContact {
   std::vector<std::vector<std::array<Memory, kPartners>>> memories_;  ///< by object and point
   std::vector<Candidate> candidates_;
   std::size_t candidate_count_ = 0;
-  double parting_;                  ///< in a step, m
-  std::vector<std::uint8_t> near_;  ///< by object
-  std::vector<double> touched_;     ///< by object: stiffness, N/m
-  double force_norm_ = 0.0;
+  std::vector<std::size_t> shared_, starts_;  ///< candidates by island
+  std::vector<std::uint8_t> moves_;           ///< by object: forces move it
+  std::vector<std::size_t> remembered_;       ///< by object: of its points, how often they touch
+  double parting_;                            ///< in a step, m
+  std::vector<std::uint8_t> near_;            ///< by object
+  std::vector<double> touched_;               ///< by object: stiffness, N/m
 };
 
 }  // namespace softfinger

@@ -7,10 +7,13 @@
 #include "softfinger/base/hash.hpp"
 #include "softfinger/contact/surface_patches.hpp"
 #include "softfinger/finger/finger_potential.hpp"
-#include "softfinger/finger/minimise_in_cone.hpp"
 #include "softfinger/threads/thread_team.hpp"
+#include "softfinger/world/body_rest.hpp"
+#include "softfinger/world/body_start.hpp"
+#include "softfinger/world/island_problem.hpp"
+#include "softfinger/world/islands.hpp"
+#include "softfinger/world/minimise_island.hpp"
 #include "softfinger/world/soft_body.hpp"
-#include "softfinger/world/world_problem.hpp"
 
 namespace softfinger {
 namespace {
@@ -19,8 +22,11 @@ namespace {
 constexpr double kTakesPart = 5e-3;
 /// Steps without contact after which motion counts as smooth.
 constexpr int kSmoothAfter = 2;
-/// Residual of a step without fingers, whose matrix is exact.
+/// Residual of an island without fingers, whose matrix is exact.
 constexpr double kBodiesTolerance = 1e-10;
+/// Bodies that one finger may touch at once and whose motion its directions know of; with more,
+/// minimisation takes longer.
+constexpr std::size_t kMostTouched = 8;
 
 std::vector<double> masses_of(std::span<const VirtualObject> objects) {
   std::vector<double> masses;
@@ -50,24 +56,6 @@ std::vector<std::array<int, 2>> joined(std::span<const VirtualObject> objects) {
   return pairs;
 }
 
-/// Of the velocity that the scene gives a body at the start, what its joint allows: a rate by each
-/// of its own coordinates. A hinge takes the turn about its axis, or where that is none, the way of
-/// the centre of mass; a ball the turn.
-Vector3 start_rates(std::span<const BodyTree::Column> own, const ObjectDynamics& starts,
-                    const Vector3& centre_from_origin) {
-  Vector3 rates = Vector3::Zero();
-  if (own.size() > 1) return starts.angular_velocity_W;
-  for (const BodyTree::Column& column : own) {
-    const Vector3 turn = column.twist.tail<3>();
-    const Vector3 way = column.twist.head<3>() + turn.cross(centre_from_origin);
-    rates[0] = turn.dot(starts.angular_velocity_W);
-    if (rates[0] == 0.0 && way.squaredNorm() > 0.0) {
-      rates[0] = way.dot(starts.velocity_W) / way.squaredNorm();
-    }
-  }
-  return rates;
-}
-
 }  // namespace
 
 struct World::Implementation {
@@ -78,56 +66,55 @@ struct World::Implementation {
         team(helpers),
         tree(things),
         contact(things, masses_of(things), joined(things), dt),
+        forces(tree, g, dt),
+        rest(tree.bodies().size(), dt),
+        places(tree.start()),
         poses(things.size()),
         expected(things.size()),
         states(things.size()),
+        stirs(things.size()),
+        island_of_object(things.size()),
         quiet(tree.bodies().size(), 0) {
     for (std::size_t o = 0; o < things.size(); ++o) {
       if (things[o].soft) softs.push_back(std::make_unique<SoftBody>(things, o, g, dt, helpers));
     }
     start();
-    problem = std::make_unique<WorldProblem>(tree, motions, contact, g, dt, helpers);
+    const WorldParts parts{tree,         motions,  forces,   contact,
+                           soft_contact, partners, expected, places};
+    const int threads = helpers != nullptr ? helpers->threads() : 1;
+    for (int t = 0; t < threads; ++t) problems.push_back(std::make_unique<IslandProblem>(parts));
+    reserve();
     for (const auto& soft : softs) {
-      problem->reserve(soft->simulation(), static_cast<int>(soft->object()));
+      add(soft->simulation(), static_cast<int>(soft->object()));
     }
-    near.reserve(softs.size());
-    boxes.resize(softs.size());
+  }
+
+  void add(FingerSimulation& finger, int object = -1) {
+    partners.emplace_back(finger, partners.size(), std::min(kMostTouched, tree.bodies().size()));
+    soft_contact.add(finger, object);
+    reserve();
+  }
+
+  /// For the partners that there are.
+  void reserve() {
+    boxes.resize(partners.size());
+    takes_part.resize(partners.size());
+    const std::size_t nodes = tree.bodies().size() + partners.size();
+    islands = Islands(nodes);
+    tasks.reserve(nodes);
+    shared_tasks.reserve(nodes);
+    of_tasks.reserve(partners.size());
+    // What is soft is never solved beside others.
+    for (const auto& problem : problems) {
+      problem->reserve(problem == problems.front() && !softs.empty());
+    }
   }
 
   void start() {
     places = tree.start();
-    std::vector<BodyTree::Columns> columns(places.size());
-    tree.columns(places, 0.0, columns);
-    motions.clear();
-    for (std::size_t b = 0; b < places.size(); ++b) {
-      const Body& body = tree.bodies()[b];
-      const ObjectDynamics& starts = *objects[body.object].dynamics;
-      const Vector3 centre = tree.centre(b, places[b].X_WO) - places[b].X_WO.translation;
-      Vector3 velocity = starts.velocity_W;
-      Vector3 spin = starts.angular_velocity_W;
-      double rate = 0.0;
-      if (body.joint) {
-        const std::span<const BodyTree::Column> all = columns[b].all();
-        const auto own = all.last(static_cast<std::size_t>(body.freedoms));
-        const Vector3 rates = start_rates(own, starts, centre);
-        if (body.freedoms == 1) rate = rates[0];
-        Vector6 twist = Vector6::Zero();  // of O's origin
-        for (std::size_t c = 0; c < own.size(); ++c) {
-          twist += rates[static_cast<int>(c)] * own[c].twist;
-        }
-        if (body.parent >= 0) {
-          const auto p = static_cast<std::size_t>(body.parent);
-          const Vector3 turn = motions[p].angular_velocity();
-          const Vector3 way = places[b].X_WO.translation - tree.centre(p, places[p].X_WO);
-          twist.head<3>() += motions[p].velocity() + turn.cross(way);
-          twist.tail<3>() += turn;
-        }
-        spin = twist.tail<3>();
-        velocity = twist.head<3>() + spin.cross(centre);
-      }
-      motions.emplace_back(body, places[b], velocity, spin, rate);
-    }
-    std::fill(quiet.begin(), quiet.end(), kSmoothAfter);
+    motions = motions_at_start(tree, objects, places);
+    std::ranges::fill(quiet, kSmoothAfter);
+    rest.reset();
     contact.reset();
     for (std::size_t o = 0; o < objects.size(); ++o) poses[o] = objects[o].motion.sample(0.0);
     for (const auto& soft : softs) soft->reset();
@@ -168,55 +155,104 @@ struct World::Implementation {
     }
   }
 
+  using Stir = SolidContact::Motion;
+
   void expect(double end) {
     for (std::size_t o = 0; o < objects.size(); ++o) {
       expected[o] = poses[o];
-      if (!objects[o].dynamics) expected[o] = objects[o].motion.sample(end);
+      stirs[o] = Stir::kLies;
+      if (objects[o].dynamics) continue;
+      expected[o] = objects[o].motion.sample(end);
+      const bool same = expected[o].rotation == poses[o].rotation &&
+                        expected[o].translation == poses[o].translation;
+      if (!same) stirs[o] = Stir::kStirs;
     }
-    predict(end);
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      if (rest.sleeps(b) && hangs_on_moving(b)) rest.wake(b);
+    }
+    put_boxes();
+    wake_near_partners();
+    predict_awake(end);
     // What may touch in this step takes blows as they are: the second order would make them ring.
     if (roughen()) predict(end);
+  }
+
+  /// Whether a script moves what its joint hangs on in this step.
+  [[nodiscard]] bool hangs_on_moving(std::size_t b) const {
+    const Body& body = tree.bodies()[b];
+    if (!body.joint || body.joint->parent < 0 || body.parent >= 0) return false;
+    return stirs[static_cast<std::size_t>(body.joint->parent)] == Stir::kStirs;
+  }
+
+  void put_boxes() {
+    for (std::size_t p = 0; p < partners.size(); ++p) boxes[p] = box_around(*partners[p].finger);
+  }
+
+  /// Whether a finger, or something soft, comes near the object in this step.
+  [[nodiscard]] bool is_near_partner(std::size_t object) const {
+    return std::ranges::any_of(partners, [&](const Partner& partner) {
+      return partner.finger->may_touch(object) && reaches(boxes[partner.number], object);
+    });
+  }
+
+  bool wake_near_partners() {
+    bool any = false;
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      if (!rest.sleeps(b) || !is_near_partner(tree.bodies()[b].object)) continue;
+      rest.wake(b);
+      any = true;
+    }
+    return any;
+  }
+
+  /// Where bodies are expected, and who is near whom; wakes what something comes near that stirs.
+  void predict_awake(double end) {
+    for (bool woken = true; woken;) {
+      predict(end);
+      woken = false;
+      contact.for_each_near([&](std::size_t of, std::size_t on) {
+        for (const std::size_t o : {of, on}) {
+          const int b = tree.body_of(o);
+          if (b < 0 || !rest.sleeps(static_cast<std::size_t>(b))) continue;
+          rest.wake(static_cast<std::size_t>(b));
+          woken = true;
+        }
+      });
+    }
   }
 
   void predict(double end) {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       const Body& body = tree.bodies()[b];
-      const bool pulled = tree.following(b) || problem->is_held(b);
+      if (forces.is_nowhere(b)) stirs[body.object] = Stir::kAbsent;
+      if (!acts(b)) continue;
+      stirs[body.object] = Stir::kStirs;
+      const bool pulled = forces.pull_on(b) != nullptr;
       motions[b].begin(time_step, quiet[b] >= kSmoothAfter && !pulled);
       places[b] = motions[b].prediction();
       if (body.joint) tree.put_on_parent(b, end, places);
       motions[b].refer_to(places[b].X_WO);
       expected[body.object] = places[b].X_WO;
     }
-    contact.begin(poses, expected);
+    contact.begin(poses, expected, stirs);
   }
+
+  /// Whether a body takes part in steps: it does not sleep, and is somewhere.
+  [[nodiscard]] bool acts(std::size_t b) const { return !rest.sleeps(b) && !forces.is_nowhere(b); }
 
   bool roughen() {
     bool any = false;
-    for (std::size_t f = 0; f < fingers.size(); ++f) boxes[f] = box_around(*fingers[f]);
-    for (std::size_t s = 0; s < softs.size(); ++s) {
-      boxes[fingers.size() + s] = box_around(softs[s]->simulation());
-    }
     for (std::size_t b = 0; b < quiet.size(); ++b) {
       const std::size_t object = tree.bodies()[b].object;
-      if (tree.following(b)) continue;
-      const bool near_finger = std::ranges::any_of(
-          boxes, [&](const Eigen::AlignedBox3d& box) { return reaches(box, object); });
-      if (quiet[b] < kSmoothAfter || !(contact.is_near(object) || near_finger)) continue;
+      if (!acts(b) || forces.is_bone(b)) continue;
+      if (quiet[b] < kSmoothAfter || !(contact.is_near(object) || is_near_partner(object))) {
+        continue;
+      }
       quiet[b] = 0;
       any = true;
     }
     if (any) spread_roughness();
     return any;
-  }
-
-  [[nodiscard]] bool is_near(const FingerSimulation& finger) const {
-    const auto meets = [&](const auto& soft) { return finger.patches(soft->object()).any(); };
-    if (std::ranges::any_of(softs, meets)) return true;
-    const Eigen::AlignedBox3d box = box_around(finger);
-    return std::ranges::any_of(tree.bodies(), [&](const Body& body) {
-      return finger.may_touch(body.object) && reaches(box, body.object);
-    });
   }
 
   /// Whether an object comes into the box in this step.
@@ -231,30 +267,179 @@ struct World::Implementation {
     return covers(poses[object]) || covers(expected[object]);
   }
 
+  /// Who hangs together in this step, with these fingers and all that is soft.
+  void find_islands(std::span<FingerSimulation* const> stepped) {
+    const std::size_t bodies = motions.size();
+    islands.begin();
+    for (std::size_t b = 0; b < bodies; ++b) {
+      if (acts(b)) islands.take(b);
+    }
+    for (Partner& partner : partners) {
+      const bool steps = partner.number < softs.size() ||
+                         std::ranges::find(stepped, partner.finger) != stepped.end();
+      takes_part[partner.number] = steps ? 1 : 0;
+      if (steps) islands.take(bodies + partner.number);
+    }
+    for (std::size_t b = 0; b < bodies; ++b) {
+      const int parent = tree.bodies()[b].parent;
+      if (parent >= 0) islands.join(b, static_cast<std::size_t>(parent));
+    }
+    contact.for_each_near([&](std::size_t of, std::size_t on) {
+      const int a = tree.body_of(of);
+      const int b = tree.body_of(on);
+      if (a >= 0 && b >= 0) islands.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+    });
+    for (const Partner& partner : partners) {
+      if (takes_part[partner.number] == 0) continue;
+      const std::size_t own = bodies + partner.number;
+      for (std::size_t s = 0; s < softs.size(); ++s) {
+        if (partner.finger->patches(softs[s]->object()).any()) islands.join(own, bodies + s);
+      }
+      for (std::size_t b = 0; b < bodies; ++b) {
+        const std::size_t object = tree.bodies()[b].object;
+        if (!acts(b) || !partner.finger->may_touch(object)) continue;
+        if (reaches(boxes[partner.number], object)) islands.join(own, b);
+      }
+    }
+    islands.find();
+    std::ranges::fill(island_of_object, -1);
+    for (std::size_t b = 0; b < bodies; ++b) {
+      island_of_object[tree.bodies()[b].object] = islands.island_of(b);
+    }
+    contact.share_out(island_of_object, islands.size());
+  }
+
+  /// What is to be solved by itself, and how that ended.
+  struct Task {
+    Island island;
+    StepSummary summary;
+    long evaluations = 0;
+  };
+
+  void make_tasks() {
+    const std::size_t bodies = motions.size();
+    tasks.clear();
+    of_tasks.clear();
+    for (std::size_t i = 0; i < islands.size(); ++i) {
+      const std::span<const std::size_t> members = islands.members(i);
+      const auto first_partner = std::ranges::lower_bound(members, bodies);
+      const auto count = static_cast<std::size_t>(first_partner - members.begin());
+      Island island{.number = i, .bodies = members.first(count), .partners = {}};
+      const std::size_t from = of_tasks.size();
+      for (const std::size_t n : members.subspan(count)) {
+        of_tasks.push_back(&partners[n - bodies]);
+        island.is_soft = island.is_soft || n - bodies < softs.size();
+      }
+      island.partners = {of_tasks.data() + from, of_tasks.size() - from};
+      tasks.push_back({.island = island, .summary = {}});
+    }
+    for (Partner& partner : partners) {
+      if (takes_part[partner.number] == 0) partner.forget();
+    }
+  }
+
+  void solve(Task& task, IslandProblem& problem, ThreadTeam* helpers) {
+    const Island& island = task.island;
+    if (island.bodies.empty() && !island.is_soft) {
+      island.partners.front()->forget();
+      task.summary = island.partners.front()->finger->solve_step();
+      return;
+    }
+    problem.begin(island, time, helpers);
+    NewtonOptions options;
+    if (island.partners.empty()) options.tolerance = kBodiesTolerance;
+    const NewtonSummary summary = minimise_island(problem, options);
+    problem.settle();
+    problem.end();
+    task.summary = {summary.iterations, summary.converged, summary.residual};
+    task.evaluations = problem.evaluations() * static_cast<long>(island.bodies.size());
+  }
+
+  /// Islands of many fingers one after the other, the work of each shared out; the others side by
+  /// side. A finger that is alone may share its own work out, and is not one of these.
+  void solve_tasks() {
+    shared_tasks.clear();
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      const Island& island = tasks[i].island;
+      const bool lone = of_tasks.size() == island.partners.size() && !of_tasks.empty();
+      if (island.is_soft || island.partners.size() > 1 || lone) {
+        solve(tasks[i], *problems.front(), team);
+      } else {
+        shared_tasks.push_back(i);
+      }
+    }
+    share(team, shared_tasks.size(), [&](std::size_t k, int thread) {
+      solve(tasks[shared_tasks[k]], *problems[static_cast<std::size_t>(thread)], nullptr);
+    });
+    last = {};
+    work = {.islands = 0, .sleeping = rest.sleeping(), .near = contact.near_count()};
+    near.clear();
+    for (const Task& task : tasks) {
+      if (task.island.bodies.empty() && !task.island.is_soft) continue;
+      ++work.islands;
+      work.evaluations += task.evaluations;
+      last.iterations = std::max(last.iterations, task.summary.iterations);
+      last.converged = last.converged && task.summary.converged;
+      last.relative_residual = std::max(last.relative_residual, task.summary.relative_residual);
+      for (const Partner* partner : task.island.partners) near.push_back(partner->finger);
+    }
+  }
+
   void end() {
-    problem->end();
-    const std::span<const BodyPlace> ended = problem->places();
-    for (std::size_t b = 0; b < motions.size(); ++b) motions[b].end(ended[b]);
+    for (const Task& task : tasks) {
+      for (const std::size_t b : task.island.bodies) {
+        motions[b].end(places[b]);
+        poses[tree.bodies()[b].object] = motions[b].place().X_WO;
+      }
+    }
     for (std::size_t o = 0; o < objects.size(); ++o) {
       if (!objects[o].dynamics) poses[o] = expected[o];
     }
-    for (std::size_t b = 0; b < motions.size(); ++b) {
-      poses[tree.bodies()[b].object] = motions[b].place().X_WO;
-    }
     tell_events();
     contact.end(poses);
-    for (const Body& body : tree.bodies()) {
-      const Pose& X_WO = poses[body.object];
-      for (FingerSimulation* finger : fingers) finger->move_object(body.object, X_WO);
-      for (const auto& soft : softs) soft->simulation().move_object(body.object, X_WO);
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      if (!acts(b)) continue;
+      const std::size_t object = tree.bodies()[b].object;
+      for (FingerSimulation* finger : fingers) finger->move_object(object, poses[object]);
+      for (const auto& soft : softs) soft->simulation().move_object(object, poses[object]);
     }
     for (const auto& soft : softs) soft->simulation().end_step();
+    look_for_rest();
     tell();
+  }
+
+  /// Islands of bodies alone that have been at rest for long fall asleep.
+  void look_for_rest() {
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      if (!acts(b)) continue;
+      const double reach = forces.reach(b);
+      const double speed =
+          motions[b].velocity().norm() + reach * motions[b].angular_velocity().norm();
+      rest.look(b, motions[b].place().X_WO, reach, speed);
+      const bool pulled = forces.pull_on(b) != nullptr;
+      if (pulled || hangs_on_moving(b) || is_near_partner(tree.bodies()[b].object)) rest.disturb(b);
+    }
+    contact.for_each_near([&](std::size_t of, std::size_t on) {
+      for (const auto& [o, other] : {std::pair(of, on), std::pair(on, of)}) {
+        const int b = tree.body_of(o);
+        if (b < 0 || tree.body_of(other) >= 0 || stirs[other] != Stir::kStirs) continue;
+        rest.disturb(static_cast<std::size_t>(b));
+      }
+    });
+    for (const Task& task : tasks) {
+      const auto rested = [&](std::size_t b) { return rest.has_rested(b); };
+      const std::span<const std::size_t> bodies = task.island.bodies;
+      if (bodies.empty() || !task.island.partners.empty() || !task.summary.converged) continue;
+      if (!std::ranges::all_of(bodies, rested)) continue;
+      rest.fall_asleep(bodies);
+      for (const std::size_t b : bodies) motions[b].rest();
+    }
   }
 
   void find_overlaps() {
     overlaps.clear();
-    contact.begin(poses, poses);
+    std::ranges::fill(stirs, Stir::kStirs);
+    contact.begin(poses, poses, stirs);
     contact.for_each_sunk([&](std::size_t of, std::size_t on, double depth) {
       const auto known = std::ranges::find_if(overlaps, [&](const Overlap& overlap) {
         return overlap.first == std::min(of, on) && overlap.second == std::max(of, on);
@@ -274,7 +459,7 @@ struct World::Implementation {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       const Body& body = tree.bodies()[b];
       moving.push_back(static_cast<int>(body.object));
-      const JointLaw* const law = problem->law(b);
+      const JointLaw* const law = forces.law(b);
       if (law == nullptr) continue;
       const bool slides = body.joint->kind == JointKind::kSlider;
       joints.push_back({.object = static_cast<int>(body.object),
@@ -288,6 +473,9 @@ struct World::Implementation {
     contact.for_each_pressing([&](std::size_t of, std::size_t on, double force) {
       events->touch(static_cast<int>(of), static_cast<int>(on), force);
     });
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      if (rest.sleeps(b)) events->lie(static_cast<int>(tree.bodies()[b].object));
+    }
     for (std::size_t f = 0; f < fingers.size(); ++f) {
       if (std::ranges::find(near, fingers[f]) == near.end()) continue;
       for (const Body& body : tree.bodies()) {
@@ -309,7 +497,7 @@ struct World::Implementation {
     }
     std::size_t joint = 0;
     for (std::size_t b = 0; b < motions.size(); ++b) {
-      const JointLaw* const law = problem->law(b);
+      const JointLaw* const law = forces.law(b);
       if (law == nullptr) continue;
       const double q = motions[b].place().q;
       events->joint(joint++,
@@ -327,6 +515,7 @@ struct World::Implementation {
       });
     };
     for (std::size_t b = 0; b < quiet.size(); ++b) {
+      if (!acts(b)) continue;
       quiet[b] = touched(tree.bodies()[b].object) ? 0 : std::min(quiet[b] + 1, kSmoothAfter);
     }
     spread_roughness();
@@ -351,20 +540,31 @@ struct World::Implementation {
   ThreadTeam* team;
   BodyTree tree;
   SolidContact contact;
+  BodyForces forces;
+  SoftContact soft_contact;
+  BodyRest rest;
   std::vector<BodyMotion> motions;
-  std::unique_ptr<WorldProblem> problem;
   std::vector<BodyPlace> places;
   std::vector<Pose> poses, expected;  ///< of objects, at the start of the step and at its end
   std::vector<ObjectState> states;
-  std::vector<int> quiet;  ///< by body: steps without contact
+  std::vector<Stir> stirs;            ///< by object
+  std::vector<int> island_of_object;  ///< -1: none
+  std::vector<int> quiet;             ///< by body: steps without contact
   std::vector<std::unique_ptr<SoftBody>> softs;
+  std::vector<Partner> partners;                         ///< what is soft, then the fingers
+  std::vector<std::unique_ptr<IslandProblem>> problems;  ///< by thread
   std::vector<FingerSimulation*> fingers, near;
-  std::vector<Eigen::AlignedBox3d> boxes;  ///< about each finger, and each soft object
-  std::vector<std::size_t> alone;
+  std::vector<Eigen::AlignedBox3d> boxes;  ///< about each partner
+  std::vector<std::uint8_t> takes_part;    ///< by partner
+  Islands islands;
+  std::vector<Task> tasks;  ///< an island each
+  std::vector<std::size_t> shared_tasks;
+  std::vector<Partner*> of_tasks;
   double time = 0.0;
   std::optional<WorldEvents> events;
   std::vector<Overlap> overlaps;  ///< at the start
   StepSummary last;
+  StepWork work;
 };
 
 World::World(std::span<const VirtualObject> objects, const Vector3& gravity, double time_step,
@@ -381,21 +581,22 @@ bool World::moves() const {
 void World::add(FingerSimulation& finger) {
   Implementation& self = *implementation_;
   if (!moves()) return;
-  self.problem->reserve(finger);
+  self.add(finger);
   self.fingers.push_back(&finger);
-  self.boxes.resize(self.fingers.size() + self.softs.size());
   self.near.reserve(self.fingers.size() + self.softs.size());
-  self.alone.reserve(self.fingers.size());
 }
 
 void World::reset() {
   Implementation& self = *implementation_;
   self.start();
-  self.problem->reset();
+  self.forces.reset();
+  for (Partner& partner : self.partners) partner.forget();
+  self.soft_contact.forget();
   self.find_overlaps();
   self.prepare_events();
   self.time = 0.0;
   self.last = {};
+  self.work = {};
   for (FingerSimulation* finger : self.fingers) {
     for (const Body& body : self.tree.bodies()) {
       finger->put_object(body.object, self.poses[body.object]);
@@ -412,13 +613,14 @@ void World::follow(std::size_t o, const Pose* X_WT) {
   Implementation& self = *implementation_;
   const auto b = static_cast<std::size_t>(self.tree.body_of(o));
   const bool present = X_WT != nullptr;
-  if (present == self.problem->is_present(b)) {
-    if (present) self.problem->follow(b, *X_WT);
+  if (present != self.forces.is_nowhere(b)) {
+    if (present) self.forces.follow(b, *X_WT);
     return;
   }
   const Pose X_WO = present ? *X_WT : Pose{Matrix3::Identity(), kNowhere};
   self.motions[b].rest_at(X_WO);
-  self.problem->put(b, X_WO, present);
+  self.forces.put(b, X_WO, present);
+  self.contact.forget(o);
   self.poses[o] = X_WO;
   for (FingerSimulation* finger : self.fingers) finger->put_object(o, X_WO);
   for (const auto& soft : self.softs) soft->simulation().put_object(o, X_WO);
@@ -426,8 +628,10 @@ void World::follow(std::size_t o, const Pose* X_WT) {
 }
 
 void World::hold(std::size_t o, const Pose* X_WT) {
-  const auto b = static_cast<std::size_t>(implementation_->tree.body_of(o));
-  implementation_->problem->hold(b, X_WT);
+  Implementation& self = *implementation_;
+  const auto b = static_cast<std::size_t>(self.tree.body_of(o));
+  self.forces.hold(b, self.motions[b].place().X_WO, X_WT);
+  if (X_WT != nullptr) self.rest.wake(b);
 }
 
 void World::begin_step(double time) {
@@ -444,34 +648,22 @@ void World::begin_step(double time) {
 
 void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSummary> summaries) {
   Implementation& self = *implementation_;
-  self.near.clear();
-  self.alone.clear();
-  for (std::size_t f = 0; f < fingers.size(); ++f) {
-    if (self.is_near(*fingers[f])) {
-      self.near.push_back(fingers[f]);
-    } else {
-      self.alone.push_back(f);
+  if (!moves()) {  // fingers have not been added
+    share(self.team, fingers.size(),
+          [&](std::size_t f, int) { summaries[f] = fingers[f]->solve_step(); });
+  }
+  // A finger may have been put somewhere else since the step began.
+  self.put_boxes();
+  if (self.wake_near_partners()) self.predict_awake(self.time);
+  self.find_islands(fingers);
+  self.make_tasks();
+  self.solve_tasks();
+  for (const Implementation::Task& task : self.tasks) {
+    for (const Partner* partner : task.island.partners) {
+      const auto finger = std::ranges::find(fingers, partner->finger);
+      if (finger == fingers.end()) continue;
+      summaries[static_cast<std::size_t>(finger - fingers.begin())] = task.summary;
     }
-  }
-  const auto solve_alone = [&](std::size_t k, int) {
-    const std::size_t f = self.alone[k];
-    summaries[f] = fingers[f]->solve_step();
-  };
-  if (self.team != nullptr) {
-    self.team->run(self.alone.size(), solve_alone);
-  } else {
-    for (std::size_t k = 0; k < self.alone.size(); ++k) solve_alone(k, 0);
-  }
-  for (const auto& soft : self.softs) self.near.push_back(&soft->simulation());
-  std::vector<Pose>& at_end = self.expected;
-  self.problem->begin(self.time, at_end, self.places, self.near);
-  NewtonOptions options;
-  if (self.near.empty()) options.tolerance = kBodiesTolerance;
-  const NewtonSummary summary = minimise_in_cone(*self.problem, options);
-  self.problem->settle();
-  self.last = {summary.iterations, summary.converged, summary.residual};
-  for (std::size_t f = 0; f < fingers.size(); ++f) {
-    if (std::ranges::find(self.near, fingers[f]) != self.near.end()) summaries[f] = self.last;
   }
   self.count_quiet();
   self.end();
@@ -492,15 +684,18 @@ std::span<const Vector3> World::nodes(std::size_t object) const {
   return {};
 }
 const StepSummary& World::summary() const { return implementation_->last; }
+const StepWork& World::work() const { return implementation_->work; }
 
 std::uint64_t World::state_hash() const {
   const Implementation& self = *implementation_;
   Hash hash;
-  for (const BodyMotion& motion : self.motions) motion.add_to(hash);
-  for (std::size_t b = 0; b < self.motions.size(); ++b) hash.add(self.problem->anchor(b));
-  self.contact.add_to(hash);
-  self.problem->add_to(hash);
-  for (const int steps : self.quiet) hash.add(steps);
+  for (std::size_t b = 0; b < self.motions.size(); ++b) {
+    self.motions[b].add_to(hash);
+    self.forces.add_to(hash, b);
+    self.rest.add_to(hash, b);
+    hash.add(self.quiet[b]);
+  }
+  for (std::size_t o = 0; o < self.objects.size(); ++o) self.contact.add_to(hash, o);
   for (const auto& soft : self.softs) hash.add(soft->simulation().state_hash());
   return hash.value();
 }

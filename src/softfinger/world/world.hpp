@@ -19,6 +19,14 @@ struct Overlap {
   double depth = 0.0;                 ///< m
 };
 
+/// What the last step of a world took.
+struct StepWork {
+  std::size_t islands = 0;   ///< that had bodies or something soft
+  std::size_t sleeping = 0;  ///< bodies
+  std::size_t near = 0;      ///< points of objects that might have touched
+  long evaluations = 0;      ///< of bodies
+};
+
 /// The objects of a scene that move by the forces on them, and the steps in which they and the
 /// fingers that touch them move together. After the first steps nothing allocates, and nothing
 /// throws.
@@ -73,8 +81,9 @@ class World {
   [[nodiscard]] const ObjectState& state(std::size_t object) const;
   /// Nodes of a soft object, W, m; of a rigid one none.
   [[nodiscard]] std::span<const Vector3> nodes(std::size_t object) const;
-  /// How the objects' step ended.
+  /// How the objects' step ended: the most that any island took.
   [[nodiscard]] const StepSummary& summary() const;
+  [[nodiscard]] const StepWork& work() const;
   /// 64-bit hash of all that the next step depends on.
   [[nodiscard]] std::uint64_t state_hash() const;
 

@@ -33,6 +33,7 @@ WorldEvents::WorldEvents(std::span<const int> moving, std::size_t objects, std::
     joints_.emplace_back().joint = joint;
     joints_.back().passed.resize(joint.snaps.size());
   }
+  lies_.assign(moving.size(), 0);
   open_.reserve(kMostOpen);
   told_.reserve(kMostOpen);
   reset();
@@ -70,6 +71,10 @@ void WorldEvents::touch(int object, int other, double normal_force) {
       normal_force;
 }
 
+void WorldEvents::lie(int object) {
+  lies_[static_cast<std::size_t>(row_of_[static_cast<std::size_t>(object)])] = 1;
+}
+
 void WorldEvents::joint(std::size_t joint, const JointState& state) { joints_[joint].now = state; }
 
 bool WorldEvents::meets(Meeting& meeting, bool& released) const {
@@ -101,6 +106,10 @@ void WorldEvents::end_pairs() {
   for (std::size_t row = 0; row < moving_.size(); ++row) {
     for (std::size_t k = 0; k < others_; ++k) {
       Meeting& meeting = meetings_[row * others_ + k];
+      if (lies_[row] != 0) {
+        if (meeting.together) meeting.last = step_;
+        continue;
+      }
       bool released = false;
       const bool anew = meets(meeting, released);
       if (!anew && !released) continue;
@@ -186,6 +195,7 @@ void WorldEvents::end_step() {
   for (Open& open : open_) follow(open);
   tell();
   for (Meeting& meeting : meetings_) meeting.force = 0.0;
+  std::ranges::fill(lies_, std::uint8_t{0});
   for (JointMemory& memory : joints_) memory.before = memory.now;
   ++step_;
 }

@@ -56,6 +56,8 @@ class WorldEvents {
 
   /// Normal force between two in this step, N; adds up. One of them moves.
   void touch(int object, int other, double normal_force);
+  /// An object lies as it did: what touched it still does, and nothing else.
+  void lie(int object);
   /// A joint at the end of this step.
   struct JointState {
     double q = 0.0;            ///< m or rad
@@ -115,8 +117,9 @@ class WorldEvents {
   double time_step_;
   std::int64_t apart_, blow_;  ///< steps
   std::vector<int> moving_;
-  std::vector<int> row_of_;        ///< by object; -1: it does not move
-  std::vector<Meeting> meetings_;  ///< by row and other
+  std::vector<std::uint8_t> lies_;  ///< by row
+  std::vector<int> row_of_;         ///< by object; -1: it does not move
+  std::vector<Meeting> meetings_;   ///< by row and other
   std::vector<JointMemory> joints_;
   std::vector<Open> open_;
   std::vector<WorldEvent> told_;
