@@ -10,6 +10,7 @@
 #include "../support/folders.hpp"
 #include "play.hpp"
 #include "softfinger/world/body_pull.hpp"
+#include "softfinger/world/solid_contact.hpp"
 
 namespace softfinger {
 namespace {
@@ -245,6 +246,47 @@ TEST(HandBone, ThatNobodySeesIsNowhereAndOneThatAppearsInsideSomethingPartsSlowl
   EXPECT_GT(fastest, 1e-3) << "they part";
   EXPECT_LT(fastest, 0.12) << "slowly";
   EXPECT_EQ(hand.unconverged(), 0);
+}
+
+// In the middle nothing says which way is out; what it finds must not throw it.
+TEST(HandBone, ThatAppearsInAnObjectsMiddlePartsSlowlyAndIsNamed) {
+  const std::vector<Shape> shapes{Ball{20e-3}, RoundedBox{Vector3(20, 20, 20) * mm, 1.0 * mm},
+                                  RoundedBox{Vector3(40, 40, 3) * mm, 1.0 * mm},
+                                  RoundedCylinder{30e-3, 80e-3, 3e-3}};
+  constexpr std::size_t kPlate = 2;
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    for (const double off : {0.0, 1e-6, 2e-3}) {
+      HandPlay hand({bone(at(0.0, 0.0, 0.0), 20.0),
+                     loose("thing", shapes[s], at(0, 0, 0.1).translation, 0.1)},
+                    Vector3::Zero());
+      hand.leave(0);
+      for (int k = 0; k < 10; ++k) hand.step();
+      EXPECT_TRUE(hand.world().overlaps().empty());
+      const Pose X_WT{exp_rotation(Vector3(0.3, 0.2, 0.1)), Vector3(off, 0.3 * off, 0.1)};
+      double fastest = 0.0;
+      for (int k = 0; k < 2000; ++k) {
+        hand.follow(0, X_WT);
+        hand.step();
+        fastest = std::max(fastest, hand.state(1).velocity.norm());
+      }
+      EXPECT_LT(fastest, 4.0 * SolidContact::kParting) << s << " " << off;
+      EXPECT_LE(hand.unconverged(), 4) << s << " " << off;
+      ASSERT_EQ(hand.world().overlaps().size(), 1U);
+      const Overlap& named = hand.world().overlaps().front();
+      EXPECT_EQ(named.first, 0U);
+      EXPECT_EQ(named.second, 1U);
+      EXPECT_GT(named.depth, 5e-3);
+      EXPECT_NEAR(named.time, 11.0 * kStep, 1e-9);
+      if (s == kPlate) continue;  // put through it, it may stick there
+      const ObjectState& thing = hand.state(1);
+      const Pose X_OB = thing.X_WO.inverse() * hand.state(0).X_WO;
+      for (const double end : {-1.0, 0.0, 1.0}) {
+        const Vector3 place = X_OB * Vector3(end * kPhalanx.half_length, 0.0, 0.0);
+        EXPECT_GT(distance_and_gradient(shapes[s], place).distance, 7e-3)
+            << s << " " << off << " has parted";
+      }
+    }
+  }
 }
 
 TEST(HandBone, IsMetByNoFingerOfItsOwnHand) {

@@ -409,9 +409,12 @@ RunSummary SceneRun::finish() {
   summary.all.unconverged_steps += scene_->unconverged_steps();
   for (const Overlap& overlap : scene_->overlaps()) {
     const auto& objects = setup_->scene.objects;
+    const bool at_start = overlap.time == 0.0;
     summary.remarks.push_back(
-        fmt::format("objects {} and {} start {:.2g} mm inside each other and part slowly",
-                    objects[overlap.first].name, objects[overlap.second].name, overlap.depth / mm));
+        fmt::format("objects {} and {} {} {:.2g} mm inside each other{} and part slowly",
+                    objects[overlap.first].name, objects[overlap.second].name,
+                    at_start ? "start" : "are", overlap.depth / mm,
+                    at_start ? "" : fmt::format(" when a hand appears at {:.3f} s", overlap.time)));
   }
   if (recording_) {
     summary.recording = recording_->file();

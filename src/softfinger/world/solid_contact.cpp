@@ -91,7 +91,7 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
       if (objects[a].soft || objects[b].soft) continue;  // they meet as skin meets objects
       const double friction = friction_between(objects[a], objects[b]);
       if (objects[a].hand() >= 0 || objects[b].hand() >= 0) {
-        add_hand_pairs(a, b, friction);
+        add_hand_pairs(a, b, friction, stiffness);
         continue;
       }
       const bool both = !points_[a].empty() && !points_[b].empty();
@@ -107,7 +107,7 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
   starts_.reserve(objects.size() + 1);
 }
 
-void SolidContact::add_hand_pairs(std::size_t a, std::size_t b, double friction) {
+void SolidContact::add_hand_pairs(std::size_t a, std::size_t b, double friction, double stiffness) {
   const int hand = objects_[a].hand();
   const int other = objects_[b].hand();
   if (hand == other) return;
@@ -115,8 +115,7 @@ void SolidContact::add_hand_pairs(std::size_t a, std::size_t b, double friction)
   const auto add = [&](std::size_t of, std::size_t on) {
     if (objects_[of].hand() < 0) return;
     const double foundation = share * objects_[of].dynamics->following->foundation;
-    pairs_.push_back(
-        {.of = of, .on = on, .friction_coefficient = friction, .foundation = foundation});
+    pairs_.push_back({of, on, share * stiffness, friction, foundation});
   };
   add(a, b);
   add(b, a);
@@ -232,8 +231,13 @@ void SolidContact::add_candidates(const Pair& pair, std::span<const Pose> X_WO,
                   .friction_coefficient = pair.friction_coefficient,
                   .allowed = std::min(0.0, at.distance - point.radius + parting_)};
     if (pair.foundation > 0.0) {
-      c.stiffness = pair.foundation * point.area;
-      if (memory != nullptr) c.allowed = std::min(0.0, memory->allowed + parting_);
+      // Flesh that is pressed in has touched first; what was inside before it parts as rigid things
+      // do, for flesh as deep as that would throw it out.
+      c.began_inside = c.allowed < 0.0 && (memory == nullptr || memory->began_inside);
+      if (!c.began_inside) {
+        c.stiffness = pair.foundation * point.area;
+        c.allowed = 0.0;
+      }
     }
     const Vector3 surface_on = centre_on - point.radius * at.gradient;
     c.material_of = X_on_of.inverse() * surface_on;
@@ -377,7 +381,7 @@ void SolidContact::end(std::span<const Pose> X_WO) {
     }
     memory->slip_O = X_WO[c.on].rotation.transpose() * slip;
     memory->limit = limit;
-    memory->allowed = objects_[c.of].hand() >= 0 ? c.allowed : 0.0;
+    memory->began_inside = c.began_inside;
   }
 }
 

@@ -27,13 +27,13 @@ namespace softfinger {
 /// itself they may bear less, down to nothing midway; then the other object's own points bear it.
 ///
 /// Bones of hands bear as an elastic foundation instead: a ball of one has the stiffness of the
-/// strip that it stands for, and only the other object's distance is looked at. One that is inside
-/// another before it touches is let be there, and parts at kParting.
+/// strip that it stands for, and only the other object's distance is looked at.
 ///
 /// What touches is shared out to islands, which are evaluated each by itself, on any thread.
 ///
 /// What is deeper inside another at the start of a step than it could part in it at kParting is let
-/// be there so far: objects that start inside each other part at that speed.
+/// be there so far: objects that start inside each other, and bones of a hand that appear inside
+/// something, part at that speed.
 class SolidContact {
  public:
   static constexpr double kStiffness = 10.0;
@@ -143,7 +143,7 @@ class SolidContact {
       for (const Memory& memory : point) {
         if (memory.on < 0) continue;
         hash.add(memory.on).add(memory.slip_O).add(memory.normal_O).add(memory.limit);
-        if (memory.allowed < 0.0) hash.add(memory.allowed);
+        hash.add(memory.began_inside ? 1 : 0);
       }
     }
   }
@@ -155,8 +155,8 @@ class SolidContact {
     int on = -1;
     Vector3 slip_O = Vector3::Zero();  ///< in the frame of that object, m
     Vector3 normal_O = Vector3::UnitZ();
-    double limit = 0.0;    ///< N
-    double allowed = 0.0;  ///< of a bone of a hand, see Candidate
+    double limit = 0.0;         ///< N
+    bool began_inside = false;  ///< of a bone of a hand
   };
   /// A point that may touch in this step.
   struct Candidate {
@@ -164,7 +164,8 @@ class SolidContact {
     Vector3 centre_O = Vector3::Zero();  ///< of the ball, in the frame of `of`
     double stiffness = 0.0;              ///< N/m
     double friction_coefficient = 0.0;
-    double allowed = 0.0;  ///< gap that is let be, at most 0, m
+    double allowed = 0.0;       ///< gap that is let be, at most 0, m
+    bool began_inside = false;  ///< of a bone of a hand: before it touched
     // Of friction: the point of the surface of `of` that touched, and where it was without slip.
     double limit = 0.0;
     Vector3 material_of = Vector3::Zero();  ///< in the frame of `of`
@@ -183,7 +184,7 @@ class SolidContact {
     double stiffness = 0.0, friction_coefficient = 0.0;
     double foundation = 0.0;  ///< instead of the stiffness, where `of` is of a hand, N/m^3
   };
-  void add_hand_pairs(std::size_t a, std::size_t b, double friction);
+  void add_hand_pairs(std::size_t a, std::size_t b, double friction, double stiffness);
   void add_candidates(const Pair& pair, std::span<const Pose> X_WO,
                       std::span<const Pose> X_WO_expected);
   double evaluate(Candidate& candidate, std::span<const Pose> X_WO) const;

@@ -74,7 +74,8 @@ struct World::Implementation {
         states(things.size()),
         stirs(things.size()),
         island_of_object(things.size()),
-        quiet(tree.bodies().size(), 0) {
+        quiet(tree.bodies().size(), 0),
+        appeared(things.size()) {
     for (std::size_t o = 0; o < things.size(); ++o) {
       if (things[o].soft) softs.push_back(std::make_unique<SoftBody>(things, o, g, dt, helpers));
     }
@@ -438,18 +439,35 @@ struct World::Implementation {
 
   void find_overlaps() {
     overlaps.clear();
+    overlaps.reserve(kMostOverlaps);
+    std::ranges::fill(appeared, std::uint8_t{0});
     std::ranges::fill(stirs, Stir::kStirs);
     contact.begin(poses, poses, stirs);
     contact.for_each_sunk([&](std::size_t of, std::size_t on, double depth) {
-      const auto known = std::ranges::find_if(overlaps, [&](const Overlap& overlap) {
-        return overlap.first == std::min(of, on) && overlap.second == std::max(of, on);
-      });
-      if (known == overlaps.end()) {
-        overlaps.push_back({std::min(of, on), std::max(of, on), depth});
-      } else {
-        known->depth = std::max(known->depth, depth);
-      }
+      note_overlap({std::min(of, on), std::max(of, on), depth});
     });
+  }
+
+  /// What has come into being since the last step, inside something.
+  void find_appeared() {
+    if (std::ranges::find(appeared, 1) == appeared.end()) return;
+    contact.for_each_sunk([&](std::size_t of, std::size_t on, double depth) {
+      if (appeared[of] == 0 && appeared[on] == 0) return;
+      note_overlap({std::min(of, on), std::max(of, on), depth, time});
+    });
+    std::ranges::fill(appeared, std::uint8_t{0});
+  }
+
+  void note_overlap(const Overlap& found) {
+    const auto known = std::ranges::find_if(overlaps, [&](const Overlap& overlap) {
+      return overlap.first == found.first && overlap.second == found.second &&
+             overlap.time == found.time;
+    });
+    if (known != overlaps.end()) {
+      known->depth = std::max(known->depth, found.depth);
+    } else if (overlaps.size() < kMostOverlaps) {
+      overlaps.push_back(found);
+    }
   }
 
   void prepare_events() {
@@ -562,7 +580,8 @@ struct World::Implementation {
   std::vector<Partner*> of_tasks;
   double time = 0.0;
   std::optional<WorldEvents> events;
-  std::vector<Overlap> overlaps;  ///< at the start
+  std::vector<Overlap> overlaps;
+  std::vector<std::uint8_t> appeared;  ///< by object: a bone, since the last step
   StepSummary last;
   StepWork work;
 };
@@ -621,6 +640,7 @@ void World::follow(std::size_t o, const Pose* X_WT) {
   self.motions[b].rest_at(X_WO);
   self.forces.put(b, X_WO, present);
   self.contact.forget(o);
+  self.appeared[o] = present ? 1 : 0;
   self.poses[o] = X_WO;
   for (FingerSimulation* finger : self.fingers) finger->put_object(o, X_WO);
   for (const auto& soft : self.softs) soft->simulation().put_object(o, X_WO);
@@ -638,6 +658,7 @@ void World::begin_step(double time) {
   Implementation& self = *implementation_;
   self.time = time;
   self.expect(time);
+  self.find_appeared();
   for (FingerSimulation* finger : self.fingers) {
     for (const Body& body : self.tree.bodies()) {
       finger->expect_object(body.object, self.expected[body.object]);

@@ -13,10 +13,11 @@ namespace softfinger {
 
 class ThreadTeam;
 
-/// Two objects that start inside each other.
+/// Two objects that start inside each other, or a bone of a hand that appears inside something.
 struct Overlap {
   std::size_t first = 0, second = 0;  ///< numbers in the scene
   double depth = 0.0;                 ///< m
+  double time = 0.0;                  ///< when, s; 0: at the start
 };
 
 /// What the last step of a world took.
@@ -54,7 +55,9 @@ class World {
   /// Objects as the scene has them at the start.
   void reset();
 
-  /// Which of them, at least one of two moving, start inside each other; they part slowly.
+  /// Which of them, at least one of two moving, start inside each other, and which bones have
+  /// appeared inside something so far, the first kMostOverlaps; they part slowly.
+  static constexpr std::size_t kMostOverlaps = 256;
   [[nodiscard]] std::span<const Overlap> overlaps() const;
 
   /// Where object o, a bone of a hand, is tracked at the end of the next step; null: it is nowhere,
