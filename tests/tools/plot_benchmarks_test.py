@@ -82,6 +82,17 @@ class PlotBenchmarks(unittest.TestCase):
         self.assertIn("| C | 129 | +0.63 | 5 % or 5 us | yes |", text)
         self.assertIn("| Python, a (7,) pose | 134 | +6.50 | 5 % or 5 us | no |", text)
 
+    def test_bodies_are_listed_by_how_they_stand_and_how_many_they_are(self):
+        def row(kind, count, median):
+            return {"name": f"world_bodies/{kind}/{count}/iterations:9", "points": 8.0, "median_us": median, "p99_us": 100.0,
+                    "iterations": 2.0}
+        rows = [row(kind, count, 10.0 * count) for kind in tool.BODIES for count in (1, 4)]
+        text = tool.bodies(run_of(*rows))
+        self.assertIn("| in a row, one island | 4 | 8 | 40 | 100 | 2.0 | 10 |", text)
+        self.assertEqual(len(text.splitlines()), 2 + 2 * len(tool.BODIES))
+        with self.assertRaisesRegex(SystemExit, "nothing of world_bodies/asleep/"):
+            tool.bodies(run_of(*rows[:-2]))
+
     def test_refuses_what_is_missing_or_failed(self):
         with self.assertRaisesRegex(SystemExit, "step/S_plane is not in this run"):
             tool.steps(run_of(press("S_16ms")))

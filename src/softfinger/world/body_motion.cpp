@@ -29,7 +29,7 @@ BodyMotion::BodyMotion(const Body& body, const BodyPlace& start, const Vector3& 
       old_rotation_(rotation_),
       rotation_rate_(skew(angular_velocity_W) * rotation_),
       old_rotation_rate_(rotation_rate_),
-      momentum_(inertia_about_centre(rotation_) * angular_velocity_W),
+      momentum_(inertia(rotation_) * angular_velocity_W),
       rate_(rate),
       old_rate_(rate),
       reference_centre_(centre_),
@@ -56,10 +56,22 @@ Matrix3 BodyMotion::inertia_about_centre(const Matrix3& R_WO) const {
   return second.trace() * Matrix3::Identity() - second;
 }
 
+Matrix3 BodyMotion::inertia(const Matrix3& R_WO) const {
+  Matrix3 sum = inertia_about_centre(R_WO);
+  if (!turns_on_ball()) return sum;
+  const Matrix3 way = skew(arm(R_WO));
+  return sum - body_.inertia.mass * way * way;
+}
+
 Vector3 BodyMotion::angular_velocity() const {
-  if (!body_.joint) return inertia_about_centre(rotation_).ldlt().solve(momentum_);
+  if (!body_.joint || turns_on_ball()) return inertia(rotation_).ldlt().solve(momentum_);
   const Matrix3 rate = rotation_rate_ * rotation_.transpose();
   return 0.5 * vee(rate);
+}
+
+Vector3 BodyMotion::mean_spin() const {
+  const Matrix3 half = exp_rotation(Vector3(0.5 * time_step_ * angular_velocity())) * rotation_;
+  return inertia(half).ldlt().solve(momentum_);
 }
 
 void BodyMotion::begin(double h, bool smooth) {
@@ -74,7 +86,7 @@ void BodyMotion::begin(double h, bool smooth) {
           second_order_ ? second_order(now_.q, old_q_, rate_, old_rate_, h) : now_.q + h * rate_;
     } else if (body_.joint->kind == JointKind::kBall) {
       weight_ = turn_weight_ = 1.0 / (h * h);
-      const Vector3 turn_O = rotation_.transpose() * (h * angular_velocity());
+      const Vector3 turn_O = rotation_.transpose() * (h * mean_spin());
       predicted_.turn = now_.turn * exp_rotation(turn_O);
     }
     return;  // refer_to() follows
@@ -89,11 +101,7 @@ void BodyMotion::begin(double h, bool smooth) {
     if (body_.freedoms == 1) predicted_.q = now_.q + h * rate_;
     return;
   }
-  // Half way, where the axes of inertia are the step's on average.
-  const Vector3 spin = angular_velocity();
-  const Matrix3 half = exp_rotation(Vector3(0.5 * h * spin)) * rotation_;
-  const Vector3 mean_spin = inertia_about_centre(half).ldlt().solve(momentum_);
-  reference_rotation_ = exp_rotation(Vector3(h * mean_spin)) * rotation_;
+  reference_rotation_ = exp_rotation(Vector3(h * mean_spin())) * rotation_;
   predicted_.X_WO.rotation = reference_rotation_;
   predicted_.X_WO.translation = reference_centre_ - reference_rotation_ * body_.inertia.centre_O;
 }
@@ -141,6 +149,7 @@ void BodyMotion::end(const BodyPlace& place) {
       second_order_ ? second_order_rate(place.q, now_.q, old_q_, h) : (place.q - now_.q) / h;
   // What turned it is what its inertia held against.
   momentum_ += h * last.by_turn;
+  if (turns_on_ball()) momentum_ += h * arm(rotation).cross(last.by_centre);
   old_velocity_ = velocity_;
   velocity_ = velocity;
   old_centre_ = centre_;

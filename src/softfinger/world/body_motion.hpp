@@ -12,8 +12,9 @@ namespace softfinger {
 /// A step is implicit Euler, or where nothing touched for some steps the second backward
 /// differentiation formula, whose potential is the same with the weight 9 m / 4 h^2 about
 /// (4 x_n - x_n-1) / 3 + (2 h / 3) (4 v_n - v_n-1) / 3. The turn of a free body is predicted by its
-/// angular momentum, R_n exp(h I^-1 L), which leaves free spin as it is; what is jointed to
-/// something at rest by its joint's rate; what is jointed to something that moves by its points,
+/// angular momentum, R_n exp(h I^-1 L), which leaves free spin as it is, and that of a body on a
+/// ball joint at rest by its angular momentum about that; what else is jointed to something at rest
+/// by its joint's rate; what is jointed to something that moves by its points,
 /// whose motion is that of R's columns.
 class BodyMotion {
  public:
@@ -67,7 +68,18 @@ class BodyMotion {
   [[nodiscard]] bool by_joint() const {
     return body_.joint && body_.stands_still && body_.parent < 0;
   }
+  [[nodiscard]] bool turns_on_ball() const {
+    return by_joint() && body_.joint->kind == JointKind::kBall;
+  }
   [[nodiscard]] Matrix3 inertia_about_centre(const Matrix3& R_WO) const;
+  /// Of a ball joint, from its point to the centre of mass, W.
+  [[nodiscard]] Vector3 arm(const Matrix3& R_WO) const {
+    return R_WO * (body_.inertia.centre_O - body_.joint->point_O);
+  }
+  /// About what a body's momentum is: its centre of mass, or the point of its ball joint.
+  [[nodiscard]] Matrix3 inertia(const Matrix3& R_WO) const;
+  /// By its momentum, half way, where the axes of inertia are the step's on average.
+  [[nodiscard]] Vector3 mean_spin() const;
 
   Body body_;
   BodyPlace now_, predicted_;
@@ -77,8 +89,8 @@ class BodyMotion {
   // Of the centre of mass, now and a step ago.
   Vector3 centre_, old_centre_, velocity_, old_velocity_;
   Matrix3 rotation_, old_rotation_, rotation_rate_, old_rotation_rate_;  ///< R and dR/dt
-  Vector3 momentum_;                                                     ///< angular, W, N m s
-  double old_q_ = 0.0, rate_ = 0.0, old_rate_ = 0.0;                     ///< of q
+  Vector3 momentum_;                                  ///< angular, W, N m s, see inertia()
+  double old_q_ = 0.0, rate_ = 0.0, old_rate_ = 0.0;  ///< of q
   // What the potential refers to.
   Vector3 reference_centre_;
   Matrix3 reference_rotation_;
