@@ -20,7 +20,7 @@ constexpr double kLeastLimit = 1e-12;
 /// A limit that only falls goes no further below the cone than this part of it.
 constexpr double kMostBelow = 0.1;
 /// More are never in reach of each other at once; the nearest of later ones are left out.
-constexpr std::size_t kMostCandidates = 4096;
+constexpr std::size_t kMostCandidates = 16384;
 
 /// Corners of a box at a pose.
 Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Pose& X) {
