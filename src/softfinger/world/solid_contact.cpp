@@ -104,7 +104,6 @@ SolidContact::SolidContact(std::span<const VirtualObject> objects, std::span<con
   for (const Pair& pair : pairs_) most += points_[pair.of].size();
   candidates_.resize(std::min(most, kMostCandidates));
   shared_.reserve(candidates_.size());
-  starts_.reserve(objects.size() + 1);
 }
 
 void SolidContact::add_hand_pairs(std::size_t a, std::size_t b, double friction, double stiffness) {

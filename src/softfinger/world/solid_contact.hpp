@@ -59,6 +59,8 @@ class SolidContact {
   }
   /// How many points that are.
   [[nodiscard]] std::size_t near_count() const { return candidate_count_; }
+  /// Memory for so many islands.
+  void reserve(std::size_t islands) { starts_.reserve(islands + 1); }
   /// What belongs to which of so many islands; by object, -1: to that of the other.
   void share_out(std::span<const int> island_of_object, std::size_t islands);
   /// Nothing has touched.

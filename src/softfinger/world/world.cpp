@@ -102,6 +102,8 @@ struct World::Implementation {
     takes_part.resize(partners.size());
     const std::size_t nodes = tree.bodies().size() + partners.size();
     islands = Islands(nodes);
+    contact.reserve(nodes);
+    near.reserve(partners.size());
     tasks.reserve(nodes);
     shared_tasks.reserve(nodes);
     of_tasks.reserve(partners.size());
@@ -602,7 +604,6 @@ void World::add(FingerSimulation& finger) {
   if (!moves()) return;
   self.add(finger);
   self.fingers.push_back(&finger);
-  self.near.reserve(self.fingers.size() + self.softs.size());
 }
 
 void World::reset() {
