@@ -1,12 +1,15 @@
 // Drawn wearers put a device on that learns them, each unlike its model in everything: another
-// mesh, skin that relaxes, friction, a sensor with noise, gain and delay, a device with play and
-// put on askew.
+// mesh, skin that relaxes by more or less, friction, a sensor with noise, gain and delay, a device
+// with play and put on askew.
 //
-//     softfinger_wearers SOURCE_FOLDER [--wearers N] [--noise-N S] [--seed N] [--others]
+//     softfinger_wearers SOURCE_FOLDER [--wearers N] [--first N] [--noise-N S] [--seed N]
+//                        [--others N] [--unlike LIST]
 //
 // Prints one JSON object a wearer and line: error of the normal force on a plane and a sphere
-// before and after, what the fit says of itself, and its cost. --others: with sizes alone known,
-// with the travel offset of a run, and with all traits known as they are, as well.
+// with the fit, what the fit says of itself, and its cost. --others: of the first N also with
+// nothing known, with sizes alone, with the travel offset of a run, and with all traits known as
+// they are. --unlike: of
+// mesh,relaxation,friction,noise,gain,play,late these alone; none.
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -35,13 +38,27 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kEvaluated = 4.0;  // s of a scene
 constexpr double kPlay = 0.1 * mm;
+constexpr double kQuiet = 0.002;  // N
+
+/// What a drawn wearer has besides the traits that are looked for.
+struct Unlike {
+  bool mesh = true, relaxation = true, friction = true, noise = true, gain = true, play = true,
+       late = true;
+
+  static Unlike of(const std::string& list) {
+    const auto has = [&](const char* word) { return list.find(word) != std::string::npos; };
+    return {has("mesh"), has("relaxation"), has("friction"), has("noise"),
+            has("gain"), has("play"),       has("late")};
+  }
+};
 
 struct Arguments {
   fs::path source;
   int wearers = 20;
   double noise = 0.05;  // N
   unsigned seed = 1;
-  bool others = false;
+  int others = 0;
+  Unlike unlike;
 };
 
 std::string text_of(const fs::path& file) {
@@ -57,12 +74,24 @@ class Wearers {
     std::string pattern = (fs::temp_directory_path() / "softfinger-wearers-XXXXXX").string();
     if (::mkdtemp(pattern.data()) == nullptr) throw OperationError(pattern + ": cannot be created");
     folder_ = pattern;
-    finger_ = FingerModel::load(arguments.source / "fingers" / "index.toml");
+    const std::string model =
+        with_meshes_of(arguments.source / "fingers", "index.toml") + relaxation(1.0);
+    std::ofstream(folder_ / "model.toml") << model;
+    finger_ = FingerModel::load(folder_ / "model.toml");
+    for (const char* scene : {"plane", "sphere"}) {
+      const std::regex finger("\"\\.\\./fingers/index\\.toml\"");
+      const std::regex other("\"\\.\\./");
+      const std::string text =
+          text_of(arguments.source / "scenes" / (std::string(scene) + ".toml"));
+      std::ofstream(folder_ / (std::string(scene) + ".toml"))
+          << std::regex_replace(std::regex_replace(text, finger, "\"model.toml\""), other,
+                                fmt::format("\"{}/", arguments.source.string()));
+    }
     device_ = arguments.source / "devices" / "thimble-3rrs.toml";
     sensing_ = folder_ / "sensing.toml";
     std::ofstream(sensing_) << text_of(device_)
                             << fmt::format("\n[force_sensor]\nkind = \"emulator\"\nnoise_N = {}\n",
-                                           arguments.noise);
+                                           noise());
   }
   ~Wearers() {
     std::error_code ignored;
@@ -77,19 +106,20 @@ class Wearers {
     const WearerTraits traits = WearerTraits::of(x);
     write_wearer(traits);
 
+    const Unlike& unlike = arguments_.unlike;
     DeviceFitOptions fit;
     fit.device = device_;
-    fit.finger = arguments_.source / "fingers" / "index.toml";
+    fit.finger = folder_ / "model.toml";
     fit.wearer = folder_ / "wearer.toml";
     fit.person = folder_ / "person.toml";
     fit.sensor = ForceSensorKind::kEmulator;
-    fit.sensor_noise = arguments_.noise;
+    fit.sensor_noise = noise();
     fit.seed = static_cast<std::uint64_t>(number) + 1;
     fit.wear = {.mount = traits.mount_fit(),
-                .friction_coefficient = 0.5 + 0.2 * even(),
-                .gain = 1.0 + 0.03 * even(),
-                .backlash = kPlay,
-                .late = 1};
+                .friction_coefficient = 0.5 + (unlike.friction ? 0.2 : 0.0) * even(),
+                .gain = 1.0 + (unlike.gain ? 0.03 : 0.0) * even(),
+                .backlash = play(),
+                .late = unlike.late ? 1 : 0};
     fs::remove(fit.person);
     const double cpu_began = thread_cpu_time();
     const DeviceFit found = fit_device(fit, stop_);
@@ -99,6 +129,7 @@ class Wearers {
              {"cpu_s", thread_cpu_time() - cpu_began},
              {"duration_s", found.duration},
              {"presses", found.presses},
+             {"delay_ms", found.delay / ms},
              {"max_force_N", found.greatest_force},
              {"predicted_force_error", found.estimate.predicted_force_error}};
     row["true"] = Json::object();
@@ -112,10 +143,10 @@ class Wearers {
                                                told.ci95_high / trait.unit};
     }
     for (const char* scene : {"plane", "sphere"}) {
-      row[scene]["nothing"] = force_error(scene, device_, traits, {});
       if (found.failure.empty())
         row[scene]["fit"] = force_error(scene, device_, traits, fit.person);
-      if (!arguments_.others) continue;
+      if (number >= arguments_.others) continue;
+      row[scene]["nothing"] = force_error(scene, device_, traits, {});
       row[scene]["travel_offset"] = force_error(scene, sensing_, traits, {});
       write_known(traits, false);
       row[scene]["sizes"] = force_error(scene, device_, traits, folder_ / "known.toml");
@@ -126,6 +157,8 @@ class Wearers {
   }
 
  private:
+  [[nodiscard]] double noise() const { return arguments_.unlike.noise ? arguments_.noise : kQuiet; }
+  [[nodiscard]] double play() const { return arguments_.unlike.play ? kPlay : 0.0; }
   double normal() { return std::normal_distribution<double>()(random_); }
   double even() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
 
@@ -136,22 +169,34 @@ class Wearers {
             .depth = *own.depth * traits.size_factor.z()};
   }
 
-  /// The medium mesh, with skin that relaxes.
+  [[nodiscard]] static std::string with_meshes_of(const fs::path& fingers, const char* file) {
+    return std::regex_replace(text_of(fingers / file), std::regex("file = \"([^\"]*)\""),
+                              fmt::format("file = \"{}\"", (fingers / "$1").string()));
+  }
+
+  /// What of index-viscoelastic acts within a press; its fastest part is over at once. `part` of
+  /// it.
+  [[nodiscard]] static std::string relaxation(double part) {
+    return fmt::format(
+        "\n[[material.relaxation]]\ntime_ms = 70.0\nfraction = {}\n"
+        "\n[[material.relaxation]]\ntime_ms = 1400.0\nfraction = {}\n",
+        0.209 * part, 0.104 * part);
+  }
+
+  /// The medium mesh, or the model's, with skin that relaxes by half or one and a half as much.
   void write_wearer(const WearerTraits& traits) {
-    const fs::path fingers = arguments_.source / "fingers";
-    std::string text = text_of(fingers / "index-medium.toml");
-    const std::regex mesh("file = \"([^\"]*)\"");
-    text = std::regex_replace(text, mesh, "file = \"" + (fingers / "$1").string() + "\"");
-    std::smatch modulus;
-    if (!std::regex_search(text, modulus, std::regex("youngs_modulus_kPa = ([0-9.]+)"))) {
-      throw OperationError("index-medium.toml: no youngs_modulus_kPa");
+    const char* file = arguments_.unlike.mesh ? "index-medium.toml" : "index.toml";
+    std::string text = with_meshes_of(arguments_.source / "fingers", file);
+    for (const char* key : {"youngs_modulus_kPa", "stiffness_kPa"}) {
+      std::smatch found;
+      const std::regex line(std::string(key) + " = ([0-9.]+)");
+      if (!std::regex_search(text, found, line)) {
+        throw OperationError(fmt::format("{}: no {}", file, key));
+      }
+      const double stiffness = traits.modulus_factor * std::stod(found[1]);
+      text = std::regex_replace(text, line, fmt::format("{} = {}", key, stiffness));
     }
-    const double factor = traits.modulus_factor * std::stod(modulus[1]);
-    text = std::regex_replace(text, std::regex("youngs_modulus_kPa = [0-9.]+"),
-                              fmt::format("youngs_modulus_kPa = {}", factor));
-    // What of index-viscoelastic acts within a press; its fastest part is over at once.
-    text += "\n[[material.relaxation]]\ntime_ms = 70.0\nfraction = 0.209\n";
-    text += "\n[[material.relaxation]]\ntime_ms = 1400.0\nfraction = 0.104\n";
+    text += relaxation(1.0 + (arguments_.unlike.relaxation ? 0.5 : 0.0) * even());
     const FingerSize size = sizes(traits);
     text += fmt::format("\n[size]\nlength_mm = {}\nbreadth_mm = {}\ndepth_mm = {}\n",
                         *size.length / mm, *size.breadth / mm, *size.depth / mm);
@@ -173,15 +218,16 @@ class Wearers {
   double force_error(const char* scene, const fs::path& device, const WearerTraits& traits,
                      const std::optional<fs::path>& person) {
     EvaluationOptions options;
-    options.run.scene = arguments_.source / "scenes" / (std::string(scene) + ".toml");
+    options.run.scene = folder_ / (std::string(scene) + ".toml");
     options.run.devices = {device.string()};
     options.run.objective = objective_kind("surface_and_force");
     options.run.wearer = folder_ / "wearer.toml";
     // A device that presses is behind by half of its play.
     options.run.wearer_mount = traits.mount_fit();
-    options.run.wearer_mount->translation.z() -= 0.5 * kPlay;
+    options.run.wearer_mount->translation.z() -= 0.5 * play();
     if (person && !person->empty()) options.run.person = *person;
     options.run.duration = kEvaluated;
+    options.sides = {.lagged = false, .loaded = false, .depth = SkinComparison::Depth::kContact};
     const double error = evaluate(options, stop_).commanded.mean().normal_force_error;
     return std::isnan(error) ? 1.0 : error;  // never touched
   }
@@ -209,8 +255,10 @@ int main(int count, char** words) {
       arguments.noise = value();
     } else if (word == "--seed") {
       arguments.seed = static_cast<unsigned>(value());
+    } else if (word == "--unlike") {
+      arguments.unlike = Unlike::of(i + 1 < count ? words[++i] : "");
     } else if (word == "--others") {
-      arguments.others = true;
+      arguments.others = static_cast<int>(value());
     } else {
       arguments.source = word;
     }

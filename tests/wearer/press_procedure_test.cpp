@@ -39,6 +39,8 @@ class PressProcedureTest : public testing::Test {
     double greatest = 0.0;  ///< true force, N
     double time = 0.0;
     bool retracts = false;
+    double delay = 0.0;    ///< s, as it was noticed
+    double misread = 0.0;  ///< N: the furthest that a reading is off what was felt where it is said
   };
 
   [[nodiscard]] Pressed press(const Spring& spring, const Sensor& sensor = {},
@@ -68,10 +70,15 @@ class PressProcedureTest : public testing::Test {
     pressed.done = procedure.done();
     pressed.presses = procedure.presses().size();
     pressed.time = procedure.duration();
+    pressed.delay = procedure.delay();
     pressed.retracts = procedure.wanted() == device_->retracted();
     for (const PressRecord& record : procedure.presses()) {
       for (std::size_t k = 1; k < record.readings.size(); ++k) {
         EXPECT_GT(record.readings[k].q[2], record.readings[k - 1].q[2]) << "only while loading";
+      }
+      for (const PressReading& reading : record.readings) {
+        const double off = reading.force - spring(depth_of(reading.q) - further_off, 0.0);
+        pressed.misread = std::max(pressed.misread, std::abs(off));
       }
     }
     return pressed;
@@ -123,6 +130,13 @@ TEST_F(PressProcedureTest, PressesNineTimesWithinTwentySecondsAndNeverHard) {
       }
     }
   }
+}
+
+TEST_F(PressProcedureTest, NoticesHowLateTheSensorIs) {
+  const Pressed late = press(pad);
+  ASSERT_TRUE(late.done) << late.failure;
+  EXPECT_NEAR(late.delay, 2.0 * kTick, 0.2 * kTick);
+  EXPECT_LT(late.misread, 0.06) << "0.13 N grow in two ticks where the pad is stiffest";
 }
 
 TEST_F(PressProcedureTest, ASensorThatIsDead) {

@@ -60,6 +60,7 @@ std::shared_ptr<const FingerModel> FingerModel::load(const std::filesystem::path
                   .depth = person.depth ? person.depth : own.depth});
   model->measure();
   for (Material& material : model->materials) material.youngs_modulus *= modulus_factor;
+  model->strain_limits.stiffness *= modulus_factor;
   root.finish();
   model->as_read = config.as_read();
   return model;

@@ -25,7 +25,8 @@ class FingerModel : public SoftSolid {
   explicit FingerModel(const SoftSolid& solid) : SoftSolid(solid) {}
 
   /// Reads a finger file and its mesh; sizes given in `person` stand before the file's, and Young's
-  /// moduli are `modulus_factor` times the file's. Throws InputError with file, line and key.
+  /// moduli and the stiffness of strain limits are `modulus_factor` times the file's, so that force
+  /// is. Throws InputError with file, line and key.
   [[nodiscard]] static std::shared_ptr<const FingerModel> load(const std::filesystem::path& file,
                                                                const FingerSize& person = {},
                                                                double modulus_factor = 1.0);

@@ -21,6 +21,7 @@
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/session/kept_ceiling.hpp"
 #include "softfinger/session/worn_device.hpp"
+#include "softfinger/wearer/stiffness_in_use.hpp"
 
 namespace softfinger {
 namespace {
@@ -308,12 +309,17 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   fit.noise = procedure->noise();
   if (!fit.failure.empty()) return fit;
 
+  // What is known and what is told are of a wearer in use; presses are by one that does not relax.
+  TraitVector in_use = TraitVector::Zero();
+  const auto modulus = static_cast<Eigen::Index>(WearerTrait::kModulus);
+  in_use[modulus] = std::log(stiffness_in_use(*finger, PressLimits{}.press)) /
+                    kWearerTraitRows[static_cast<std::size_t>(modulus)].deviation;
   PressModel model(finger, worn.device, options.device, finger->friction_coefficient);
   try {
     fit.estimate = estimate_wearer(model, procedure->presses(),
                                    {.noise = procedure->noise(),
                                     .mount_only = options.again,
-                                    .known = known,
+                                    .known = known - in_use,
                                     .progress = [&](double fraction) {
                                       if (options.watch) {
                                         options.watch({.estimating = true, .progress = fraction});
@@ -328,6 +334,8 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
     fit.failure = error.what();
     return fit;
   }
+  fit.estimate.x += in_use;
+  fit.delay = procedure->delay();
   tell(fit.estimate, known, *finger, fit);
   if (!(fit.estimate.predicted_force_error <= kMostForetoldError)) {
     fit.failure = fmt::format(

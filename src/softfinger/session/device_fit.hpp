@@ -67,6 +67,7 @@ struct DeviceFit {
   int presses = 0;
   double duration = 0.0;        ///< of all presses, s of the device
   double greatest_force = 0.0;  ///< measured, or of the emulated finger where that is more, N
+  double delay = 0.0;           ///< of the sensor, s
   double noise = 0.0;           ///< of the sensor, N
   WearerEstimate estimate;
   /// One trait, SI; a size in m, a modulus as a factor.

@@ -25,8 +25,8 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
   }
   std::vector<RenderingJudge> judges;
   Evaluation answer;
-  answer.has_lagged = true;
-  answer.has_loaded = true;
+  answer.has_lagged = options.sides.lagged;
+  answer.has_loaded = options.sides.loaded;
   for (std::size_t i = 0; i < setup->models.size(); ++i) {
     const std::string& name = setup->scene.fingers[i].name;
     if (!setup->devices[i]) {
@@ -41,7 +41,7 @@ Evaluation evaluate(const EvaluationOptions& options, const std::atomic<bool>& s
       }
     }
     judges.emplace_back(setup->models[i], setup->wearer ? setup->wearer : setup->models[i],
-                        setup->worn[i] ? setup->worn[i] : setup->devices[i]);
+                        setup->worn[i] ? setup->worn[i] : setup->devices[i], options.sides);
     answer.fingers.push_back(name);
     answer.linear_motors.push_back(setup->devices[i]->joint_limits().linear);
   }

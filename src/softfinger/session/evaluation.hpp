@@ -8,11 +8,20 @@
 
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/twin/rendering_measures.hpp"
+#include "softfinger/twin/skin_comparison.hpp"
 
 namespace softfinger {
 
+/// What is looked at besides the skin under the commanded configuration; each costs time.
+struct JudgedSides {
+  bool lagged = true;  ///< where the servos are, as far as the device has any
+  bool loaded = true;  ///< where the motors hold it, as far as its file tells their statics
+  SkinComparison::Depth depth = SkinComparison::Depth::kTissue;
+};
+
 struct EvaluationOptions {
   RunOptions run;  ///< headless and as fast as possible whatever it says; devices are emulated
+  JudgedSides sides;
 };
 
 /// One device tick of one finger, judged.

@@ -12,13 +12,6 @@
 
 namespace softfinger {
 
-/// What is looked at besides the skin under the commanded configuration; each costs time.
-struct JudgedSides {
-  bool lagged = true;  ///< where the servos are, as far as the device has any
-  bool loaded = true;  ///< where the motors hold it, as far as its file tells their statics
-  SkinComparison::Depth depth = SkinComparison::Depth::kTissue;
-};
-
 /// Presses a second finger, the twin, with each command of one finger's device, and compares what
 /// it feels with the virtual contact.
 class RenderingJudge {

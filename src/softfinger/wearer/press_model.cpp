@@ -19,11 +19,7 @@ constexpr std::array kTissueTraits{WearerTrait::kLength, WearerTrait::kBreadth, 
 constexpr double kDifference = 1e-5;
 /// Edges are met as planes, where they were seen: it looks again until that changes nothing.
 constexpr int kLooks = 6;
-constexpr double kLookTolerance = 1e-4;  // of the force
-/// Of friction; what is beyond is the coarseness of contact, and below this force it is all that.
-constexpr double kLeastFactor = 0.9;
-constexpr double kMostFactor = 1.4;
-constexpr double kLeastForce = 0.02;          // N
+constexpr double kLookTolerance = 1e-4;       // of the force
 constexpr int kSearches = 12;                 // for a force
 constexpr double kForceTolerance = 1e-4;      // N, of these
 constexpr double kLongestAdvance = 0.4 * mm;  // of a search, at a time
@@ -99,19 +95,16 @@ std::vector<PredictedForce> PressModel::press(const Configuration& start,
   return forces;
 }
 
-std::vector<double> PressModel::friction_factors(const Configuration& start,
-                                                 std::span<const Configuration> path) {
-  std::vector<double> factors;
-  const std::vector<PredictedForce> without = press(start, path, false);
+std::vector<double> PressModel::press_with_friction(const Configuration& start,
+                                                    std::span<const Configuration> path) {
+  std::vector<double> forces;
+  forces.reserve(path.size());
   twin_->reset(start);
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    twin_->press(path[i], friction_coefficient_, 0.0);
-    const double with = twin_->contact().normal_force;
-    const bool presses = without[i].force > kLeastForce && with > kLeastForce;
-    factors.push_back(presses ? std::clamp(with / without[i].force, kLeastFactor, kMostFactor)
-                              : 1.0);
+  for (const Configuration& q : path) {
+    twin_->press(q, friction_coefficient_, 0.0);
+    forces.push_back(twin_->contact().normal_force);
   }
-  return factors;
+  return forces;
 }
 
 bool PressModel::advance_for(const Configuration& from, double force, double most, double& advance,

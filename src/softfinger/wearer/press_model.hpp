@@ -37,9 +37,9 @@ class PressModel {
   [[nodiscard]] std::vector<PredictedForce> press(const Configuration& start,
                                                   std::span<const Configuration> path,
                                                   bool with_derivatives = true);
-  /// What friction makes of these forces as the device goes along them, as factors.
-  [[nodiscard]] std::vector<double> friction_factors(const Configuration& start,
-                                                     std::span<const Configuration> path);
+  /// The forces with friction, as the device goes along this way.
+  [[nodiscard]] std::vector<double> press_with_friction(const Configuration& start,
+                                                        std::span<const Configuration> path);
   /// How far `from` has to be advanced (m) for this force, and what that is with the derivatives of
   /// the force there. False where it is not reached within `most` (m).
   [[nodiscard]] bool advance_for(const Configuration& from, double force, double most,

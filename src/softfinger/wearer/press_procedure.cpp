@@ -49,6 +49,7 @@ constexpr std::size_t kTrend = 8;
 constexpr std::size_t kLeastPresses = 5;  // of nine
 constexpr double kOnePress = 2.2;         // s, with the way there
 constexpr double kLightest = 0.5;         // of the guard, that each press must have come to
+constexpr double kMostDelay = 4.0;        // ticks
 
 }  // namespace
 
@@ -194,6 +195,7 @@ void PressProcedure::advance(const PressTick& tick) {
     seen_.push_back({advance_of(tick.stands), tick.force - zero_});
     if (seen_.size() > 64) seen_.pop_front();
   }
+  if (stage_ == Stage::kLeave || stage_ == Stage::kSettle) watch_fall(tick);
   switch (stage_) {
     case Stage::kZero:
       zero(tick);
@@ -330,7 +332,7 @@ void PressProcedure::press(const PressTick& tick) {
   const double force = tick.force - zero_;
   ++pressing_ticks_;
   if (tick.fresh && pressing_ticks_ > kSteadyTicks) {
-    record_.readings.push_back({tick.stands, force, 1.0});
+    record_.readings.push_back({tick.stands, force, 1.0, tick.time});
   }
   const Trend now = trend();
   const double mean = recent(kRecent);
@@ -387,9 +389,47 @@ void PressProcedure::end_press() {
     }
     record_.readings.clear();
   }
+  const Trend last = trend();
+  fall_ = {last.force, last.slope, seen_.back().advance, 0.0};
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();
+}
+
+/// It leaves the skin within a tick or two: what is said longer than it is felt comes late.
+void PressProcedure::watch_fall(const PressTick& tick) {
+  if (!tick.fresh || !(fall_.force > 0.0)) return;
+  const double back = fall_.from - advance_of(tick.stands);
+  fall_.beyond += tick.force - zero_ - std::max(fall_.force - fall_.slope * back, 0.0);
+}
+
+/// The last force said was late as well: by then more was felt.
+void PressProcedure::end_fall() {
+  if (!(fall_.force > 0.0)) return;
+  const double a_tick = fall_.slope * limits_.press * tick_;  // of growth, N
+  double ticks = 0.0;
+  for (int i = 0; i < 3; ++i) ticks = fall_.beyond / (fall_.force + a_tick * std::max(ticks, 0.0));
+  delays_.push_back(std::clamp(ticks, 0.0, kMostDelay));
+  fall_ = {};
+}
+
+/// What was read is what was felt `delay` before.
+void PressProcedure::take_delay_off() {
+  if (delays_.empty()) return;
+  const auto middle = delays_.begin() + static_cast<std::ptrdiff_t>(delays_.size() / 2);
+  std::nth_element(delays_.begin(), middle, delays_.end());
+  delay_ = *middle * tick_;
+  for (PressRecord& record : records_) {
+    std::vector<PressReading>& readings = record.readings;
+    Configuration way = readings[1].q - readings[0].q;  // of the first as of the second
+    Configuration before = readings[0].q;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const std::size_t k = std::max<std::size_t>(i, 1);
+      if (i > 0) way = readings[i].q - before;
+      before = readings[i].q;
+      readings[i].q -= way * (delay_ / (readings[k].time - readings[k - 1].time));
+    }
+  }
 }
 
 /// The device does not get as far: it is looked at in the end whether enough are left.
@@ -428,6 +468,7 @@ void PressProcedure::settle() {
     begin_press();
     return;
   }
+  end_fall();
   learn_touch();
   records_.push_back(std::move(record_));
   next_press();
@@ -461,6 +502,7 @@ void PressProcedure::next_press() {
                     records_.size(), plan_.size()));
     return;
   }
+  take_delay_off();
   stage_ = Stage::kDone;
   wanted_ = device_.home();
 }

@@ -62,12 +62,15 @@ class PressProcedure {
   /// 0 to 1.
   [[nodiscard]] double progress() const;
 
-  /// Readings of the presses that are done, zero taken off.
+  /// Readings of the presses that are done, zero taken off; once all are done, each with where the
+  /// device stood when what is read was felt.
   [[nodiscard]] const std::vector<PressRecord>& presses() const { return records_; }
   /// Standard deviation of the sensor off the skin, of one tick, N.
   [[nodiscard]] double noise() const { return noise_; }
   /// What it says off the skin, N.
   [[nodiscard]] double zero() const { return zero_; }
+  /// How late force is known, s: what is still said while the device leaves the skin at once.
+  [[nodiscard]] double delay() const { return delay_; }
   /// Greatest force, N.
   [[nodiscard]] double greatest_force() const { return greatest_; }
   [[nodiscard]] double duration() const { return now_ - began_; }
@@ -88,6 +91,9 @@ class PressProcedure {
   void give_up_press();
   void leave();
   void settle();
+  void watch_fall(const PressTick& tick);
+  void end_fall();
+  void take_delay_off();
   void begin_press();
   void end_press();
   void next_press();
@@ -142,6 +148,14 @@ class PressProcedure {
   /// Of touches from those of the model, a plane over pitch and roll: normal equations.
   Matrix3 touch_weights_ = Matrix3::Zero();
   Vector3 touch_offsets_ = Vector3::Zero();
+  /// As the device leaves: the force there was and how it grows with advance, N and N/m, where; and
+  /// the sum of what was said, N, beyond what was felt.
+  struct Fall {
+    double force = 0.0, slope = 0.0, from = 0.0;
+    double beyond = 0.0;
+  } fall_;
+  std::vector<double> delays_;  ///< ticks, by press
+  double delay_ = 0.0;          ///< s
   int pressing_ticks_ = 0;
   bool given_up_ = false;  ///< the press under way
   double clear_ = 0.0;     ///< how much further off the skin a press begins, m

@@ -11,6 +11,7 @@ struct PressReading {
   Configuration q;     ///< where the device stood
   double force = 0.0;  ///< N
   double count = 1.0;  ///< how many readings it is the mean of
+  double time = 0.0;   ///< s
 };
 
 /// The readings of one press as the device advances: from one tilt, along one line of q.

@@ -14,13 +14,17 @@ namespace {
 constexpr double kTouch = 0.1;  // N, of the first stage
 constexpr double kTouchNoise = 0.1 * mm;
 constexpr double kFurthest = 6.0 * mm;  // from the start of a press, where 0.1 N must be
-constexpr int kMostParts = 6;           // into which readings of a press are put together
+constexpr int kMostParts = 4;           // into which readings of a press are put together
 constexpr double kModelError = 0.03;    // of a force, that no traits explain
 constexpr double kForceFloor = 0.01;    // N, of the same
 constexpr int kTouchSteps = 7;
-constexpr int kForceSteps = 5;
-/// What friction adds is found anew where the traits are nearly known.
-constexpr int kFrictionRounds = 2;
+constexpr int kForceSteps = 12;
+/// Of a step, standard deviations of any trait: after a longer one derivatives are computed, after
+/// a shorter one corrected by what it taught.
+constexpr double kFar = 0.25;
+constexpr int kIdleSteps = 2;        // that brought next to nothing, in a row
+constexpr double kLeastRatio = 0.8;  // of a force with friction to that without
+constexpr double kMostRatio = 1.4;
 constexpr double kLeastGain = 1e-3;          // of the cost, that a step is worth
 constexpr double kLongestStep = 1.5;         // standard deviations, of any trait
 constexpr double kLeastForceOfPress = 1e-3;  // N, all readings of a press together
@@ -114,15 +118,8 @@ class Estimation {
   WearerEstimate run() {
     TraitVector x = options_.known;
     const double known_error = force_error(x);
-    x = minimise(x, kTouchSteps, [this] { return touch_residuals(); });
-    for (int round = 0; round < kFrictionRounds; ++round) {
-      model_.put(x);
-      friction_.clear();
-      for (const PressRecord& press : presses_) {
-        friction_.push_back(model_.friction_factors(press.start, path_of(press)));
-      }
-      x = minimise(x, kForceSteps, [this] { return force_residuals(); });
-    }
+    x = minimise(x, kTouchSteps, [this](bool) { return touch_residuals(); });
+    x = minimise(x, kForceSteps, [this](bool derived) { return force_residuals(derived); });
     WearerEstimate found = judge(x);
     found.known_force_error = known_error;
     return found;
@@ -146,13 +143,17 @@ class Estimation {
     return median(std::move(errors));
   }
 
+  /// Steps of Levenberg and Marquardt. Where skin meets an edge derivatives are rough: what a step
+  /// brings, be it taken or not, corrects them along it (Broyden 1965), so that a trial in vain is
+  /// not repeated.
   template <typename Evaluate>
   TraitVector minimise(TraitVector x, int steps, const Evaluate& evaluate) {
     model_.put(x);
-    Residuals now = look(evaluate);
+    Residuals now = look(evaluate, true);
     double cost = now.cost(x - options_.known);
     double damping = 1e-2;
-    for (int step = 0; step < steps; ++step) {
+    int idle = 0;
+    for (int step = 0; step < steps && idle < kIdleSteps; ++step) {
       const TraitMatrix normal = normal_of(now);
       const TraitVector gradient =
           (now.by_trait.transpose() * now.r + (x - options_.known)).cwiseProduct(free_);
@@ -160,21 +161,28 @@ class Estimation {
       damped.diagonal() *= 1.0 + damping;
       TraitVector change = -damped.ldlt().solve(gradient).cwiseProduct(free_);
       const double longest = change.cwiseAbs().maxCoeff();
+      if (!(longest > 0.0)) break;
       if (longest > kLongestStep) change *= kLongestStep / longest;
       const TraitVector trial = x + change;
       model_.put(trial);
-      Residuals there = look(evaluate);
+      const bool far = longest > kFar;
+      Residuals there = look(evaluate, far);
       const double trial_cost = there.cost(trial - options_.known);
+      const auto taught = [&] {
+        return (there.r - now.r - now.by_trait * change) * change.transpose() /
+               change.squaredNorm();
+      };
       if (trial_cost < cost) {
-        const bool done = cost - trial_cost < kLeastGain * cost;
+        if (!far) there.by_trait = now.by_trait + taught();
+        idle = cost - trial_cost < kLeastGain * cost ? idle + 1 : 0;
         x = trial;
         now = std::move(there);
         cost = trial_cost;
         damping = std::max(0.1 * damping, 1e-6);
-        if (done) break;
       } else {
-        damping *= 10.0;
-        if (damping > 1e4) break;
+        now.by_trait += taught();
+        damping *= 4.0;
+        if (damping > 1e3) break;
       }
     }
     last_ = std::move(now);
@@ -182,14 +190,13 @@ class Estimation {
   }
 
   template <typename Evaluate>
-  Residuals look(const Evaluate& evaluate) {
+  Residuals look(const Evaluate& evaluate, bool derived) {
     ++evaluations_;
-    const double fraction =
-        static_cast<double>(evaluations_) / (kTouchSteps + kFrictionRounds * kForceSteps);
+    const double fraction = static_cast<double>(evaluations_) / (kTouchSteps + kForceSteps);
     if (options_.progress && !options_.progress(std::min(fraction, 1.0))) {
       throw OperationError("ended before the wearer was estimated");
     }
-    return evaluate();
+    return evaluate(derived);
   }
 
   [[nodiscard]] TraitMatrix normal_of(const Residuals& at) const {
@@ -224,12 +231,17 @@ class Estimation {
     return all;
   }
 
+  [[nodiscard]] static double model_error(const PressReading& reading) {
+    return kForceFloor + kModelError * std::max(reading.force, 0.0);
+  }
+
   [[nodiscard]] double deviation_of(const PressReading& reading) const {
-    const double model = kForceFloor + kModelError * std::max(reading.force, 0.0);
+    const double model = model_error(reading);
     return std::sqrt(options_.noise * options_.noise / reading.count + model * model);
   }
 
-  Residuals force_residuals() {
+  /// With friction; derivatives are those without, times what friction makes of the force.
+  Residuals force_residuals(bool derived) {
     Eigen::Index count = 0;
     for (const PressRecord& press : presses_) {
       count += static_cast<Eigen::Index>(press.readings.size());
@@ -237,27 +249,50 @@ class Estimation {
     Residuals all{Eigen::VectorXd::Zero(count), {}};
     all.by_trait.setZero(count, kWearerTraits);
     Eigen::Index row = 0;
-    for (std::size_t k = 0; k < presses_.size(); ++k) {
-      const PressRecord& press = presses_[k];
-      const std::vector<PredictedForce> felt = model_.press(press.start, path_of(press));
+    for (const PressRecord& press : presses_) {
+      const std::vector<Configuration> path = path_of(press);
+      const std::vector<double> felt = model_.press_with_friction(press.start, path);
+      std::vector<PredictedForce> smooth;
+      if (derived) smooth = model_.press(press.start, path);
       for (std::size_t i = 0; i < felt.size(); ++i, ++row) {
         const double deviation = deviation_of(press.readings[i]);
-        const double factor = friction_[k][i];
-        all.r[row] = (factor * felt[i].force - press.readings[i].force) / deviation;
-        all.by_trait.row(row) = factor * felt[i].by_trait.transpose() / deviation;
+        all.r[row] = (felt[i] - press.readings[i].force) / deviation;
+        if (!derived || !(smooth[i].force > 0.0)) continue;
+        const double ratio = std::clamp(felt[i] / smooth[i].force, kLeastRatio, kMostRatio);
+        all.by_trait.row(row) = ratio * smooth[i].by_trait.transpose() / deviation;
       }
     }
     return all;
   }
 
+  /// Of the traits. What the model is wrong by is the same, or nearly, for all readings of a press:
+  /// they tell no more of it than one.
+  [[nodiscard]] TraitVector deviations(double misfit) const {
+    TraitMatrix normal = TraitMatrix::Identity();
+    Eigen::Index row = 0;
+    for (const PressRecord& press : presses_) {
+      const auto parts = static_cast<double>(press.readings.size());
+      for (const PressReading& reading : press.readings) {
+        const double all = deviation_of(reading);
+        const double model = model_error(reading);
+        const double weight = all * all / (all * all + (parts - 1.0) * model * model);
+        const TraitVector by_trait =
+            last_.by_trait.row(row++).transpose().cwiseProduct(free_).eval();
+        normal += weight / misfit * by_trait * by_trait.transpose();
+      }
+    }
+    return normal.inverse().diagonal().cwiseSqrt().cwiseProduct(free_);
+  }
+
   WearerEstimate judge(const TraitVector& x) {
     model_.put(x);
+    last_ = force_residuals(true);
     const TraitMatrix normal = normal_of(last_);
     const double rows = static_cast<double>(last_.r.size());
     const double misfit = std::max(1.0, last_.r.squaredNorm() / std::max(rows, 1.0));
     WearerEstimate found;
     found.x = x;
-    found.deviation = (misfit * normal.inverse().diagonal()).cwiseSqrt().cwiseProduct(free_);
+    found.deviation = deviations(misfit);
     found.evaluations = evaluations_;
     Eigen::Index row = 0;
     double square = 0.0;
@@ -297,7 +332,6 @@ class Estimation {
   const WearerEstimateOptions& options_;
   std::vector<PressRecord> presses_;
   std::vector<std::optional<double>> touches_;
-  std::vector<std::vector<double>> friction_;  ///< by press and reading, see friction_factors()
   TraitVector free_;
   Residuals last_;
   int evaluations_ = 0;

@@ -76,6 +76,7 @@ std::shared_ptr<const FingerModel> WearerTraits::finger(const FingerModel& model
   for (FingerModel::Material& material : finger->materials) {
     material.youngs_modulus *= modulus_factor;
   }
+  finger->strain_limits.stiffness *= modulus_factor;
   return finger;
 }
 
