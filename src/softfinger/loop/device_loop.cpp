@@ -29,7 +29,9 @@ DeviceLoop::DeviceLoop(std::int64_t finger, const std::shared_ptr<const Device>&
   record_.objective = number_of(*leads_.latest().kind);
   if (ForceLimiter::needed(*device)) limiter_ = std::make_unique<ForceLimiter>(*model, device);
   if (device->settings().force_sensor) {
-    offset_ = std::make_unique<TravelOffset>(model, device);
+    TravelOffsetOptions correction;
+    correction.refine = device->settings().force_sensor->refine;
+    offset_ = std::make_unique<TravelOffset>(model, device, correction);
     if (!options.replay) {
       sensor_ = std::make_unique<MeasuredForce>(
           options.wearer ? options.wearer : model, options.worn ? options.worn : device,
@@ -62,8 +64,8 @@ const TickRecord& DeviceLoop::tick(const TickInput& input, const VirtualFinger& 
     if (reading_.configuration.size() > 0) {
       offset_->update(reading_, contact.friction_coefficient, elapsed);
     }
+    record_.travel_offset = offset_->at(corrected);
     corrected = offset_->corrected(corrected);
-    record_.travel_offset = offset_->value();
   }
   const Configuration unlimited = corrected;
   if (limiter_ && corrected.allFinite()) {

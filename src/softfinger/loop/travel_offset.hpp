@@ -13,6 +13,8 @@ struct TravelOffsetOptions {
   double max_offset = 3e-3;        ///< m
   double least_force = 0.05;       ///< N; less on both sides tells nothing
   double least_stiffness = 300.0;  ///< N/m
+  bool refine = false;             ///< learns how far the device has slipped aside, too
+  double max_slip = 2e-3;          ///< m, along either axis
 };
 
 /// How much nearer to the device the wearer's skin is than the model's, estimated from measured
@@ -20,7 +22,13 @@ struct TravelOffsetOptions {
 /// wearer by the present estimate; what it feels less than was measured, divided by how its force
 /// grows with advance, is the estimate's next change. Stiffness is corrected for as well, with the
 /// delay of the measurement. A sensor that says the same number again and again may be dead or
-/// stuck, and corrects nothing. update() does not allocate.
+/// stuck, and corrects nothing.
+///
+/// A device that has slipped aside by s, in F, is nearer where its surface is tilted: by n . s with
+/// n the direction in which the surface faces. With `refine` that s is learned, slowly and within
+/// bounds, from how the estimate would have to change as the device tilts: a Kalman filter (Kalman
+/// 1960) of how much nearer it is everywhere, which wanders, and of the slip, which wanders less.
+/// update() does not allocate.
 class TravelOffset {
  public:
   /// `model`: the simulated finger.
@@ -31,8 +39,12 @@ class TravelOffset {
   void reset();
   /// One frame, `elapsed` s after the last (relaxing skin only).
   void update(const ForceReading& reading, double friction_coefficient, double elapsed);
-  /// m; above zero: the wearer is nearer.
-  [[nodiscard]] double value() const { return value_; }
+  /// With the device at q, m; above zero: the wearer is nearer.
+  [[nodiscard]] double at(const Configuration& q) const;
+  /// The same where its surface faces along z of F.
+  [[nodiscard]] double value() const { return state_.z(); }
+  /// How far the device has slipped along x and y of F, m; zero where that is not learned.
+  [[nodiscard]] Eigen::Vector2d slip() const { return state_.head<2>(); }
   /// The configuration for the wearer that does what q does for the model; limits are not looked
   /// at.
   [[nodiscard]] Configuration corrected(const Configuration& q) const;
@@ -41,11 +53,16 @@ class TravelOffset {
 
  private:
   TravelOffsetOptions options_;
+  /// How the estimate at q follows from the state.
+  [[nodiscard]] Vector3 weights(const Configuration& q) const;
+  void change(const Vector3& weights, double lack);
+
   Twin twin_;
-  double value_ = 0.0;
-  double last_force_ = 0.0;  ///< N, measured
-  int repeats_ = 0;          ///< how often in a row it was the same
-  double stiffness_;         ///< last known, N/m
+  Vector3 state_ = Vector3::Zero();       ///< slip along x and y of F, and nearness, m
+  Matrix3 covariance_ = Matrix3::Zero();  ///< of it, over that of a frame's measurement
+  double last_force_ = 0.0;               ///< N, measured
+  int repeats_ = 0;                       ///< how often in a row it was the same
+  double stiffness_;                      ///< last known, N/m
 };
 
 }  // namespace softfinger

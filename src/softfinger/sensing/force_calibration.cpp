@@ -68,6 +68,7 @@ std::string force_sensor_text(const ForceSensorSettings& settings) {
   if (settings.kind == ForceSensorKind::kSerial) text += fmt::format("baud = {}\n", settings.baud);
   text += fmt::format("rate_Hz = {:#.6g}\nscale_N = {:#.8g}\nzero = {:#.10g}\nstale_ms = {:#.6g}\n",
                       settings.rate, settings.scale, settings.zero, settings.stale / ms);
+  if (settings.refine) text += "refine = true\n";
   return text;
 }
 

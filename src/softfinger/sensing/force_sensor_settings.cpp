@@ -33,6 +33,7 @@ ForceSensorSettings read_force_sensor(const ConfigTable& table) {
   sensor.stale =
       table.number("stale_ms", kStale_ms, std::max(kLeastStale, kStaleReadings * period));
   sensor.noise = table.number("noise_N", Range::at_least(0.0), 0.0);
+  sensor.refine = table.boolean("refine", false);
   if (sensor.stale < period) {
     table.fail("stale_ms", fmt::format("{:g} is shorter than the {:g} ms from one reading to the "
                                        "next (rate_Hz); at least that",
