@@ -20,7 +20,6 @@ constexpr double kWorthwhileForce = 1e-3;  // N; a smaller force is not worth an
 /// Of the virtual force. People tell forces apart by 7 % and more (Jones, "Matching forces:
 /// constant errors and differential thresholds", Perception 1989): nobody feels this.
 constexpr double kForceTolerance = 5e-3;
-constexpr double kForceGain = 2e-3;      // likewise; a step that gains less is not made
 constexpr double kFarOff = 0.2;          // of the virtual force; the last frame is no start then
 constexpr double kStepTolerance = 1e-6;  // m of surface motion
 constexpr double kLeastDamping = 1e-4;   // of the largest diagonal

@@ -37,7 +37,7 @@ struct Island {
 
 /// One step of an island, objects that move and the fingers that may touch them, as one potential:
 /// that of each finger, inertia, weight and joints of each body, and contact between objects. It is
-/// a problem for minimise_in_cone(). Soft objects are fingers without a hand here. One problem
+/// a problem for minimise_island(). Soft objects are fingers without a hand here. One problem
 /// serves one island after the other; several may serve different islands at once, of which one may
 /// be soft. Allocates nothing after its making.
 ///
@@ -62,7 +62,7 @@ class IslandProblem {
   /// Evaluations since begin().
   [[nodiscard]] int evaluations() const { return evaluations_; }
 
-  // What minimise_in_cone() asks for.
+  // What minimise_island() asks for.
   [[nodiscard]] double energy() const { return current_.energy; }
   [[nodiscard]] double residual() const { return current_.residual; }
   [[nodiscard]] bool has_factor() const;
