@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "../support/derivative_check.hpp"
+#include "../support/name_of_file.hpp"
 #include "mechanisms.hpp"
 #include "thimble.hpp"
 
@@ -340,11 +341,7 @@ TEST_P(ShippedMechanism, GoesOnStraightWhereItDoesNotClose) {
 INSTANTIATE_TEST_SUITE_P(Devices, ShippedMechanism,
                          testing::Values("thimble-3rrs-mechanism", "five-bar", "plate-6dof",
                                          "slip-ball-webster", "slip-wheel-salada"),
-                         [](const auto& device) {
-                           std::string name = device.param;
-                           std::erase(name, '-');
-                           return name;
-                         });
+                         name_of_file<const char*>);
 
 }  // namespace
 }  // namespace softfinger

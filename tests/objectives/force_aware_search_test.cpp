@@ -2,10 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include <string>
 #include <vector>
 
+#include "../support/name_of_file.hpp"
 #include "pressed_finger.hpp"
 #include "softfinger/matching/surface_following.hpp"
 #include "softfinger/objectives/force_aware_matching.hpp"
@@ -70,11 +69,7 @@ TEST_P(Search, LeavesTheDeviceAloneWhereNothingIsAmiss) {
 INSTANTIATE_TEST_SUITE_P(ForceAware, Search,
                          testing::Values("thimble-3rrs", "plate-6dof", "pins-wagner-6x6",
                                          "membrane", "delta-schorr", "strap-minamizawa"),
-                         [](const auto& device) {
-                           std::string name = device.param;
-                           std::erase(name, '-');
-                           return name;
-                         });
+                         name_of_file<const char*>);
 
 }  // namespace
 }  // namespace softfinger

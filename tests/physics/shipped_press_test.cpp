@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../support/folders.hpp"
+#include "../support/name_of_file.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/identification/indentation.hpp"
 
@@ -85,11 +86,7 @@ TEST_P(ShippedPress, TouchesAsMuchAsAPadDoesAtOneNewton) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, ShippedPress,
                          testing::Values("index", "index-medium", "index-fine", "index-layered"),
-                         [](const auto& test) {
-                           std::string name = test.param;
-                           std::erase(name, '-');
-                           return name;
-                         });
+                         name_of_file<const char*>);
 
 TEST(ShippedPresses, MeshesAgreeOnTheForce) {
 #ifndef NDEBUG
