@@ -52,11 +52,11 @@ class TravelOffset {
   [[nodiscard]] Configuration felt(const Configuration& q) const;
 
  private:
-  TravelOffsetOptions options_;
   /// How the estimate at q follows from the state.
   [[nodiscard]] Vector3 weights(const Configuration& q) const;
   void change(const Vector3& weights, double lack);
 
+  TravelOffsetOptions options_;
   Twin twin_;
   Vector3 state_ = Vector3::Zero();       ///< slip along x and y of F, and nearness, m
   Matrix3 covariance_ = Matrix3::Zero();  ///< of it, over that of a frame's measurement
