@@ -207,6 +207,8 @@ class ContactPotential {
   [[nodiscard]] Nearest nearest(std::size_t i) const;
 
  private:
+  template <typename Visit>
+  bool all_that_rub(const Visit& visit) const;
   struct Pair {
     double gap = 0.0;  ///< where `far`, only a lower bound
     Vector3 position_O = Vector3::Zero();

@@ -91,8 +91,9 @@ double ContactPotential::update_limits(std::span<FrictionAnchor> anchors, bool o
   return change;
 }
 
-double ContactPotential::beyond_cone() const {
-  double sum = 0.0;
+/// visit(friction, limit): N, until it says false; whether it never did.
+template <typename Visit>
+bool ContactPotential::all_that_rub(const Visit& visit) const {
   for (std::size_t i = 0; i < points_; ++i) {
     if (is_near_[i] == 0) continue;
     for (std::size_t o = 0; o < obstacle_count_; ++o) {
@@ -101,25 +102,25 @@ double ContactPotential::beyond_cone() const {
       const Pair& pair = pairs_[k];
       const double limit =
           obstacles_[o].friction_coefficient * pair.pressing * pair.gradient.norm();
-      sum += std::max(0.0, pair.friction_force.norm() - limit);
+      if (!visit(pair.friction_force.norm(), limit)) return false;
     }
   }
+  return true;
+}
+
+double ContactPotential::beyond_cone() const {
+  double sum = 0.0;
+  all_that_rub([&](double friction, double limit) {
+    sum += std::max(0.0, friction - limit);
+    return true;
+  });
   return sum;
 }
 
 bool ContactPotential::is_in_cone() const {
-  for (std::size_t i = 0; i < points_; ++i) {
-    if (is_near_[i] == 0) continue;
-    for (std::size_t o = 0; o < obstacle_count_; ++o) {
-      const std::size_t k = i * obstacle_count_ + o;
-      if (near_[k] == 0 || !(pairs_[k].friction_limit > 0.0)) continue;
-      const Pair& pair = pairs_[k];
-      const double limit =
-          obstacles_[o].friction_coefficient * pair.pressing * pair.gradient.norm();
-      if (pair.friction_force.norm() > (1.0 + kConeRelative) * limit + kConeAbsolute) return false;
-    }
-  }
-  return true;
+  return all_that_rub([](double friction, double limit) {
+    return friction <= (1.0 + kConeRelative) * limit + kConeAbsolute;
+  });
 }
 
 }  // namespace softfinger
