@@ -1,8 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
@@ -99,18 +102,22 @@ TEST_F(SceneOfItsOwn, ForceAwareMatchingReplaysToTheBit) {
 
 TEST_F(SceneOfItsOwn, MeasuredForceReplaysToTheBit) {
   const fs::path device = directory_ / "device.toml";
-  std::ofstream(device) << thimble_file(scenes_.device("thimble-3rrs"), "surface",
-                                        "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = 0.02\n");
-  const fs::path recording = directory_ / "run.db";
-  record(write_scene({"index"}, device), recording, 1.2);
-  double most = 0.0;
-  for (const TickRecord& tick : ticks_of(recording)) {
-    EXPECT_EQ(tick.reading.configuration.size(), tick.tick == 0 ? 0 : 3);
-    most = std::max(most, std::abs(tick.travel_offset));
+  std::vector<double> offsets[2];
+  for (const bool refine : {false, true}) {
+    const std::string sensor = "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = 0.02\n";
+    std::ofstream(device) << thimble_file(scenes_.device("thimble-3rrs"), "surface",
+                                          sensor + (refine ? "refine = true\n" : ""));
+    const fs::path recording = directory_ / (refine ? "refined.db" : "run.db");
+    record(write_scene({"index"}, device), recording, 1.2);
+    for (const TickRecord& tick : ticks_of(recording)) {
+      EXPECT_EQ(tick.reading.configuration.size(), tick.tick == 0 ? 0 : 3);
+      offsets[refine ? 1 : 0].push_back(std::abs(tick.travel_offset));
+    }
+    EXPECT_GT(std::ranges::max(offsets[refine ? 1 : 0]), 0.0) << "what is measured is made use of";
+    const ReplayResult result = replay({.recording = recording, .scene = {}});
+    EXPECT_TRUE(result.agree) << result.difference;
   }
-  EXPECT_GT(most, 0.0) << "what is measured is made use of";
-  const ReplayResult result = replay({.recording = recording, .scene = {}});
-  EXPECT_TRUE(result.agree) << result.difference;
+  EXPECT_NE(offsets[0], offsets[1]) << "to refine is something else";
 }
 
 TEST_F(SceneOfItsOwn, ForceLimitGoesWithEveryCommand) {
