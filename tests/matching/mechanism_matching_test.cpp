@@ -2,6 +2,7 @@
 
 #include "../support/folders.hpp"
 #include "pad.hpp"
+#include "softfinger/matching/deviation_minimiser.hpp"
 
 namespace softfinger {
 namespace {
@@ -44,6 +45,30 @@ TEST(MechanismMatching, SixDegreesOfFreedomRenderAtLeastAsWellAsThree) {
     EXPECT_TRUE(with_six.joints_exist);
     EXPECT_LE(with_six.deviation, with_three.deviation * 1.001 + 1e-15);
   }
+}
+
+// A disk may turn about its normal at will. That valley of E bends in the plate's coordinates: it
+// is walked with a strong pull home, not in steps that the bend cuts. Some ways end at a kink of
+// limits.
+TEST(MechanismMatching, AWayAlongAValleyComesToItsEnd) {
+  const std::shared_ptr<const Device> plate =
+      load_device(source_folder() + "/devices/plate-6dof.toml");
+  std::mt19937 random(23);
+  DeviationMinimiser minimiser(*plate);
+  int touching = 0;
+  int limited = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Pad pad = random_press(random, 15.0);
+    if (pad.contacts() == 0) continue;
+    ++touching;
+    const PackedPad packed(pad);
+    const DeviationMinimiser::Outcome outcome =
+        minimiser.minimise(packed.view(), plate->home(), true, 60);
+    EXPECT_TRUE(outcome.valid);
+    limited += outcome.termination == Termination::kIterationLimit ? 1 : 0;
+  }
+  EXPECT_GT(touching, 60);
+  EXPECT_LE(limited, 3);
 }
 
 }  // namespace

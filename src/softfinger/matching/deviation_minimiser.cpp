@@ -16,7 +16,9 @@ constexpr double kStageTolerance = 1e-6;  // m; a step of the stages before the 
 // The gradient that limits leave, m, where E is at most kLarge (m^2), else in proportion.
 constexpr double kGradientTolerance = 5e-12;
 constexpr double kLarge = 1e-6;
-constexpr double kSame = 2e-5;                // m; nearer minima are not told apart
+constexpr double kValleySlope = 1e-6;  // decrease of E, of all of it or of kSmall, that is none
+constexpr double kSmall = 1e-7;        // m^2
+constexpr double kSame = 2e-5;         // m; nearer minima are not told apart
 constexpr double kFeasibilityMargin = 1e-13;  // m
 constexpr double kRounding = 1e-17;           // m
 
@@ -60,8 +62,9 @@ double DeviationMinimiser::attracted(double deviation, const Configuration& q) c
   return deviation + attraction_ * device_.squared_distance(q, device_.home());
 }
 
-bool DeviationMinimiser::degenerate(const Expansion& expansion) {
-  matrix_ = expansion.gauss_newton;
+// Whether some direction has no curvature.
+bool DeviationMinimiser::degenerate(const Eigen::MatrixXd& curvature) {
+  matrix_ = curvature;
   for (int k = 0; k < n_; ++k) matrix_(k, k) -= kFlat;
   return !program_.factor(matrix_);
 }
@@ -201,6 +204,11 @@ DeviationMinimiser::Stage DeviationMinimiser::descend(Configuration& q, bool ins
       continue;
     }
     std::swap(here_, there_);
+    // What is left is the way along a valley that bends, for the stages before.
+    if (may_be_flat_ && -slope < kValleySlope * std::max(value, kSmall) &&
+        degenerate(here_.hessian)) {
+      return Stage::kValley;
+    }
     damping = fraction == shrink ? (damping < 1e-6 * scale ? 0.0 : 0.1 * damping) : damping;
     if (!last && length < kStageTolerance) return Stage::kConverged;
     if (known_ != nullptr && device_.squared_distance(q, *known_) < kSame * kSame) {
@@ -225,7 +233,7 @@ DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& s
   }
   outcome.valid = true;
   expand(outcome.q, here_);
-  const bool flat = samples.contact_count == 0 || degenerate(here_);
+  const bool flat = samples.contact_count == 0 || degenerate(here_.gauss_newton);
   Stage stage = Stage::kConverged;
   const auto walk = [&](std::size_t first) {
     for (std::size_t k = first; k < kStages.size() && stage != Stage::kKnown; ++k) {
@@ -233,9 +241,14 @@ DeviationMinimiser::Outcome DeviationMinimiser::minimise(const SurfaceSamples& s
       stage = descend(outcome.q, inside, iteration_limit, outcome.iterations);
     }
   };
+  may_be_flat_ = !flat;
   walk(flat ? 0 : kStages.size() - 1);
   // A start with curvature may lead to where there is none.
-  if (!flat && stage != Stage::kKnown && degenerate(here_)) walk(0);
+  if (!flat && stage != Stage::kKnown &&
+      (stage == Stage::kValley || degenerate(here_.gauss_newton))) {
+    may_be_flat_ = false;
+    walk(0);
+  }
   outcome.known = stage == Stage::kKnown;
   outcome.valid = !outcome.known;
   outcome.limited = limited_;

@@ -42,13 +42,13 @@ class DeviationMinimiser {
     Eigen::MatrixXd gauss_newton, hessian;
   };
   /// How one stage of attraction ended.
-  enum class Stage { kConverged, kIterationLimit, kStalled, kKnown };
+  enum class Stage { kConverged, kIterationLimit, kStalled, kValley, kKnown };
 
   void expand(const Configuration& q, Expansion& expansion) const;
   [[nodiscard]] double attracted(double deviation, const Configuration& q) const;
   [[nodiscard]] bool evaluate_constraints(const Configuration& q);
   [[nodiscard]] bool restore(Configuration& q);
-  [[nodiscard]] bool degenerate(const Expansion& expansion);
+  [[nodiscard]] bool degenerate(const Eigen::MatrixXd& curvature);
   [[nodiscard]] bool form_direction(const Configuration& q, bool inside, double damping,
                                     bool exact);
   [[nodiscard]] double free_gradient() const;
@@ -59,7 +59,8 @@ class DeviationMinimiser {
   const SurfaceSamples* samples_ = nullptr;
   const Configuration* known_ = nullptr;
   double attraction_ = 0.0;
-  bool limited_ = false;  ///< see Outcome
+  bool limited_ = false;      ///< see Outcome
+  bool may_be_flat_ = false;  ///< the stages before the last were left out
   Expansion here_, there_;
   Eigen::VectorXd metric_, gradient_, values_, raw_values_;
   Eigen::MatrixXd matrix_, jacobian_, curvature_;

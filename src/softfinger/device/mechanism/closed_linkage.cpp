@@ -47,10 +47,15 @@ void ClosedLinkage::derivatives(std::span<const LinkageReading> readings,
 
 void ClosedLinkage::derivative_rates(std::span<const LinkageReading> readings,
                                      const LinkagePlacement& placement,
-                                     const LinkageVelocity& velocity, LinkageMatrix& matrix) const {
+                                     const LinkageVelocity& velocity,
+                                     const LinkageCoordinates& weights,
+                                     LinkageMatrix& matrix) const {
   matrix.setZero(linkage_.coordinate_count(), linkage_.coordinate_count());
   int row = 0;
-  for (const int e : independent_) linkage_.gradient_rate(e, placement, velocity, matrix, row++);
+  for (const int e : independent_) {
+    if (weights[row] != 0.0) linkage_.gradient_rate(e, placement, velocity, matrix, row);
+    ++row;
+  }
   linkage_.gradient_rates(readings, placement, velocity, matrix, row);
 }
 
@@ -129,7 +134,7 @@ bool ClosedLinkage::follow(std::span<const LinkageReading> readings, const Linka
       if (!(piece >= kShortestPiece)) return false;
       continue;
     }
-    std::swap(solution, next);
+    solution = next;  // copies what is used; a swap would take all that has room
     at = last ? 1.0 : at + piece;
   }
   return true;

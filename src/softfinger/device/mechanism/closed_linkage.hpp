@@ -4,14 +4,15 @@
 #include <vector>
 
 #include "softfinger/device/mechanism/linkage.hpp"
-#include "softfinger/numerics/small_lu.hpp"
+#include "softfinger/numerics/small_sparse_lu.hpp"
 
 namespace softfinger {
 
 /// Most degrees of freedom of a linkage with loops.
 inline constexpr int kMaxLinkageInputs = 12;
 
-using LinkageLu = SmallLu<kMaxLinkageCoordinates>;
+/// A linkage's loops share few coordinates: most of its derivatives are zero.
+using LinkageLu = SmallSparseLu<kMaxLinkageCoordinates>;
 using LinkageMatrix = LinkageLu::Matrix;
 using LinkageInputs =
     Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxLinkageInputs, 1>;
@@ -43,9 +44,10 @@ class ClosedLinkage {
   /// Derivatives by the coordinates: the independent equations, then the readings.
   void derivatives(std::span<const LinkageReading> readings, const LinkagePlacement& placement,
                    LinkageMatrix& matrix) const;
-  /// How they change with the velocity.
+  /// How they change with the velocity; rows whose weight is 0 stay 0.
   void derivative_rates(std::span<const LinkageReading> readings, const LinkagePlacement& placement,
-                        const LinkageVelocity& velocity, LinkageMatrix& matrix) const;
+                        const LinkageVelocity& velocity, const LinkageCoordinates& weights,
+                        LinkageMatrix& matrix) const;
 
   /// Fills in all of the solution from its x, which is on it; false where it is singular.
   [[nodiscard]] bool complete(std::span<const LinkageReading> readings,

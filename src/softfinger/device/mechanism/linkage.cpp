@@ -46,6 +46,15 @@ struct InverseLeftJacobian {
   double c = 0.0, c_rate = 0.0;  ///< c_rate: by s = |t|^2
 };
 
+/// Rotation by an angle about a unit axis (Rodrigues).
+Matrix3 hinged(const Vector3& axis, double angle) {
+  const double sine = std::sin(angle);
+  const double cosine = std::cos(angle);
+  Matrix3 turn = (1.0 - cosine) * axis * axis.transpose();
+  turn.diagonal().array() += cosine;
+  return turn + sine * skew(axis);
+}
+
 Vector3 rotation_reading(const LinkageReading& reading, const LinkagePlacement& placement) {
   const Matrix3& rotation = placement.body[static_cast<std::size_t>(reading.body)].rotation;
   return log_rotation(rotation * reading.reference.rotation.transpose());
@@ -107,7 +116,7 @@ void Linkage::place(const LinkageCoordinates& x, LinkagePlacement& placement) co
         break;
       case JointType::kRevolute:
         placement.direction[j] = X_BJ.rotation * body.axis;
-        pose.rotation = X_BJ.rotation * exp_rotation(x[first] * body.axis);
+        pose.rotation = X_BJ.rotation * hinged(body.axis, x[first]);
         break;
       case JointType::kPrismatic:
         placement.direction[j] = X_BJ.rotation * body.axis;
@@ -115,9 +124,9 @@ void Linkage::place(const LinkageCoordinates& x, LinkagePlacement& placement) co
         break;
       case JointType::kUniversal: {
         placement.direction[j] = X_BJ.rotation * body.axis;
-        const Matrix3 turned = X_BJ.rotation * exp_rotation(x[first] * body.axis);
+        const Matrix3 turned = X_BJ.rotation * hinged(body.axis, x[first]);
         placement.direction[j + 1] = turned * body.second_axis;
-        pose.rotation = turned * exp_rotation(x[first + 1] * body.second_axis);
+        pose.rotation = turned * hinged(body.second_axis, x[first + 1]);
         break;
       }
       case JointType::kSpherical:

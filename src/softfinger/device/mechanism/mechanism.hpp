@@ -11,6 +11,7 @@
 #include "softfinger/device/mechanism/closed_linkage.hpp"
 #include "softfinger/device/mechanism/solved_grid.hpp"
 #include "softfinger/device/surfaces/surface_piece.hpp"
+#include "softfinger/numerics/small_lu.hpp"
 
 namespace softfinger {
 
@@ -111,9 +112,10 @@ class Mechanism final : public Kinematics {
   /// Legs of two links each from the base, or the first link drawn already, to a point of a body.
   void add_chain(const BodyPoint& end, std::vector<bool>& drawn);
 
-  // Motion of everything at rate 1 of axis l, and how the derivatives of equations change with it.
-  void axis_motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
-                   LinkageMatrix& rates) const;
+  // Motion of everything at rate 1 of axis l, and how the derivatives of those equations change
+  // with it whose weight is not 0.
+  void axis_motion(const LinkageSolution& solution, int l, const LinkageCoordinates& weights,
+                   LinkageVelocity& velocity, LinkageMatrix& rates) const;
   [[nodiscard]] BodyTwist twist(const LinkageSolution& solution, int body) const;
 
   struct Solved {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kLeastRatio = 1e-3;  // of a determinant to home's
 // Only nearer to a singularity are derivatives of determinants worth their time.
-constexpr double kNearRatio = 0.3;
+constexpr double kNearRatio = 0.1;
 
 /// f = t / sin t and df/dt / sin t of a tilt t: smooth at 0.
 struct TiltFactor {
@@ -82,11 +82,13 @@ std::span<const std::string> Mechanism::constraint_names(int k) const {
   return constraint_names_[static_cast<std::size_t>(k)];
 }
 
-void Mechanism::axis_motion(const LinkageSolution& solution, int l, LinkageVelocity& velocity,
+void Mechanism::axis_motion(const LinkageSolution& solution, int l,
+                            const LinkageCoordinates& weights, LinkageVelocity& velocity,
                             LinkageMatrix& rates) const {
   const ClosedLinkage& linkage = description_.linkage;
   linkage.linkage().velocity(solution.placement, solution.by_value.col(l), velocity);
-  linkage.derivative_rates(description_.configuration, solution.placement, velocity, rates);
+  linkage.derivative_rates(description_.configuration, solution.placement, velocity, weights,
+                           rates);
 }
 
 BodyTwist Mechanism::twist(const LinkageSolution& solution, int body) const {
@@ -170,10 +172,11 @@ bool Mechanism::constraints(const Configuration& q, Eigen::Ref<Eigen::VectorXd> 
       through_joints.col(j).noalias() = solution.by_value * column;
     }
   }
+  const LinkageCoordinates all = LinkageCoordinates::Ones(n);
   LinkageVelocity velocity;
   LinkageMatrix rates;
   for (int l = 0; l < degrees_of_freedom(); ++l) {
-    axis_motion(solution, l, velocity, rates);
+    axis_motion(solution, l, all, velocity, rates);
     jacobian(singular, l) = length * ratio * rates.cwiseProduct(through_joints.transpose()).sum();
     jacobian(stretched, l) =
         -2.0 * length * stretch * stretch * rates.cwiseProduct(inverse.transpose()).sum();
@@ -222,7 +225,7 @@ void Mechanism::add_constraint_curvature(const Configuration& q,
   LinkageVelocity velocity;
   LinkageMatrix rates;
   for (int l = 0; l < degrees_of_freedom(); ++l) {
-    axis_motion(solution, l, velocity, rates);
+    axis_motion(solution, l, weight, velocity, rates);
     LinkageCoordinates bend = -rates.transpose() * weight;
     for (int j = 0; j < linkage.coordinate_count(); ++j) {
       if (linkage.moves(j, body) && linkage.is_angle(j)) {

@@ -30,7 +30,7 @@ void Mechanism::add_motion_curvature(const Configuration& q, std::span<const Bod
   LinkageVelocity velocity;
   LinkageMatrix rates;
   for (int l = 0; l < n; ++l) {
-    axis_motion(solution, l, velocity, rates);
+    axis_motion(solution, l, weight, velocity, rates);
     LinkageCoordinates bend = -rates.transpose() * weight;
     for (int b = 0; b < static_cast<int>(loads.size()); ++b) {
       const auto body = static_cast<std::size_t>(b);

@@ -25,11 +25,13 @@ bool Mechanism::reachable(const Configuration& q) const {
   const ClosedLinkage& linkage = description_.linkage;
   const SolvedGrid::Node& node = grid_.start(wanted, true);
   if (!node.inside) return false;
+  // The solution above came from there along the same line.
+  const bool came = &node == &grid_.start(wanted, false);
   grid_.load(node, solution);
   const LinkageInputs from = solution.values;
   const int pieces =
       1 + static_cast<int>(std::min(kPiecesASpacing * grid_.spacings(wanted, from), 256.0));
-  for (int piece = 1; piece <= pieces; ++piece) {
+  for (int piece = 1; piece <= (came ? pieces - 1 : pieces); ++piece) {
     const LinkageInputs at = from + (static_cast<double>(piece) / pieces) * (wanted - from);
     if (!linkage.follow(description_.configuration, at, solution) || !within_limits(solution)) {
       return false;
