@@ -55,7 +55,7 @@ SignedDistance distance_to(const RoundedBox& box, const Vector3& p) {
 }
 
 SignedDistance distance_to(const RoundedCylinder& cylinder, const Vector3& p) {
-  const double rho = std::hypot(p.x(), p.y());
+  const double rho = std::sqrt(p.x() * p.x() + p.y() * p.y());
   const bool on_axis = rho < kNoDirection;
   const Vector3 radial = on_axis ? Vector3::UnitX() : Vector3(p.x() / rho, p.y() / rho, 0.0);
   const Vector3 around(-radial.y(), radial.x(), 0.0);
@@ -65,7 +65,7 @@ SignedDistance distance_to(const RoundedCylinder& cylinder, const Vector3& p) {
   const double beyond_end = std::abs(p.z()) - (cylinder.half_length - r);
   const double side = std::max(beyond_side, 0.0);
   const double end = std::max(beyond_end, 0.0);
-  const double norm = std::hypot(side, end);
+  const double norm = std::sqrt(side * side + end * end);
   SignedDistance result;
   if (norm < kNoDirection) {
     const bool nearest_is_side = beyond_side >= beyond_end;
@@ -100,7 +100,7 @@ SignedDistance distance_to(const TaperedCapsule& capsule, const Vector3& p) {
   // The side is a cone whose normal leans by this much towards the thinner end.
   const double lean = (capsule.back - capsule.front) / (2.0 * capsule.half_length);
   const double across = std::sqrt(1.0 - lean * lean);
-  const double rho = std::hypot(p.y(), p.z());
+  const double rho = std::sqrt(p.y() * p.y() + p.z() * p.z());
   const Vector3 back(-capsule.half_length, 0.0, 0.0);
   const double from_back = p.x() + capsule.half_length;
   const double along_side = across * from_back - lean * rho;  // from where the back's ball ends
