@@ -1,6 +1,8 @@
 #include "device_fit_command.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <memory>
@@ -30,9 +32,22 @@ struct DeviceFitFlags {
   std::uint64_t seed = 1;
   double fault_at_s = 0.0;
   bool again = false;
+  bool by_touch = false;
   bool real_time = false;
   bool json = false;
 };
+
+/// Whether Enter was pressed since the last time; false for ever where input has ended.
+bool enter_was_pressed() {
+  bool pressed = false;
+  pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+  while (poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0) {
+    char c = 0;
+    if (read(STDIN_FILENO, &c, 1) <= 0) break;
+    pressed = pressed || c == '\n';
+  }
+  return pressed;
+}
 
 DeviceFitOptions options_of(const DeviceFitFlags& flags) {
   DeviceFitOptions options;
@@ -45,6 +60,8 @@ DeviceFitOptions options_of(const DeviceFitFlags& flags) {
   options.sensor_noise = flags.sensor_noise_N;
   options.seed = flags.seed;
   options.again = flags.again;
+  options.by_touch = flags.by_touch;
+  if (flags.by_touch) options.told = enter_was_pressed;
   options.real_time = flags.real_time;
   options.guard_program = guard_program();
   if (!flags.fault.empty()) options.fault = row_named(kForceSensorFaults, flags.fault)->value;
@@ -53,8 +70,13 @@ DeviceFitOptions options_of(const DeviceFitFlags& flags) {
 }
 
 void print(const DeviceFit& fit, const DeviceFitFlags& flags) {
-  fmt::print("{} presses in {:.1f} s, greatest force {:.2f} N, noise of the sensor {:.3f} N\n",
-             fit.presses, fit.duration, fit.greatest_force, fit.noise);
+  if (fit.by_touch) {
+    fmt::print("{} touches in {:.1f} s, {:.2f} mm off those of the finger found\n", fit.presses,
+               fit.duration, fit.estimate.touch_deviation / mm);
+  } else {
+    fmt::print("{} presses in {:.1f} s, greatest force {:.2f} N, noise of the sensor {:.3f} N\n",
+               fit.presses, fit.duration, fit.greatest_force, fit.noise);
+  }
   std::vector<std::string_view> untold;
   for (const DeviceFit::Told& told : fit.traits) {
     const WearerTraitRow& row = row_of(kWearerTraitRows, told.trait);
@@ -66,10 +88,17 @@ void print(const DeviceFit& fit, const DeviceFitFlags& flags) {
   if (!untold.empty()) {
     fmt::print("no better known than before: {}\n", fmt::join(untold, ", "));
   }
-  fmt::print("the model as it was is {:.0f} % off the force of a press\n",
-             100.0 * fit.estimate.known_force_error);
-  fmt::print("each press is foretold by the others to {:.1f} % of its force\n",
-             100.0 * fit.estimate.predicted_force_error);
+  if (fit.by_touch) {
+    fmt::print(
+        "the force of a light press is foretold to some {:.0f} %, of the model as it was to {:.0f} "
+        "%: touches do not tell how stiff skin is, a [force_sensor] does\n",
+        100.0 * fit.estimate.predicted_force_error, 100.0 * fit.estimate.known_force_error);
+  } else {
+    fmt::print("the model as it was is {:.0f} % off the force of a press\n",
+               100.0 * fit.estimate.known_force_error);
+    fmt::print("each press is foretold by the others to {:.1f} % of its force\n",
+               100.0 * fit.estimate.predicted_force_error);
+  }
   fmt::print("wrote {}, finger {}\n", fit.written.string(), flags.name);
 }
 
@@ -125,6 +154,9 @@ void add_device_fit_action(CLI::App& device) {
   command->add_option("--seed", flags->seed, "of that noise")->capture_default_str();
   command->add_flag("--again", flags->again,
                     "the finger is known, the device was put on again: five presses, mount alone");
+  command->add_flag("--by-touch", flags->by_touch,
+                    "without a force sensor: the wearer presses Enter at each touch; an emulated "
+                    "wearer tells by itself");
   command->add_flag("--real-time", flags->real_time,
                     "an emulated device too goes by the clock, through port and guard process");
   command

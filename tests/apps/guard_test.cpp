@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -137,6 +138,20 @@ TEST_F(KilledProgram, ACalibrationThatIsInterruptedRetracts) {
     EXPECT_TRUE(soon([&] { return away_from(device->retracted()) < 0.02; }));
     EXPECT_FALSE(fs::exists(place.path("servos.toml")));
   }
+}
+
+TEST_F(KilledProgram, ATouchThatNobodyTellsEndsTheFitRetracted) {
+  RunningProgram program({"device", "fit", place.path("devices/thimble-3rrs.toml"), "--by-touch",
+                          "--finger", place.path("fingers/index.toml"), "--person",
+                          place.path("anna.toml")});
+  ASSERT_TRUE(soon([&] { return owner_of_port().has_value(); }));
+  ASSERT_TRUE(soon([&] { return away_from(device->home()) > 0.02; })) << "it comes nearer";
+  const ProgramRun run = program.stop(0);
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.errors, testing::HasSubstr("device fit: no touch was told within 1.2 mm past where the "
+                                    "skin should be"));
+  EXPECT_TRUE(soon([&] { return away_from(device->retracted()) < 0.02; }));
+  EXPECT_FALSE(fs::exists(place.path("anna.toml")));
 }
 
 TEST_F(KilledProgram, SharesItsPortWithNobodyAndGivesItBack) {

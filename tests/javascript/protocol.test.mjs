@@ -99,7 +99,7 @@ test("Scene has the keys of the page, and its version", () => {
   assert.equal(middle.headset.finger, "middle");
   assert.deepEqual(middle.headset.start, [100, 0, 20, 0, 0, 0, 1]);
   assert.ok(ring.registrable && index.twin && !middle.device_kind);
-  assert.ok(index.fittable && !middle.fittable && !ring.fittable);
+  assert.ok(index.fittable && !index.fits_by_touch && !middle.fittable && ring.fittable && ring.fits_by_touch);
   assert.ok(index.skin_positions_mm.length > 300 && index.objectives.length > 0);
 });
 
@@ -279,7 +279,8 @@ test("fit leads a device that learns its wearer, cancel_fit ends it, and it stay
   const fit = await until("fit", ({ state }) => state === "pressing", "a fit");
   sameKeys(fit, "Fit");
   assert.equal(fit.finger, 0);
-  assert.ok(fit.of > 1 && fit.words !== "");
+  assert.ok(fit.of > 1 && fit.words !== "" && !fit.by_touch);
+  assert.ok(client.felt()); // by presses nobody asks for it
   client.cancelFit();
   const ended = await until("fit", ({ state }) => state === "refused", "its end");
   assert.match(ended.message, /ended before it was done/);

@@ -111,6 +111,47 @@ TEST_F(FittedDevice, ComesOutTheSameEachTimeAndOtherFingersStay) {
   EXPECT_TRUE(load_person(options().person).find("index")->mount);
 }
 
+// Without a force sensor: not how stiff the skin is, but where it is.
+TEST_F(FittedDevice, LearnsByTouchesThatTheWearerTells) {
+  DeviceFitOptions by_touch = options();
+  by_touch.sensor.reset();
+  by_touch.by_touch = true;
+  const DeviceFit fit = fit_device(by_touch, stop_);
+  ASSERT_EQ(fit.failure, "");
+  EXPECT_EQ(fit.presses, 10);
+  EXPECT_LE(fit.duration, 60.0);
+  EXPECT_LT(fit.apart, 0.2e-3);
+  EXPECT_LT(fit.greatest_force, 0.3);
+  EXPECT_GT(fit.greatest_force, kFeltForce);
+  EXPECT_LT(fit.estimate.touch_deviation, 0.15e-3);
+  EXPECT_GT(fit.estimate.touch_deviation, 0.0);
+  EXPECT_FALSE(fit.estimate.is_told(WearerTrait::kModulus));
+  EXPECT_TRUE(fit.estimate.is_told(WearerTrait::kMountZ));
+  // It says itself that a force sensor would do better.
+  EXPECT_GT(fit.estimate.predicted_force_error, 0.2);
+  EXPECT_LT(fit.estimate.predicted_force_error, 0.5 * fit.estimate.known_force_error);
+  EXPECT_GT(force_error(by_touch, false), 0.4);
+  EXPECT_LT(force_error(by_touch, true), 0.25);
+}
+
+TEST_F(FittedDevice, WhoTellsTouchesAnyHowLearnsNothing) {
+  DeviceFitOptions by_touch = options();
+  by_touch.sensor.reset();
+  by_touch.by_touch = true;
+  by_touch.wear.reaction = 0.5;
+  by_touch.wear.reaction_spread = 0.3;
+  by_touch.seed = 2;  // a third of all seeds tell the last touch as far from the first
+  expect_refused(by_touch, "the same touch was told");
+}
+
+TEST_F(FittedDevice, WhoNeverTellsIsLeftAlone) {
+  DeviceFitOptions by_touch = options();
+  by_touch.sensor.reset();
+  by_touch.by_touch = true;
+  by_touch.wear.reaction = 100.0;
+  expect_refused(by_touch, "no touch was told within 1.2 mm");
+}
+
 TEST_F(FittedDevice, PutOnAgainTheMountAloneIsLookedFor) {
   DeviceFitOptions again = options();
   again.again = true;

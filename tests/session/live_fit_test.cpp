@@ -164,13 +164,26 @@ TEST_F(FittingSession, AStopBeforeItBeginsIsOneToo) {
   EXPECT_EQ(session_->fit().press, 0);
 }
 
-TEST_F(FittingSession, WithoutASensorNothingHappens) {
+TEST_F(FittingSession, WithoutASensorItGoesByTouch) {
   begin("");
-  EXPECT_FALSE(session_->description()->fingers.at(0).fittable);
-  ask(LiveRequest::Kind::kFit);
-  ASSERT_TRUE(watch([&] { return session_->latest().time > 0.3; }));
-  EXPECT_EQ(phase(), FitState::Phase::kIdle);
-  EXPECT_EQ(session_->latest().generation, 1U);
+  EXPECT_TRUE(session_->description()->fingers.at(0).fittable);
+  EXPECT_TRUE(session_->description()->fingers.at(0).fits_by_touch);
+  ASSERT_TRUE(comes_back(1));
+  ASSERT_TRUE(fit());
+  // The emulated wearer tells by itself, and a word of somebody else is not heard.
+  ASSERT_TRUE(watch([&] {
+    ask(LiveRequest::Kind::kFelt);
+    return session_->fit().press > 1 || !under_way();
+  }));
+  ASSERT_TRUE(under_way()) << session_->fit().message;
+  EXPECT_TRUE(session_->fit().by_touch);
+  EXPECT_EQ(session_->fit().presses, 10);
+  EXPECT_THAT(session_->fit().words, HasSubstr("as soon as you feel"));
+  ask(LiveRequest::Kind::kCancelFit);
+  ASSERT_TRUE(watch([&] { return !under_way(); }));
+  EXPECT_EQ(phase(), FitState::Phase::kRefused);
+  EXPECT_FALSE(std::filesystem::exists(person_));
+  EXPECT_TRUE(comes_back_stopped());
 }
 
 }  // namespace

@@ -168,6 +168,8 @@ TEST(PageRequest, ReadsAFit) {
       parse_page_request(R"({"request":"fit","finger":0,"again":true})", kScenes).value().again);
   EXPECT_EQ(parse_page_request(R"({"request":"cancel_fit"})", kScenes)->kind,
             LiveRequest::Kind::kCancelFit);
+  EXPECT_EQ(parse_page_request(R"({"request":"felt"})", kScenes)->kind, LiveRequest::Kind::kFelt);
+  EXPECT_FALSE(parse_page_request(R"({"request":"felt","finger":0})", kScenes));
   for (const char* more :
        {"", R"(,"again":true)", R"(,"finger":64)", R"(,"finger":0,"again":1)",
         R"(,"finger":0,"more":true)", R"(,"finger":0,"again":false,"person":"/etc/passwd")"}) {

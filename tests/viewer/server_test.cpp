@@ -196,7 +196,7 @@ TEST_F(ServerTest, AFitIsToldToEveryPageOnceItIsAskedFor) {
   const auto pressing = client.read_frame(1);
   ASSERT_TRUE(pressing);
   EXPECT_EQ(pressing->payload,
-            R"({"type":"fit","state":"pressing","finger":0,"press":3,"of":9,)"
+            R"({"type":"fit","state":"pressing","finger":0,"by_touch":false,"press":3,"of":9,)"
             R"("words":"Turned by +20 degrees of pitch and +20 of roll.","force_N":0.41,)"
             R"("progress":0.2,"message":""})");
   RawClient late(server.port());

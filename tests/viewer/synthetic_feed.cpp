@@ -210,6 +210,7 @@ void SyntheticFeed::start_scene(const std::string& name) {
     scene->fingers.push_back(make_finger("index"));
     scene->fingers[0].twin = name != "corner";
     scene->fingers[0].moved_here = name == "plane";
+    scene->fingers[0].fits_by_touch = name == "edge";
     scene->fingers[0].in_headset = name == "cylinder";
     if (name == "relief") {
       scene->notices = {{0, "force_limit",
@@ -375,6 +376,15 @@ void SyntheticFeed::request(const LiveRequest& request) {
               .force = 0.414,
               .progress = 0.22,
               .message = ""};
+      if (description_->fingers.at(request.finger).fits_by_touch) {
+        fit_.by_touch = true;
+        fit_.presses = 10;
+        fit_.words = "Press Felt, or the space bar, as soon as you feel the device.";
+        fit_.force = 0.0;
+      }
+      break;
+    case LiveRequest::Kind::kFelt:
+      if (fit_.is_under_way()) ++fit_.press;
       break;
     case LiveRequest::Kind::kCancelFit:
       fit_ = {};

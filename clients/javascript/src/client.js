@@ -12,6 +12,8 @@ export class Client extends Connection {
   cancelRegistration() { return this.send({ request: "cancel_registration" }); }
   cancelFit() { return this.send({ request: "cancel_fit" }); }
 
+  felt() { return this.send({ request: "felt" }); }
+
   /** @type {import("./index.js").Client["release"]} */
   release(seen = this.snapshot) {
     return seen !== null && this.send({ request: "release", generation: seen.generation, stops: seen.stops });

@@ -91,6 +91,8 @@ export class Client {
   fit(finger: number | string, again?: boolean): boolean;
   /** Ends it; the device retracts and nothing is written. */
   cancelFit(): boolean;
+  /** The wearer feels the device, of a fit by touches. */
+  felt(): boolean;
   /** Any request, as it stands. */
   send(request: Request): boolean;
   /** For good. */

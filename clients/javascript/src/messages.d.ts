@@ -47,6 +47,7 @@ export interface FingerDescription {
   moved_here: boolean; // by the page
   registrable: boolean; // what its tracker follows, for the person whose file was given
   fittable: boolean; // its device can learn who wears it, for the same person
+  fits_by_touch: boolean; // the wearer tells each touch: it has no force sensor
   headset: FollowedFinger | null; // null: no headset moves it
 }
 
@@ -116,6 +117,7 @@ export interface Fit {
   type: "fit";
   state: "idle" | "waiting" | "pressing" | "estimating" | "saved" | "refused";
   finger: number; // of the scene's
+  by_touch: boolean; // presses are touches that the wearer tells, by "felt"
   press: number; // under way, from 1; 0: none yet
   of: number; // so many
   words: string; // what happens now, one sentence
@@ -234,6 +236,7 @@ export type Request =
   | { request: "cancel_registration" }
   | { request: "fit"; finger: number; again?: boolean }
   | { request: "cancel_fit" }
+  | { request: "felt" }
   | { request: "scene"; scene: string }
   | { request: "objective"; finger: number; objective: string } // a name
   | { request: "pose"; finger: number; position_mm: number[]; quaternion: number[] } // w, x, y, z

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <deque>
 #include <memory>
+#include <optional>
+#include <random>
 #include <thread>
 #include <utility>
 
@@ -22,37 +24,50 @@
 #include "softfinger/session/kept_ceiling.hpp"
 #include "softfinger/session/worn_device.hpp"
 #include "softfinger/wearer/stiffness_in_use.hpp"
+#include "softfinger/wearer/touch_procedure.hpp"
 
 namespace softfinger {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepth = 1.5 * mm;    // beyond the resting skin, that every press must reach
-constexpr double kCi95 = 1.959963985;  // standard deviations
-constexpr double kPressing = 0.05;     // N, that is called touching
+constexpr double kDepth = 1.5 * mm;       // beyond the resting skin, that every press must reach
+constexpr double kTouchDepth = 0.5 * mm;  // the same of a touch
+constexpr double kAgain = 1.0;            // s, after which an emulated wearer repeats its word
+constexpr double kCi95 = 1.959963985;     // standard deviations
+constexpr double kPressing = 0.05;        // N, that is called touching
+
+bool has_motors(const Device& device) {
+  const auto& transport = device.settings().transport;
+  return transport && transport->port != "emulator";
+}
 
 /// The device on the wearer, its sensor, and the presses.
 class Fitting {
  public:
   Fitting(const DeviceFitOptions& options, const WornDevice& worn,
-          std::shared_ptr<const FingerModel> wearer, const ForceSensorSettings& sensor,
-          std::uint32_t stops_seen)
+          std::shared_ptr<const FingerModel> wearer,
+          const std::optional<ForceSensorSettings>& sensor, std::uint32_t stops_seen)
       : options_(options),
         worn_(worn),
         stops_seen_(stops_seen),
         friction_(options.wear.friction_coefficient.value_or(wearer->friction_coefficient)),
         rate_(device_rate(*worn.device)),
         live_(is_live(sensor)),
-        sensor_(std::move(wearer), remounted(options.device, *worn.device, options.wear.mount),
-                {.seed = options.seed, .live = live_, .settings = sensor}),
         actuator_(worn.device, actuator_options()),
         stands_(worn.device->home()),
         really_(stands_),
-        late_(static_cast<std::size_t>(options.wear.late), 0.0) {}
+        late_(static_cast<std::size_t>(options.wear.late), 0.0),
+        random_(options.seed) {
+    if (!sensor) return;
+    sensor_.emplace(
+        std::move(wearer), remounted(options.device, *worn.device, options.wear.mount),
+        MeasuredForce::Options{.seed = options.seed, .live = live_, .settings = *sensor});
+  }
 
-  /// Presses until that is done or fails; the device is retracted then.
-  void run(PressProcedure& procedure, int presses, const std::atomic<bool>& stop,
+  /// Presses, or touches, until that is done or fails; the device is retracted then.
+  template <typename Procedure>
+  void run(Procedure& procedure, int presses, const std::atomic<bool>& stop,
            const RunObserver& observer) {
     const auto began = std::chrono::steady_clock::now();
     const double period = 1.0 / rate_;
@@ -60,7 +75,7 @@ class Fitting {
       const double time = static_cast<double>(tick) * period;
       if (interrupted(stop, observer)) break;
       if (options_.fault != ForceSensorFault::kNone && time >= options_.fault_at) {
-        sensor_.fail(options_.fault);
+        sensor_->fail(options_.fault);
       }
       const FormedCommand& command =
           actuator_.command({.configuration = procedure.wanted(), .touching = touching_}, time);
@@ -68,22 +83,9 @@ class Fitting {
         std::this_thread::sleep_until(began + std::chrono::duration<double>(time + period));
       }
       look(command);
-      const ForceReading& reading = sensor_.measure(really_, friction_, period);
-      const bool fresh = reading.configuration.size() > 0;
-      late_.push_back(options_.wear.gain * reading.normal_force);
-      const double force = late_.front();
-      late_.pop_front();
-      touching_ = fresh && force > kPressing;
-      if (!std::isnan(sensor_.true_force())) {
-        greatest_true_ = std::max(greatest_true_, sensor_.true_force());
-      }
-      procedure.advance({.time = time + period,
-                         .stands = stands_,
-                         .fresh = fresh,
-                         .force = force,
-                         .readings = sensor_.new_readings()});
+      feel(procedure, time + period);
       if (observer.progress) observer.progress(procedure.progress(), 1.0);
-      tell(procedure, presses, force);
+      tell(procedure, presses);
     }
     actuator_.finish();
   }
@@ -93,9 +95,55 @@ class Fitting {
   [[nodiscard]] const std::string& interruption() const { return interruption_; }
 
  private:
-  void tell(const PressProcedure& procedure, int presses, double force) const {
+  void feel(PressProcedure& procedure, double time) {
+    const bool fresh = measure();
+    late_.push_back(options_.wear.gain * measured_);
+    said_ = late_.front();
+    late_.pop_front();
+    touching_ = fresh && said_ > kPressing;
+    procedure.advance({.time = time,
+                       .stands = stands_,
+                       .fresh = fresh,
+                       .force = said_,
+                       .readings = sensor_->new_readings()});
+  }
+
+  void feel(TouchProcedure& procedure, double time) {
+    const bool told = sensor_ ? emulated_wearer_tells(time) : options_.told();
+    procedure.advance({.time = time, .stands = stands_, .told = told});
+  }
+
+  /// False where the sensor has nothing new.
+  bool measure() {
+    const ForceReading& reading = sensor_->measure(really_, friction_, 1.0 / rate_);
+    measured_ = reading.normal_force;
+    if (!std::isnan(sensor_->true_force())) {
+      greatest_true_ = std::max(greatest_true_, sensor_->true_force());
+    }
+    return reading.configuration.size() > 0;
+  }
+
+  /// Some time after a touch, and again while it lasts.
+  bool emulated_wearer_tells(double time) {
+    static_cast<void>(measure());
+    touching_ = sensor_->true_force() > kFeltForce;
+    if (!touching_) {
+      tells_at_.reset();
+      return false;
+    }
+    if (!tells_at_) {
+      std::normal_distribution<double> takes(options_.wear.reaction, options_.wear.reaction_spread);
+      tells_at_ = time + std::max(takes(random_), 0.0);
+    }
+    if (time < *tells_at_) return false;
+    *tells_at_ += kAgain;
+    return true;
+  }
+
+  template <typename Procedure>
+  void tell(const Procedure& procedure, int presses) const {
     if (!options_.watch) return;
-    DeviceFitMoment now{.presses = presses, .force = force, .progress = procedure.progress()};
+    DeviceFitMoment now{.presses = presses, .force = said_, .progress = procedure.progress()};
     if (const PlannedPress* const press = procedure.under_way()) {
       now.press = static_cast<int>(procedure.number()) + 1;
       now.pitch = press->pitch;
@@ -104,10 +152,8 @@ class Fitting {
     options_.watch(now);
   }
 
-  [[nodiscard]] bool is_live(const ForceSensorSettings& sensor) const {
-    const auto& transport = worn_.device->settings().transport;
-    const bool motors = transport && transport->port != "emulator";
-    return options_.real_time || motors || !sensor.is_emulated();
+  [[nodiscard]] bool is_live(const std::optional<ForceSensorSettings>& sensor) const {
+    return options_.real_time || has_motors(*worn_.device) || (sensor && !sensor->is_emulated());
   }
 
   [[nodiscard]] ActuatorOptions actuator_options() const {
@@ -162,18 +208,29 @@ class Fitting {
   double friction_;
   double rate_;
   bool live_;
-  MeasuredForce sensor_;
+  std::optional<MeasuredForce> sensor_;
   Actuator actuator_;
   Configuration stands_;
-  Configuration really_;     ///< an emulated one, with its play
-  double followed_ = 0.0;    ///< advance of that, m
-  std::deque<double> late_;  ///< forces on their way, N
+  Configuration really_;                ///< an emulated one, with its play
+  double followed_ = 0.0;               ///< advance of that, m
+  std::deque<double> late_;             ///< forces on their way, N
+  double measured_ = 0.0, said_ = 0.0;  ///< N
   bool touching_ = false;
+  std::mt19937_64 random_;
+  std::optional<double> tells_at_;  ///< s, of an emulated wearer who feels the device
   double greatest_true_ = 0.0;
   std::string interruption_;
 };
 
-ForceSensorSettings sensor_of(const DeviceFitOptions& options, const Device& device) {
+/// None where a wearer tells touches.
+std::optional<ForceSensorSettings> sensor_of(const DeviceFitOptions& options,
+                                             const Device& device) {
+  if (options.by_touch) {
+    if (!has_motors(device)) return ForceSensorSettings{};
+    if (options.told) return std::nullopt;
+    throw InputError(fmt::format("{}: it has motors, and nobody to tell where they touch",
+                                 options.device.string()));
+  }
   std::optional<ForceSensorSettings> sensor = device.settings().force_sensor;
   if (!sensor && options.sensor) {
     sensor.emplace();
@@ -187,17 +244,18 @@ ForceSensorSettings sensor_of(const DeviceFitOptions& options, const Device& dev
       .root()
       .fail("force_sensor",
             "missing; a device learns its wearer by the force that it measures, "
-            "give it a [force_sensor], or try one by --sensor");
+            "give it a [force_sensor], try one by --sensor, or tell each touch by --by-touch");
 }
 
 /// The limit of force of skin that is further off by as much as the presses look for it. That of
 /// the model's skin would keep the device off a finger that is smaller; what is measured is the
 /// limit.
 std::shared_ptr<const TravelCeiling> further_ceiling(const FingerModel& finger,
-                                                     const fs::path& file, const Device& device) {
+                                                     const fs::path& file, const Device& device,
+                                                     double further) {
   const double max_force = device.settings().max_force;
   if (!(max_force > 0.0)) return nullptr;
-  const Vector3 away = -PressProcedure::kFurthestPast * device.settings().X_FB.rotation.col(2);
+  const Vector3 away = -further * device.settings().X_FB.rotation.col(2);
   return std::make_shared<TravelCeiling>(
       kept_force_ceiling(finger, remounted(file, device, {Matrix3::Identity(), away}), max_force));
 }
@@ -246,6 +304,38 @@ void put(const WearerEstimate& estimate, const FingerModel& finger, PersonFinger
   person.mount = traits.mount_fit();
 }
 
+/// How far two touches of one tilt are apart, m.
+double apart(const Device& device, const TouchRecord& a, const TouchRecord& b) {
+  const auto touched = [&](const TouchRecord& touch) {
+    Configuration q = touch.start;
+    device.advance(touch.advance, q);
+    return q;
+  };
+  return std::sqrt(device.squared_distance(touched(a), touched(b)));
+}
+
+/// To writing what was found; empty: none.
+std::string objection(const DeviceFit& fit, const fs::path& finger) {
+  if (fit.by_touch) {
+    if (fit.apart > kMostApart) {
+      return fmt::format(
+          "the same touch was told {:.1f} mm apart, at the beginning and in the end, at most {:g} "
+          "mm would do: tell each as soon as it is felt, and hold still",
+          fit.apart / mm, kMostApart / mm);
+    }
+    if (fit.estimate.touch_deviation <= kMostTouchDeviation) return {};
+    return fmt::format(
+        "touches are {:.2f} mm off those of the finger found, at most {:g} mm would do: they were "
+        "told too early or late, or the wearer did not hold still",
+        fit.estimate.touch_deviation / mm, kMostTouchDeviation / mm);
+  }
+  if (fit.estimate.predicted_force_error <= kMostForetoldError) return {};
+  return fmt::format(
+      "the force of each press is {:.0f} % off what the others foretell, at most {:.0f} % would "
+      "do: the wearer did not hold still, or the finger is unlike {}",
+      100.0 * fit.estimate.predicted_force_error, 100.0 * kMostForetoldError, finger.string());
+}
+
 void check(const DeviceFitOptions& options) {
   if (!is_finger_name(options.name)) {
     throw InputError(fmt::format(
@@ -280,33 +370,51 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
                                  options.person.string(), options.name));
   }
   WornDevice worn = worn_on(*finger, options.device);
-  worn.ceiling = further_ceiling(*finger, options.device, *worn.device);
-  const ForceSensorSettings sensor = sensor_of(options, *worn.device);
+  worn.ceiling =
+      further_ceiling(*finger, options.device, *worn.device,
+                      options.by_touch ? TouchLimits{}.past : PressProcedure::kFurthestPast);
+  const std::optional<ForceSensorSettings> sensor = sensor_of(options, *worn.device);
   std::vector<PlannedPress> plan;
   try {
-    plan = plan_presses(*worn.device, *finger, kDepth);
+    plan = plan_presses(*worn.device, *finger, options.by_touch ? kTouchDepth : kDepth);
   } catch (const InputError& error) {
     throw OperationError(fmt::format("{}: {}", options.device.string(), error.what()));
   }
+  // The first once more in the end: a wearer who tells it elsewhere tells nothing.
+  if (options.by_touch) plan.push_back(plan.front());
   if (options.again) {
     std::erase_if(plan, [](const PlannedPress& press) { return press.spare; });
   }
 
   DeviceFit fit;
   const TraitVector known = known_traits(before, *finger, options.again);
-  std::optional<PressProcedure> procedure;
-  {
-    Fitting fitting(options, worn, wearer, sensor, stops);
-    procedure.emplace(*worn.device, plan, 1.0 / fitting.rate());
-    fitting.run(*procedure, static_cast<int>(plan.size()), stop, observer);
-    fit.failure = fitting.interruption().empty() ? procedure->failure() : fitting.interruption();
+  fit.by_touch = options.by_touch;
+  Fitting fitting(options, worn, wearer, sensor, stops);
+  const double tick = 1.0 / fitting.rate();
+  const auto take = [&](auto& procedure) {
+    fitting.run(procedure, static_cast<int>(plan.size()), stop, observer);
+    fit.failure = fitting.interruption().empty() ? procedure.failure() : fitting.interruption();
+    fit.greatest_force = fitting.greatest_true_force();
+    fit.duration = procedure.duration();
+  };
+  std::vector<PressRecord> presses;
+  std::vector<TouchRecord> touches;
+  if (options.by_touch) {
+    TouchProcedure procedure(*worn.device, plan, tick);
+    take(procedure);
+    touches = procedure.touches();
+    fit.presses = static_cast<int>(touches.size());
+    if (fit.failure.empty()) fit.apart = apart(*worn.device, touches.front(), touches.back());
+  } else {
+    PressProcedure procedure(*worn.device, plan, tick);
+    take(procedure);
+    presses = procedure.presses();
+    fit.presses = static_cast<int>(presses.size());
+    fit.noise = procedure.noise();
+    fit.delay = procedure.delay();
     // An emulated wearer knows better than the sensor.
-    const double felt = fitting.greatest_true_force();
-    fit.greatest_force = felt > 0.0 ? felt : procedure->greatest_force();
+    if (!(fit.greatest_force > 0.0)) fit.greatest_force = procedure.greatest_force();
   }
-  fit.presses = static_cast<int>(procedure->presses().size());
-  fit.duration = procedure->duration();
-  fit.noise = procedure->noise();
   if (!fit.failure.empty()) return fit;
 
   // What is known and what is told are of a wearer in use; presses are by one that does not relax.
@@ -315,36 +423,29 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   in_use[modulus] = std::log(stiffness_in_use(*finger, PressLimits{}.press)) /
                     kWearerTraitRows[static_cast<std::size_t>(modulus)].deviation;
   PressModel model(finger, worn.device, options.device, finger->friction_coefficient);
+  const WearerEstimateOptions how{.noise = fit.noise,
+                                  .mount_only = options.again,
+                                  .known = known - in_use,
+                                  .progress = [&](double fraction) {
+                                    if (options.watch)
+                                      options.watch({.estimating = true, .progress = fraction});
+                                    // A stop that finds the device retracted is one too.
+                                    const bool stopped =
+                                        options.stop_signals != nullptr &&
+                                        options.stop_signals->stops.load() != stops;
+                                    return !stop.load() && !stopped;
+                                  }};
   try {
-    fit.estimate = estimate_wearer(model, procedure->presses(),
-                                   {.noise = procedure->noise(),
-                                    .mount_only = options.again,
-                                    .known = known - in_use,
-                                    .progress = [&](double fraction) {
-                                      if (options.watch) {
-                                        options.watch({.estimating = true, .progress = fraction});
-                                      }
-                                      // A stop that finds the device retracted is one too.
-                                      const bool stopped =
-                                          options.stop_signals != nullptr &&
-                                          options.stop_signals->stops.load() != stops;
-                                      return !stop.load() && !stopped;
-                                    }});
+    fit.estimate = options.by_touch ? estimate_wearer(model, touches, how)
+                                    : estimate_wearer(model, presses, how);
   } catch (const OperationError& error) {
     fit.failure = error.what();
     return fit;
   }
   fit.estimate.x += in_use;
-  fit.delay = procedure->delay();
   tell(fit.estimate, known, *finger, fit);
-  if (!(fit.estimate.predicted_force_error <= kMostForetoldError)) {
-    fit.failure = fmt::format(
-        "the force of each press is {:.0f} % off what the others foretell, at most {:.0f} % would "
-        "do: the wearer did not hold still, or the finger is unlike {}",
-        100.0 * fit.estimate.predicted_force_error, 100.0 * kMostForetoldError,
-        options.finger.string());
-    return fit;
-  }
+  fit.failure = objection(fit, options.finger);
+  if (!fit.failure.empty()) return fit;
   put(fit.estimate, *finger, person.at(options.name));
   save_person(person);
   fit.written = options.person;

@@ -26,6 +26,8 @@ struct EmulatedWear {
   double gain = 1.0;                           ///< of the sensor
   double backlash = 0.0;                       ///< of the advance, from end to end, m
   int late = 0;                                ///< ticks, of the sensor, beyond the one it takes
+  double reaction = 0.2;                       ///< from a touch to the wearer's word, mean, s
+  double reaction_spread = 0.04;               ///< the same, standard deviation
 };
 
 /// What a device does that learns its wearer, after one of its ticks.
@@ -34,7 +36,7 @@ struct DeviceFitMoment {
   int press = 0;                   ///< under way, from 1; 0: the sensor's zero is looked for
   int presses = 0;                 ///< of so many
   double pitch = 0.0, roll = 0.0;  ///< of the press, rad
-  double force = 0.0;              ///< N, as the sensor says
+  double force = 0.0;              ///< N, as the sensor says; 0 without one
   double progress = 0.0;           ///< 0 to 1, of the presses, or of the estimate
 };
 
@@ -51,6 +53,11 @@ struct DeviceFitOptions {
   std::uint64_t seed = 1;              ///< of that noise
   EmulatedWear wear;
   bool again = false;  ///< the person's finger is known, the device was put on again: mount alone
+  /// Without a force sensor, from touches that the wearer tells.
+  bool by_touch = false;
+  /// Asked at each tick of a device with motors: whether the wearer has told a touch since the
+  /// last. Where motors are emulated the wearer is, and tells by itself.
+  std::function<bool()> told;
   /// Everything by the clock on the wall, through port, guard process and wires, although all is
   /// emulated.
   bool real_time = false;
@@ -64,11 +71,13 @@ struct DeviceFitOptions {
 
 /// What a device has learned of its wearer.
 struct DeviceFit {
-  int presses = 0;
+  bool by_touch = false;
+  int presses = 0;              ///< or touches
   double duration = 0.0;        ///< of all presses, s of the device
   double greatest_force = 0.0;  ///< measured, or of the emulated finger where that is more, N
   double delay = 0.0;           ///< of the sensor, s
   double noise = 0.0;           ///< of the sensor, N
+  double apart = 0.0;           ///< the first touch and the last, which is the same, m
   WearerEstimate estimate;
   /// One trait, SI; a size in m, a modulus as a factor.
   struct Told {
@@ -82,9 +91,15 @@ struct DeviceFit {
 
 /// How wrong the force of a press may be that the others foretell: with more nothing is written.
 inline constexpr double kMostForetoldError = 0.2;
+/// How far touches may be from those of the finger found, root mean square, m; with more nothing is
+/// written.
+inline constexpr double kMostTouchDeviation = 0.4e-3;
+/// How far apart the wearer may tell the first touch and the last, which is the same, m.
+inline constexpr double kMostApart = 0.3e-3;
 
 /// Presses the wearer by itself, from tilt to tilt, through the same guards as a run, retracts, and
-/// writes what that tells of the finger into the person's file: sizes, modulus factor, mount. All
+/// writes what that tells of the finger into the person's file: sizes, modulus factor, mount. By
+/// touches it presses nothing, and how stiff the skin is stays as it was thought to be. All
 /// of a device that is emulated goes in simulated time, as fast as it can. A stop, the end that
 /// `stop` asks for and every failure retract the device first. Throws InputError for files,
 /// OperationError where the person's file cannot be written.

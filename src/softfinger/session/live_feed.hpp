@@ -54,9 +54,10 @@ struct SceneDescription {
     bool in_headset = false;  ///< its tracker is "webxr": it follows this of a hand
     HandSide hand_side = HandSide::kRight;
     HandFinger hand_finger = HandFinger::kIndex;
-    bool registrable = false;  ///< what its tracker follows can be registered, for a person
-    bool fittable = false;     ///< its device can learn who wears it, for a person
-    Pose X_WFt_start;          ///< where it is before anybody moves it
+    bool registrable = false;    ///< what its tracker follows can be registered, for a person
+    bool fittable = false;       ///< its device can learn who wears it, for a person,
+    bool fits_by_touch = false;  ///< who tells each touch: it has no force sensor
+    Pose X_WFt_start;            ///< where it is before anybody moves it
   };
   /// What a person should know of a finger's device before it moves.
   struct Notice {
@@ -169,6 +170,7 @@ struct LiveRequest {
     kCancelRegistration,
     kFit,
     kCancelFit,
+    kFelt,    ///< the wearer tells a touch of a fit
     kReload,  ///< not of the page: the person's file has changed
   };
   Kind kind = Kind::kPause;
@@ -209,6 +211,7 @@ struct FitState {
   };
   Phase phase = Phase::kIdle;
   std::size_t finger = 0;  ///< which of the scene's
+  bool by_touch = false;   ///< presses are touches that the wearer tells
   int press = 0;           ///< under way, from 1; 0: none yet
   int presses = 0;         ///< of so many
   std::string words;       ///< what happens now, one sentence

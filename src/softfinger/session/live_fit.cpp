@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <string_view>
 #include <utility>
 
 #include "softfinger/base/error.hpp"
@@ -12,7 +13,10 @@ namespace softfinger {
 
 namespace {
 
-std::string words_of(const DeviceFitMoment& now) {
+constexpr std::string_view kTell = "Press Felt, or the space bar, as soon as you feel the device.";
+
+std::string words_of(const DeviceFitMoment& now, bool by_touch) {
+  if (by_touch) return std::string(kTell);
   if (now.press == 0) return "Hold still: the sensor's zero is looked for, off the skin.";
   if (now.pitch == 0.0 && now.roll == 0.0) return "Straight.";
   return fmt::format("Turned by {:+.0f} degrees of pitch and {:+.0f} of roll.", now.pitch / deg,
@@ -24,6 +28,15 @@ double value_of(const DeviceFit& found, WearerTrait trait) {
 }
 
 std::string summary_of(const DeviceFit& found) {
+  if (found.by_touch) {
+    return fmt::format(
+        "{:.1f} mm long, {:.1f} mm broad, {:.1f} mm deep; the force of a light press is foretold "
+        "to some {:.0f} %, of the model as it was to {:.0f} %: touches do not tell how stiff skin "
+        "is",
+        value_of(found, WearerTrait::kLength) / mm, value_of(found, WearerTrait::kBreadth) / mm,
+        value_of(found, WearerTrait::kDepth) / mm, 100.0 * found.estimate.predicted_force_error,
+        100.0 * found.estimate.known_force_error);
+  }
   return fmt::format(
       "{:.1f} mm long, {:.1f} mm broad, {:.1f} mm deep, skin {:.2f} times as stiff as the model's; "
       "the model as it was is {:.0f} % off the force of a press, what was learned foretells one "
@@ -56,6 +69,13 @@ bool LiveFit::run(const RunSetup& setup, const RunOptions& options, const std::a
                        .real_time = true,
                        .guard_program = options.actuator.guard_program,
                        .stop_signals = &stops_};
+  fit.by_touch = !setup.devices[wanted_.finger]->settings().force_sensor;
+  fit.told = [this] { return told_.exchange(false); };
+  told_.store(false);
+  {
+    const std::lock_guard lock(mutex_);
+    state_.by_touch = fit.by_touch;
+  }
   if (options.wearer_mount) fit.wear.mount = *options.wearer_mount;
   fit.watch = [&](const DeviceFitMoment& now) {
     if (stop.load()) ending_.store(true);
@@ -103,7 +123,7 @@ void LiveFit::watch(const DeviceFitMoment& now) {
   }
   state_.press = now.press;
   state_.presses = now.presses;
-  state_.words = words_of(now);
+  state_.words = words_of(now, state_.by_touch);
   state_.force = now.force;
 }
 

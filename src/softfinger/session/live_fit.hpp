@@ -24,6 +24,8 @@ class LiveFit {
 
   /// Any thread, as those below: ends it where it is under way, else forgets what is told of it.
   void cancel();
+  /// The wearer feels the device, of a fit by touches.
+  void tell_touch() { told_.store(true); }
   /// A person stops the device.
   void stop_device();
   [[nodiscard]] FitState state() const;
@@ -37,7 +39,7 @@ class LiveFit {
   LiveRequest wanted_;
   StopSignals stops_;
   std::uint32_t signals_seen_ = 0;
-  std::atomic<bool> ending_{false};
+  std::atomic<bool> ending_{false}, told_{false};
   mutable std::mutex mutex_;  ///< of what follows
   FitState state_;
 };

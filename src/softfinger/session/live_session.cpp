@@ -216,6 +216,7 @@ std::shared_ptr<const RunSetup> LiveSession::obey_requests() {
       case LiveRequest::Kind::kHold:
       case LiveRequest::Kind::kLetGo:
       case LiveRequest::Kind::kCancelFit:
+      case LiveRequest::Kind::kFelt:
       case LiveRequest::Kind::kStop:
       case LiveRequest::Kind::kRelease:
       case LiveRequest::Kind::kRegister:
@@ -358,6 +359,7 @@ void LiveSession::request(const LiveRequest& request) {
   if (request.kind == LiveRequest::Kind::kRegister) return begin_registration(request);
   if (request.kind == LiveRequest::Kind::kCancelRegistration) return registration_.cancel();
   if (request.kind == LiveRequest::Kind::kCancelFit) return fit_.cancel();
+  if (request.kind == LiveRequest::Kind::kFelt) return fit_.tell_touch();
   if (request.kind == LiveRequest::Kind::kStop) fit_.stop_device();
   const std::lock_guard lock(mutex_);
   if (request.kind == LiveRequest::Kind::kStop) return run_->stop_devices(StopCause::kPerson);

@@ -205,7 +205,7 @@ bool is_registrable(const RunSetup& setup, std::size_t finger) {
 bool is_fittable(const RunSetup& setup, std::size_t finger) {
   if (!setup.person || finger >= setup.devices.size()) return false;
   const Device* const device = setup.devices[finger].get();
-  return device != nullptr && device->advances() && device->settings().force_sensor;
+  return device != nullptr && device->advances();
 }
 
 FingerChainOptions chain_options(const RunSetup& setup, std::size_t finger,

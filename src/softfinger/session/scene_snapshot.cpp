@@ -103,6 +103,7 @@ SceneDescription describe(const RunSetup& setup) {
     finger.hand_finger = tracker.hand.finger.value_or(HandFinger::kIndex);
     finger.registrable = is_registrable(setup, i);
     finger.fittable = is_fittable(setup, i);
+    finger.fits_by_touch = finger.fittable && !setup.devices[i]->settings().force_sensor;
     finger.X_WFt_start = start_pose(setup.scene.fingers[i].waypoints);
     finger.skin_rest_positions_F = touching_nodes(model);
     finger.skin_triangles = model.skin_triangles;

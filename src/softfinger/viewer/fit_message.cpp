@@ -14,6 +14,7 @@ std::string fit_message(const FitState& state) {
       {"type", "fit"},
       {"state", kPhases.at(static_cast<std::size_t>(state.phase))},
       {"finger", state.finger},
+      {"by_touch", state.by_touch},
       {"press", state.press},
       {"of", state.presses},
       {"words", state.words},

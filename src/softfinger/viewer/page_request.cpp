@@ -191,6 +191,8 @@ std::optional<LiveRequest> parse_page_request(std::string_view message,
     plain.kind = Kind::kCancelRegistration;
   } else if (word == "cancel_fit") {
     plain.kind = Kind::kCancelFit;
+  } else if (word == "felt") {
+    plain.kind = Kind::kFelt;
   } else {
     return {};
   }

@@ -18,7 +18,7 @@ namespace softfinger {
 /// {"request": "register", "finger": INDEX} with any of "length_mm", "breadth_mm", "depth_mm" (1 to
 /// 500) and "table_mm" (-5000 to 5000), {"request": "cancel_registration"},
 /// {"request": "fit", "finger": INDEX} with or without "again" (true or false),
-/// {"request": "cancel_fit"}, and no other key.
+/// {"request": "cancel_fit"}, {"request": "felt"}, and no other key.
 /// Empty where it is anything else.
 [[nodiscard]] std::optional<LiveRequest> parse_page_request(
     std::string_view message, std::span<const std::string> scene_names);

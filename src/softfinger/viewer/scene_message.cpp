@@ -148,6 +148,7 @@ Json to_json(const SceneDescription::Finger& finger) {
           {"moved_here", finger.moved_here},
           {"registrable", finger.registrable},
           {"fittable", finger.fittable},
+          {"fits_by_touch", finger.fits_by_touch},
           {"headset", headset_json(finger)}};
 }
 

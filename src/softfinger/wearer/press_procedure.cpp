@@ -20,13 +20,9 @@ constexpr double kLeaveSpeed = 25.0 * mm;  // a second
 constexpr double kMoveSpeed = 30.0 * mm;   // a second, of the surface
 constexpr double kClear = 0.5 * mm;        // off the skin, where a press begins, and
 constexpr double kClearDeviations = 1.3;   // of where it is expected
-// How far the skin may be from where the model's is: of all tilts alike, m; by pitch and by roll, m
-// by rad; of each, m.
-constexpr double kOffsets[] = {1.5 * mm, 2.0 * mm, 2.0 * mm};
-constexpr double kOwnOffset = 0.35 * mm;
-constexpr double kOff = 1.0 * mm;       // behind where a touch was noticed
-constexpr double kClearer = 0.8 * mm;   // more, after a press that began on the skin
-constexpr double kHeldBack = 1.5 * mm;  // a limit keeps the device from where it is sent
+constexpr double kOff = 1.0 * mm;          // behind where a touch was noticed
+constexpr double kClearer = 0.8 * mm;      // more, after a press that began on the skin
+constexpr double kHeldBack = 1.5 * mm;     // a limit keeps the device from where it is sent
 /// Readings in a row that are the same, beyond twice as many as there were off the skin.
 constexpr std::size_t kStuck = 5;
 constexpr double kGrowth = 0.05;       // N, that counts as growth
@@ -59,9 +55,7 @@ PressProcedure::PressProcedure(const Device& device, std::vector<PlannedPress> p
       plan_(std::move(plan)),
       tick_(tick),
       limits_(limits),
-      wanted_(device.home()) {
-  for (int i = 0; i < 3; ++i) touch_weights_(i, i) = 1.0 / (kOffsets[i] * kOffsets[i]);
-}
+      wanted_(device.home()) {}
 
 void PressProcedure::fail(std::string why) {
   if (failure_.empty()) failure_ = std::move(why);
@@ -126,20 +120,6 @@ PressProcedure::Trend PressProcedure::trend() const {
   if (!(ss > 0.0)) return {f, 0.0};
   const double slope = std::max(sf / ss, 0.0);
   return {f + slope * (seen_.back().advance - s), slope};
-}
-
-PressProcedure::Expected PressProcedure::expected() const {
-  const Vector3 by(1.0, planned().pitch, planned().roll);
-  const Matrix3 covariance = touch_weights_.inverse();
-  return {planned().touch + by.dot(covariance * touch_offsets_),
-          std::sqrt(by.dot(covariance * by) + kOwnOffset * kOwnOffset)};
-}
-
-void PressProcedure::learn_touch() {
-  const Vector3 by(1.0, planned().pitch, planned().roll);
-  constexpr double kWeight = 1.0 / (kOwnOffset * kOwnOffset);
-  touch_weights_ += kWeight * by * by.transpose();
-  touch_offsets_ += kWeight * (touched_ - planned().touch) * by;
 }
 
 /// What ends it whatever it does; true: go on.
@@ -250,7 +230,7 @@ void PressProcedure::zero(const PressTick& tick) {
 }
 
 void PressProcedure::begin_press() {
-  const Expected skin = expected();
+  const ExpectedTouch::Place skin = expected_.of(planned());
   start_ = skin.touch - kClear - kClearDeviations * skin.deviation - clear_;
   // Nothing is known of the wearer before the first: from home.
   if (index_ == 0) start_ = std::min(start_, 0.0);
@@ -304,7 +284,7 @@ void PressProcedure::approach(const PressTick& tick) {
                     force));
     return;
   }
-  const double past = stands - expected_touch();
+  const double past = stands - expected_.of(planned()).touch;
   // A sensor that says the same number all the time may be none.
   const bool lives = noise_ > 0.0;
   if (past > (lives ? kFurthestPast : limits_.without_life)) {
@@ -469,7 +449,7 @@ void PressProcedure::settle() {
     return;
   }
   end_fall();
-  learn_touch();
+  expected_.learn(planned(), touched_);
   records_.push_back(std::move(record_));
   next_press();
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "softfinger/device/device.hpp"
+#include "softfinger/wearer/expected_touch.hpp"
 #include "softfinger/wearer/press_plan.hpp"
 #include "softfinger/wearer/press_reading.hpp"
 
@@ -104,13 +105,6 @@ class PressProcedure {
   [[nodiscard]] const PlannedPress& planned() const { return plan_[index_]; }
   /// Mean of the last `count` readings, N.
   [[nodiscard]] double recent(std::size_t count) const;
-  /// Where the skin of the press under way should be touched, m, as far as those before it tell.
-  struct Expected {
-    double touch, deviation;
-  };
-  [[nodiscard]] Expected expected() const;
-  [[nodiscard]] double expected_touch() const { return expected().touch; }
-  void learn_touch();
   /// Of the mean of so many readings, N.
   [[nodiscard]] double touch_threshold(std::size_t count) const;
   /// Of the last readings by advance: force there, N, and slope, N/m.
@@ -145,9 +139,7 @@ class PressProcedure {
   double touched_ = 0.0;   ///< where its skin was touched
   double best_ = 0.0;      ///< greatest mean force of it so far, N
   double best_at_ = 0.0;   ///< where that was
-  /// Of touches from those of the model, a plane over pitch and roll: normal equations.
-  Matrix3 touch_weights_ = Matrix3::Zero();
-  Vector3 touch_offsets_ = Vector3::Zero();
+  ExpectedTouch expected_;
   /// As the device leaves: the force there was and how it grows with advance, N and N/m, where; and
   /// the sum of what was said, N, beyond what was felt.
   struct Fall {

@@ -11,12 +11,14 @@
 namespace softfinger {
 namespace {
 
-constexpr double kTouch = 0.1;  // N, of the first stage
+constexpr double kTouch = 0.1;  // N, of the first stage of presses
 constexpr double kTouchNoise = 0.1 * mm;
-constexpr double kFurthest = 6.0 * mm;  // from the start of a press, where 0.1 N must be
-constexpr int kMostParts = 4;           // into which readings of a press are put together
-constexpr double kModelError = 0.03;    // of a force, that no traits explain
-constexpr double kForceFloor = 0.01;    // N, of the same
+constexpr double kToldNoise = 0.15 * mm;  // of a touch that the wearer tells
+constexpr double kLightPress = 0.3;       // N, whose error is foretold where only touches are known
+constexpr double kFurthest = 6.0 * mm;    // from the start of a press, where 0.1 N must be
+constexpr int kMostParts = 4;             // into which readings of a press are put together
+constexpr double kModelError = 0.03;      // of a force, that no traits explain
+constexpr double kForceFloor = 0.01;      // N, of the same
 constexpr int kTouchSteps = 7;
 constexpr int kForceSteps = 12;
 /// Of a step, standard deviations of any trait: after a longer one derivatives are computed, after
@@ -106,13 +108,18 @@ class Estimation {
     if (std::ranges::none_of(touches_, [](const auto& touch) { return touch.has_value(); })) {
       throw OperationError("no press reached 0.1 N");
     }
-    free_.setOnes();
-    if (options.mount_only) {
-      for (const WearerTrait trait : {WearerTrait::kLength, WearerTrait::kBreadth,
-                                      WearerTrait::kDepth, WearerTrait::kModulus}) {
-        free_[static_cast<Eigen::Index>(trait)] = 0.0;
-      }
+    set_free();
+  }
+
+  /// By touches alone.
+  Estimation(PressModel& model, std::span<const TouchRecord> touches,
+             const WearerEstimateOptions& options)
+      : model_(model), options_(options), touch_force_(kFeltForce), touch_noise_(kToldNoise) {
+    for (const TouchRecord& touch : touches) {
+      presses_.push_back({.start = touch.start, .readings = {}});
+      touches_.emplace_back(touch.advance);
     }
+    set_free();
   }
 
   WearerEstimate run() {
@@ -125,7 +132,54 @@ class Estimation {
     return found;
   }
 
+  WearerEstimate run_by_touches() {
+    const double known_error =
+        expected_force_error(options_.known, TraitMatrix(free_.asDiagonal()));
+    const TraitVector x =
+        minimise(options_.known, kTouchSteps, [this](bool) { return touch_residuals(); });
+    const double rows = static_cast<double>(last_.r.size());
+    const double misfit = std::max(1.0, last_.r.squaredNorm() / std::max(rows, 1.0));
+    TraitMatrix normal = TraitMatrix::Identity();
+    for (Eigen::Index row = 0; row < last_.r.size(); ++row) {
+      const TraitVector by_trait = last_.by_trait.row(row).transpose().cwiseProduct(free_);
+      normal += by_trait * by_trait.transpose() / misfit;
+    }
+    WearerEstimate found;
+    found.x = x;
+    const TraitMatrix covariance =
+        free_.asDiagonal() * TraitMatrix(normal.inverse()) * free_.asDiagonal();
+    found.deviation = covariance.diagonal().cwiseSqrt();
+    found.known_force_error = known_error;
+    found.predicted_force_error = expected_force_error(x, covariance);
+    found.touch_deviation = touch_noise_ * std::sqrt(last_.r.squaredNorm() / std::max(rows, 1.0));
+    found.evaluations = evaluations_;
+    return found;
+  }
+
  private:
+  void set_free() {
+    free_.setOnes();
+    if (!options_.mount_only) return;
+    for (const WearerTrait trait : {WearerTrait::kLength, WearerTrait::kBreadth,
+                                    WearerTrait::kDepth, WearerTrait::kModulus}) {
+      free_[static_cast<Eigen::Index>(trait)] = 0.0;
+    }
+  }
+
+  /// Of a light press where the model reaches one: median over the presses.
+  double expected_force_error(const TraitVector& x, const TraitMatrix& covariance) {
+    model_.put(x);
+    std::vector<double> errors;
+    for (const PressRecord& press : presses_) {
+      double advance = 0.0;
+      PredictedForce there;
+      if (!model_.advance_for(press.start, kLightPress, kFurthest, advance, there)) continue;
+      const double square = there.by_trait.dot(covariance * there.by_trait);
+      errors.push_back(std::sqrt(std::max(square, 0.0)) / kLightPress);
+    }
+    return errors.empty() ? 1.0 : median(std::move(errors));
+  }
+
   /// Median over the presses, friction aside.
   double force_error(const TraitVector& x) {
     model_.put(x);
@@ -219,14 +273,14 @@ class Estimation {
       if (!touch) continue;
       double advance = 0.0;
       PredictedForce there;
-      if (!model_.advance_for(presses_[static_cast<std::size_t>(k)].start, kTouch, kFurthest,
+      if (!model_.advance_for(presses_[static_cast<std::size_t>(k)].start, touch_force_, kFurthest,
                               advance, there)) {
-        all.r[k] = (kFurthest - *touch) / kTouchNoise;
+        all.r[k] = (kFurthest - *touch) / touch_noise_;
         continue;
       }
-      all.r[k] = (advance - *touch) / kTouchNoise;
+      all.r[k] = (advance - *touch) / touch_noise_;
       all.by_trait.row(k) =
-          -there.by_trait.transpose() / (std::max(there.by_advance, 1.0) * kTouchNoise);
+          -there.by_trait.transpose() / (std::max(there.by_advance, 1.0) * touch_noise_);
     }
     return all;
   }
@@ -332,6 +386,8 @@ class Estimation {
   const WearerEstimateOptions& options_;
   std::vector<PressRecord> presses_;
   std::vector<std::optional<double>> touches_;
+  double touch_force_ = kTouch;       ///< N
+  double touch_noise_ = kTouchNoise;  ///< m
   TraitVector free_;
   Residuals last_;
   int evaluations_ = 0;
@@ -342,6 +398,11 @@ class Estimation {
 WearerEstimate estimate_wearer(PressModel& model, std::span<const PressRecord> presses,
                                const WearerEstimateOptions& options) {
   return Estimation(model, presses, options).run();
+}
+
+WearerEstimate estimate_wearer(PressModel& model, std::span<const TouchRecord> touches,
+                               const WearerEstimateOptions& options) {
+  return Estimation(model, touches, options).run_by_touches();
 }
 
 }  // namespace softfinger

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "softfinger/wearer/press_model.hpp"
+#include "softfinger/wearer/touch_procedure.hpp"
 
 namespace softfinger {
 
@@ -30,6 +31,8 @@ struct WearerEstimate {
   /// How far the wearer as known before leaves the forces of a press off, a fraction of these:
   /// median over the presses.
   double known_force_error = 0.0;
+  /// Of touches from the fit, root mean square, m.
+  double touch_deviation = 0.0;
   double force_deviation = 0.0;  ///< of readings from the fit, root mean square, N
   int evaluations = 0;           ///< of all presses
 
@@ -46,6 +49,13 @@ struct WearerEstimate {
 /// or `progress` gives up.
 [[nodiscard]] WearerEstimate estimate_wearer(PressModel& model,
                                              std::span<const PressRecord> presses,
+                                             const WearerEstimateOptions& options);
+
+/// The same from touches alone, as the first of these stages. Errors of force are those to be
+/// expected of the force of a light press, one standard deviation by what is known of the traits:
+/// how stiff the skin is no touch tells.
+[[nodiscard]] WearerEstimate estimate_wearer(PressModel& model,
+                                             std::span<const TouchRecord> touches,
                                              const WearerEstimateOptions& options);
 
 }  // namespace softfinger

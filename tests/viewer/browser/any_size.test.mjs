@@ -139,6 +139,33 @@ test("fitting", async () => {
   await body("stopped", "false");
 });
 
+test("fitting by touch", async () => {
+  await showScene("edge");
+  await press("#fit");
+  assert.match(await page.locator("#fit-ask").innerText(), /no force sensor/);
+  assert.doesNotMatch(await page.locator("#fit-ask").innerText(), /0\.8 N/);
+  await lookAtEverySize("asked to fit by touch");
+  await press("#fit-start");
+  await body("fit", "pressing");
+  assert.match(await page.locator("#fit-run").innerText(), /Touch 3 of 10(?!.*N)/);
+  await lookAtEverySize("fitting by touch");
+  const touch = (number) => page.waitForFunction((wanted) => document.querySelector("#fit-press").textContent === wanted, `Touch ${number} of 10`, { polling: 30 });
+  await page.keyboard.press("Space"); // the button has the focus
+  await touch(4);
+  await page.locator("#fit-press").click(); // and now nothing has
+  await page.keyboard.press("Space");
+  await touch(5);
+  await press("#fit-felt");
+  await touch(6);
+  await page.keyboard.press("Escape");
+  await page.locator("#fitting").waitFor({ state: "hidden" });
+  await body("stopped", "true");
+  await press("#release");
+  await press("#release-now");
+  await body("stopped", "false");
+  await showScene("sphere");
+});
+
 test("loading", async () => {
   running.tell("loading hand");
   await body("loading", "hand");

@@ -112,6 +112,9 @@ namespace Softfinger
         /// <summary>Which of the scene's.</summary>
         public int Finger { get; }
 
+        /// <summary>Presses are touches that the wearer tells, by FeltAsync.</summary>
+        public bool ByTouch { get; }
+
         /// <summary>Under way, from 1, of so many that are planned; 0: none yet.</summary>
         public int Press { get; }
 
@@ -133,6 +136,7 @@ namespace Softfinger
         {
             State = json["state"].Text();
             Finger = (int)json["finger"].Count(int.MaxValue);
+            ByTouch = json["by_touch"].Bool();
             Press = (int)json["press"].Count(int.MaxValue);
             Of = (int)json["of"].Count(int.MaxValue);
             Words = json["words"].Text();

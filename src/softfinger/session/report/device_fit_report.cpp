@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "softfinger/base/units.hpp"
 #include "softfinger/session/report/rounded.hpp"
 
 namespace softfinger {
@@ -12,7 +13,8 @@ using Json = nlohmann::ordered_json;
 }  // namespace
 
 Json device_fit_report(const DeviceFit& fit) {
-  Json answer{{"presses", fit.presses},
+  Json answer{{"by", fit.by_touch ? "touches" : "presses"},
+              {"presses", fit.presses},
               {"duration_s", micro_rounded(fit.duration)},
               {"max_force_N", micro_rounded(fit.greatest_force)},
               {"sensor_noise_N", micro_rounded(fit.noise)},
@@ -34,6 +36,9 @@ Json device_fit_report(const DeviceFit& fit) {
   if (!fit.traits.empty()) {
     answer["known_force_error"] = micro_rounded(fit.estimate.known_force_error);
     answer["predicted_force_error"] = micro_rounded(fit.estimate.predicted_force_error);
+  }
+  if (fit.by_touch && !fit.traits.empty()) {
+    answer["touch_deviation_mm"] = micro_rounded(fit.estimate.touch_deviation / mm);
   }
   if (!fit.written.empty()) answer["written"] = fit.written.string();
   if (!fit.failure.empty()) answer["failure"] = fit.failure;

@@ -249,6 +249,9 @@ namespace Softfinger
         /// <summary>The device retracts, and nothing is written.</summary>
         public Task CancelFitAsync() => RequestAsync("cancel_fit");
 
+        /// <summary>The wearer feels the device, of a fit by touches.</summary>
+        public Task FeltAsync() => RequestAsync("felt");
+
         public void Dispose() => socket.Dispose();
 
         int Finger(int finger)

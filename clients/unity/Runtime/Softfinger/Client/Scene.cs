@@ -120,6 +120,9 @@ namespace Softfinger
         /// <summary>Its device can learn who wears it, for the same person: Client.FitAsync.</summary>
         public bool Fittable { get; }
 
+        /// <summary>The wearer tells each touch: the device has no force sensor.</summary>
+        public bool FitsByTouch { get; }
+
         /// <summary>Its tracker is webxr: Client.SendHandAsync moves it. Null: not so.</summary>
         public FollowedFinger Headset { get; }
 
@@ -148,6 +151,7 @@ namespace Softfinger
             MovedHere = json["moved_here"].Bool();
             Registrable = json["registrable"].Bool();
             Fittable = json["fittable"].Bool();
+            FitsByTouch = json["fits_by_touch"].Bool();
             Headset = json["headset"].IsNull ? null : new FollowedFinger(json["headset"]);
             ConfigurationScales = new double[ConfigurationNames.Count];
             for (int i = 0; i < ConfigurationScales.Length; ++i) ConfigurationScales[i] = ScaleOf(ConfigurationNames[i]);

@@ -23,17 +23,28 @@ export class FitDialog {
     };
     element("fit-again").onclick = () => this.start(true);
     element("fit-stop").onclick = stop;
+    element("fit-felt").onclick = () => this.felt();
+    element("fitting").addEventListener("keydown", (event) => {
+      // On a button of its own the space bar presses that.
+      if (event.key !== " " || this.dialog.step !== "run" || event.target instanceof HTMLButtonElement) return;
+      event.preventDefault();
+      this.felt();
+    });
     element("fit-close").onclick = () => this.dialog.hide();
     element("fit-done").onclick = () => this.cancel();
   }
 
   begin(scene: Scene, shown: Shown): void {
     this.finger = shown === kHand ? -1 : shown;
-    element("fit").hidden = shown === kHand || !scene.fingers[shown]?.fittable;
+    const finger = shown === kHand ? undefined : scene.fingers[shown];
+    element("fit").hidden = !finger?.fittable;
+    this.showHow(finger?.fits_by_touch ?? false);
   }
 
   update(state: Fit): void {
+    const begins = state.state === "pressing" && document.body.dataset.fit !== "pressing";
     document.body.dataset.fit = state.state;
+    if (state.state === "pressing") this.showHow(state.by_touch);
     if (state.state === "idle") {
       this.dialog.hide();
     } else if (state.state === "saved" || state.state === "refused") {
@@ -41,11 +52,22 @@ export class FitDialog {
       setText("fit-result", (state.state === "saved" ? "Saved: " : "Nothing was saved. ") + state.message + ".");
     } else {
       this.dialog.show("run");
-      setText("fit-press", kWaits[state.state] ?? (state.press > 0 ? `Press ${state.press} of ${state.of}` : "Zero"));
+      setText("fit-press", kWaits[state.state] ?? (state.press > 0 ? `${state.by_touch ? "Touch" : "Press"} ${state.press} of ${state.of}` : "Zero"));
       setText("fit-words", state.words);
       setText("fit-force", state.force_N.toFixed(2));
       element("fit-progress").style.transform = `scaleX(${state.progress})`;
+      // Where the space bar tells a touch.
+      if (begins && state.by_touch) element("fit-felt").focus();
     }
+  }
+
+  private felt(): void {
+    this.send({ request: "felt" });
+  }
+
+  /** By presses on a force sensor, or by touches that the wearer tells. */
+  private showHow(byTouch: boolean): void {
+    element("fitting").dataset.how = byTouch ? "touch" : "press";
   }
 
   private start(again: boolean): void {
