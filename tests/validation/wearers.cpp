@@ -7,8 +7,8 @@
 //
 // Prints one JSON object a wearer and line: error of the normal force on a plane and a sphere
 // with the fit, what the fit says of itself, and its cost. --others: of the first N also with
-// nothing known, with sizes alone, with the travel offset of a run, and with all traits known as
-// they are. --unlike: of
+// nothing known, with sizes alone, with the travel offset of a run, by touches that they tell, and
+// with all traits known as they are. --unlike: of
 // mesh,relaxation,friction,noise,gain,play,late these alone; none.
 
 #include <fmt/format.h>
@@ -142,12 +142,16 @@ class Wearers {
       row["found"][std::string(trait.name)] = {told.value / trait.unit, told.ci95_low / trait.unit,
                                                told.ci95_high / trait.unit};
     }
+    if (number < arguments_.others) row["touched"] = learns_by_touch(fit);
     for (const char* scene : {"plane", "sphere"}) {
       if (found.failure.empty())
         row[scene]["fit"] = force_error(scene, device_, traits, fit.person);
       if (number >= arguments_.others) continue;
       row[scene]["nothing"] = force_error(scene, device_, traits, {});
       row[scene]["travel_offset"] = force_error(scene, sensing_, traits, {});
+      if (row["touched"].get<std::string>().empty()) {
+        row[scene]["touch"] = force_error(scene, device_, traits, folder_ / "touched.toml");
+      }
       write_known(traits, false);
       row[scene]["sizes"] = force_error(scene, device_, traits, folder_ / "known.toml");
       write_known(traits, true);
@@ -161,6 +165,16 @@ class Wearers {
   [[nodiscard]] double play() const { return arguments_.unlike.play ? kPlay : 0.0; }
   double normal() { return std::normal_distribution<double>()(random_); }
   double even() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
+
+  /// Into touched.toml; why not, or nothing.
+  [[nodiscard]] std::string learns_by_touch(DeviceFitOptions fit) {
+    fit.sensor.reset();
+    fit.sensor_noise.reset();
+    fit.by_touch = true;
+    fit.person = folder_ / "touched.toml";
+    fs::remove(fit.person);
+    return fit_device(fit, stop_).failure;
+  }
 
   [[nodiscard]] FingerSize sizes(const WearerTraits& traits) const {
     const FingerSize own = finger_size(*finger_);
@@ -228,8 +242,12 @@ class Wearers {
     if (person && !person->empty()) options.run.person = *person;
     options.run.duration = kEvaluated;
     options.sides = {.lagged = false, .loaded = false, .depth = SkinComparison::Depth::kContact};
-    const double error = evaluate(options, stop_).commanded.mean().normal_force_error;
-    return std::isnan(error) ? 1.0 : error;  // never touched
+    try {
+      const double error = evaluate(options, stop_).commanded.mean().normal_force_error;
+      return std::isnan(error) ? 1.0 : error;  // never touched
+    } catch (const InputError&) {
+      return 1.0;  // a run refuses a device that would rest on the skin
+    }
   }
 
   Arguments arguments_;

@@ -147,7 +147,10 @@ bool PressProcedure::watch(const PressTick& tick) {
   }
   const double force = tick.force - zero_;
   if (stage_ != Stage::kZero) greatest_ = std::max(greatest_, force);
-  if (stage_ != Stage::kZero && force > limits_.most) {
+  // One reading may be noise.
+  const double mean = seen_.empty() ? force : 0.5 * (force + seen_.back().force);
+  const bool too_much = force > limits_.most + kNoTouchNoise * noise_ || mean > limits_.most;
+  if (stage_ != Stage::kZero && tick.fresh && too_much) {
     fail(
         fmt::format("the force sensor says {:.2f} N, more than {:g} N: the wearer presses back, or "
                     "it is wrong",
@@ -155,6 +158,10 @@ bool PressProcedure::watch(const PressTick& tick) {
     return false;
   }
   if (duration() > limits_.duration) {
+    if (enough()) {
+      finish();
+      return false;
+    }
     fail(
         fmt::format("it took longer than {:g} s: the device is too slow, or the wearer does not "
                     "hold still",
@@ -475,13 +482,21 @@ void PressProcedure::next_press() {
     begin_press();
     return;
   }
-  if (records_.size() < std::min(kLeastPresses, plan_.size())) {
+  if (!enough()) {
     fail(
         fmt::format("the device can press in no more than {} of {} tilts, its limits end before: "
                     "it is off the finger, or mounted too far from it",
                     records_.size(), plan_.size()));
     return;
   }
+  finish();
+}
+
+bool PressProcedure::enough() const {
+  return records_.size() >= std::min(kLeastPresses, plan_.size());
+}
+
+void PressProcedure::finish() {
   take_delay_off();
   stage_ = Stage::kDone;
   wanted_ = device_.home();

@@ -98,6 +98,9 @@ class PressProcedure {
   void begin_press();
   void end_press();
   void next_press();
+  /// Of presses that are done.
+  [[nodiscard]] bool enough() const;
+  void finish();
   /// Moves `wanted_` towards q with this speed of the surface, m/s; true where it is there.
   bool go(const Configuration& q, double speed);
   [[nodiscard]] Configuration at(double advance) const;
