@@ -283,6 +283,9 @@ class DeviceFitOptions(ctypes.Structure):
         ("guard_program", c_char_p),
         ("stop", POINTER(c_int32)),
         ("progress", POINTER(c_double)),
+        ("by_touch", c_int32),
+        ("unused", c_int32),
+        ("touches", POINTER(c_int32)),
     ]
 
 

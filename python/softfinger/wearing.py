@@ -75,6 +75,8 @@ def fit_device(
     sensor_noise_N: float | None = None,
     seed: int = 1,
     again: bool = False,
+    by_touch: bool = False,
+    touches: ctypes.c_int32 | None = None,
     real_time: bool = False,
     fault: str | None = None,
     fault_at_s: float = 0.0,
@@ -85,7 +87,8 @@ def fit_device(
     finger: file whose shape and skin are fitted. person: file to write or change, of it the finger `name`.
     wearer: finger file of whom an emulated device is on. sensor, sensor_noise_N, seed: an emulated force
     sensor for a device file without, its noise. again: the finger is known, the device was put on again:
-    mount alone. real_time: an emulated device too goes by the clock. fault, fault_at_s: of an emulated
+    mount alone. by_touch: without a force sensor, from touches that the wearer tells; of a device with motors
+    by counting up touches.value from another thread, an emulated wearer tells by itself. real_time: an emulated device too goes by the clock. fault, fault_at_s: of an emulated
     sensor, to see what is made of it. guard_program: softfinger-guard, where it is not with the library.
 
     Returns what the command prints with --json: parameters by name with value, ci95_low, ci95_high and prior,
@@ -98,7 +101,8 @@ def fit_device(
         wearer=_library.path(wearer), sensor=_library.text(sensor, "sensor"), fault=_library.text(fault, "fault"),
         fault_at_s=fault_at_s, sensor_noise_N=sensor_noise_N or 0.0, sensor_noise_given=sensor_noise_N is not None,
         real_time=real_time, seed=seed, guard_program=_library.path(guard_program), stop=watch.stop,
-        progress=watch.progress)
+        progress=watch.progress, by_touch=by_touch,
+        touches=None if touches is None else ctypes.pointer(touches))
     files = _library.path(device), _library.path(finger), _library.path(person)
     return report_of(watch, "fit", lambda *out: int(library.sf_device_fit(*files, ctypes.byref(options), *out)))
 

@@ -536,6 +536,11 @@ typedef struct {
   const char *guard_program; /* as in sf_options */
   const volatile int32_t *stop; /* as of sf_watch */
   volatile double *progress;
+  int32_t by_touch; /* 1: without a force sensor, from touches that the wearer tells */
+  int32_t unused;
+  const volatile int32_t *touches; /* by touch, of a device with motors: counted up at each touch that
+                                      the wearer tells; NULL: none are. An emulated wearer tells by
+                                      itself */
 } sf_device_fit_options;
 /* person: file to write or change. SF_FAILED, and nothing written, where the presses do not foretell
    each other or the sensor is no good; *out is then NULL. */

@@ -3,6 +3,7 @@
     package_test.py PROGRAM SOURCE_FOLDER
 """
 
+import ctypes
 import contextlib
 import csv
 import gc
@@ -295,6 +296,13 @@ kind = "grid"
                             "--wearer", middle, "--sensor", "emulator", "--sensor-noise-N", "0.02", "--json")
         self.assertEqual({**found, "written": ""}, {**told, "written": ""})
         self.assertEqual(ours.read_text(), theirs.read_text())
+
+    def test_a_device_learns_its_wearer_by_touch_as_on_the_command_line(self):
+        ours, theirs, middle = self.folder / "ours.toml", self.folder / "theirs.toml", FINGER.parent / "middle.toml"
+        found = sf.fit_device(THIMBLE, FINGER, ours, wearer=middle, by_touch=True, touches=ctypes.c_int32(0))
+        self.assertEqual((found["by"], found["presses"]), ("touches", 10))
+        told = command_line("device", "fit", THIMBLE, "--finger", FINGER, "--person", theirs, "--wearer", middle, "--by-touch", "--json")
+        self.assertEqual({**found, "written": ""}, {**told, "written": ""})
 
     def test_a_device_that_cannot_learn_its_wearer_writes_nothing(self):
         person = self.folder / "anna.toml"

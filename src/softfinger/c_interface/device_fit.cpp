@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -38,6 +39,11 @@ DeviceFitOptions fit_options(const char* device, const char* finger, const char*
   if (given.sensor_noise_given != 0) options.sensor_noise = given.sensor_noise_N;
   if (given.seed != 0) options.seed = given.seed;
   options.again = given.again != 0;
+  options.by_touch = given.by_touch != 0;
+  options.told = [touches = given.touches, heard = std::int32_t{0}]() mutable {
+    const std::int32_t counted = touches != nullptr ? *touches : 0;
+    return counted != std::exchange(heard, counted);
+  };
   options.real_time = given.real_time != 0;
   options.guard_program =
       given.guard_program != nullptr ? given.guard_program : guard_beside_library();

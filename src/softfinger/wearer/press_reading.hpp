@@ -20,4 +20,14 @@ struct PressRecord {
   std::vector<PressReading> readings;
 };
 
+/// Force of a flat surface at which a wearer feels it, N; a guess. What it, and the time until it
+/// is told, are wrong by is alike in all touches, and taken for a place of the mount.
+inline constexpr double kFeltForce = 0.02;
+
+/// Where a wearer felt a device that was advanced from `start`, m.
+struct TouchRecord {
+  Configuration start;
+  double advance = 0.0;
+};
+
 }  // namespace softfinger

@@ -8,14 +8,9 @@
 #include "softfinger/device/device.hpp"
 #include "softfinger/wearer/expected_touch.hpp"
 #include "softfinger/wearer/press_plan.hpp"
+#include "softfinger/wearer/press_reading.hpp"
 
 namespace softfinger {
-
-/// Where a wearer felt a device that was advanced from `start`, m.
-struct TouchRecord {
-  Configuration start;
-  double advance = 0.0;
-};
 
 /// What is known after one device tick.
 struct TouchTick {
@@ -33,10 +28,6 @@ struct TouchLimits {
   double reaction = 0.2;
   double duration = 90.0;  ///< s, of all
 };
-
-/// Force of a flat surface at which a wearer feels it, N; a guess. With all touches alike, what it
-/// and the reaction are wrong by is taken for a place of the mount.
-inline constexpr double kFeltForce = 0.02;
 
 /// Touches by itself, without a force sensor: from tilt to tilt, nears the skin slowly until the
 /// wearer says that it is felt, leaves. No input or output, as PressProcedure. Whoever leads the

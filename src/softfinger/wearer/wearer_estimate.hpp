@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "softfinger/wearer/press_model.hpp"
-#include "softfinger/wearer/touch_procedure.hpp"
+#include "softfinger/wearer/press_reading.hpp"
 
 namespace softfinger {
 
