@@ -20,7 +20,7 @@ constexpr int kMostParts = 4;             // into which readings of a press are 
 constexpr double kModelError = 0.03;      // of a force, that no traits explain
 constexpr double kForceFloor = 0.01;      // N, of the same
 /// Times as much of it is alike in all readings of a press. So many that of the traits of drawn
-/// wearers 19 in 20 are within their intervals (tools/validate --wearers).
+/// wearers nine in ten are within their intervals (tools/validate --wearers).
 constexpr double kAlikeInPress = 5.0;
 constexpr int kTouchSteps = 7;
 constexpr int kForceSteps = 12;
