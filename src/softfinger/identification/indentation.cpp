@@ -26,10 +26,6 @@ constexpr int kDescents = 40;
 /// A press comes down from here, m.
 constexpr double kHighest = 0.2;
 constexpr int kMarches = 20000;
-/// Equilibria are solved tighter than steps: others recompute the balance from what is exported.
-constexpr double kStaticTolerance = 1e-9;
-/// Lagged friction limits are renewed until they change by less than this, N.
-constexpr double kFrictionTolerance = 1e-7;
 constexpr int kFrictionPasses = 40;
 /// Larger than any finger, so that an edge has one face on top and one on its side only, m.
 constexpr double kBlock = 0.5;
@@ -157,7 +153,7 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
 
   const double row_length = options.depth / options.rows;
   NewtonOptions newton;
-  newton.tolerance = kStaticTolerance;
+  newton.tolerance = options.tolerance;
   newton.max_iterations = 200;
 
   double time = 0.0;
@@ -188,7 +184,7 @@ void indent(const FingerModel& model, const Indenter& indenter, const Indentatio
         row.iterations += summary.iterations;
         row.converged = summary.converged;
         potential.settle();
-        if (potential.contact().update_limits(anchors) < kFrictionTolerance) break;
+        if (potential.contact().update_limits(anchors) < options.friction_tolerance) break;
       }
       for (std::size_t n = 0; n < positions.size(); ++n) {
         const Vector3 moved = potential.positions()[n] - positions[n];

@@ -23,6 +23,11 @@ struct Indenter {
 struct IndentationOptions {
   double depth = 2e-3;  ///< greatest bone displacement after first touch, m
   int rows = 20;
+  /// Of an equilibrium, relative to its forces: tighter than of steps, since others recompute the
+  /// balance from what is exported.
+  double tolerance = 1e-9;
+  double friction_tolerance =
+      1e-7;            ///< N; lagged friction limits are renewed until they change less
   double pitch = 0.0;  ///< turn of the finger about its y axis, rad; positive: distal end down
   bool strain_limits = true;
   bool friction = true;

@@ -11,6 +11,9 @@ namespace softfinger {
 namespace {
 
 constexpr std::size_t kMostFingersKept = 512;
+// Of an equilibrium; what is kept is single precision.
+constexpr double kTolerance = 3e-7;
+constexpr double kFrictionTolerance = 1e-5;  // N
 
 /// Calls with each list of contacts, in the order in which they are sent.
 template <typename Contacts, typename Call>
@@ -103,7 +106,11 @@ PressedContacts ContactPress::press(std::size_t number) {
   const std::size_t rows = study_.contacts_a_press;
   try {
     indent(model, indenter_of(drawn),
-           {.depth = drawn.depth, .rows = static_cast<int>(rows), .pitch = drawn.pitch},
+           {.depth = drawn.depth,
+            .rows = static_cast<int>(rows),
+            .tolerance = kTolerance,
+            .friction_tolerance = kFrictionTolerance,
+            .pitch = drawn.pitch},
            [&contacts](const IndentationState& state) { add_row(state, contacts); });
   } catch (const InputError&) {
     contacts = {};  // it came down beside the object
