@@ -23,6 +23,7 @@
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/session/kept_ceiling.hpp"
 #include "softfinger/session/worn_device.hpp"
+#include "softfinger/wearer/advance.hpp"
 #include "softfinger/wearer/stiffness_in_use.hpp"
 #include "softfinger/wearer/touch_procedure.hpp"
 
@@ -194,9 +195,8 @@ class Fitting {
     }
     really_ = stands_;
     // Play is taken up by whoever is behind.
-    Configuration ahead = Configuration::Zero(stands_.size());
-    worn_.device->advance(1.0, ahead);
-    const double advance = stands_.dot(ahead) / ahead.squaredNorm();
+    const double advance =
+        advance_between(*worn_.device, Configuration::Zero(stands_.size()), stands_);
     const double half = 0.5 * options_.wear.backlash;
     followed_ = std::clamp(followed_, advance - half, advance + half);
     worn_.device->advance(followed_ - advance, really_);
@@ -306,12 +306,8 @@ void put(const WearerEstimate& estimate, const FingerModel& finger, PersonFinger
 
 /// How far two touches of one tilt are apart, m.
 double apart(const Device& device, const TouchRecord& a, const TouchRecord& b) {
-  const auto touched = [&](const TouchRecord& touch) {
-    Configuration q = touch.start;
-    device.advance(touch.advance, q);
-    return q;
-  };
-  return std::sqrt(device.squared_distance(touched(a), touched(b)));
+  return std::sqrt(device.squared_distance(advanced(device, a.start, a.advance),
+                                           advanced(device, b.start, b.advance)));
 }
 
 /// To writing what was found; empty: none.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "softfinger/base/units.hpp"
+#include "softfinger/wearer/advance.hpp"
 
 namespace softfinger {
 namespace {
@@ -68,26 +69,15 @@ double PressProcedure::progress() const {
 }
 
 Configuration PressProcedure::at(double advance) const {
-  Configuration q = planned().tilted;
-  device_.advance(advance, q);
-  return q;
+  return advanced(device_, planned().tilted, advance);
 }
 
 double PressProcedure::advance_of(const Configuration& q) const {
-  Configuration ahead = Configuration::Zero(q.size());
-  device_.advance(1.0, ahead);
-  return (q - planned().tilted).dot(ahead) / ahead.squaredNorm();
+  return advance_between(device_, planned().tilted, q);
 }
 
 bool PressProcedure::go(const Configuration& q, double speed) {
-  const double way = std::sqrt(device_.squared_distance(q, wanted_));
-  const double step = speed * tick_;
-  if (way <= step) {
-    wanted_ = q;
-    return true;
-  }
-  wanted_ += (q - wanted_) * (step / way);
-  return false;
+  return step_towards(device_, q, speed * tick_, wanted_);
 }
 
 double PressProcedure::recent(std::size_t count) const {

@@ -7,6 +7,7 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
+#include "softfinger/wearer/advance.hpp"
 
 namespace softfinger {
 namespace {
@@ -41,13 +42,6 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// How far q is advanced from the press's start, m.
-double advance_of(const Device& device, const PressRecord& press, const Configuration& q) {
-  Configuration ahead = Configuration::Zero(q.size());
-  device.advance(1.0, ahead);
-  return (q - press.start).dot(ahead) / ahead.squaredNorm();
-}
-
 /// Neighbouring readings put together.
 PressRecord in_parts(const PressRecord& press) {
   PressRecord parts{.start = press.start, .readings = {}};
@@ -76,11 +70,11 @@ std::optional<double> touch_of(const Device& device, const PressRecord& press) {
     const PressReading& after = readings[i];
     if (before.force > kTouch || after.force <= kTouch) continue;
     const double part = (kTouch - before.force) / (after.force - before.force);
-    const double from = advance_of(device, press, before.q);
-    return from + part * (advance_of(device, press, after.q) - from);
+    const double from = advance_between(device, press.start, before.q);
+    return from + part * (advance_between(device, press.start, after.q) - from);
   }
   if (!readings.empty() && readings.front().force > kTouch) {
-    return advance_of(device, press, readings.front().q);
+    return advance_between(device, press.start, readings.front().q);
   }
   return std::nullopt;
 }
