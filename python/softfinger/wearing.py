@@ -88,8 +88,9 @@ def fit_device(
     wearer: finger file of whom an emulated device is on. sensor, sensor_noise_N, seed: an emulated force
     sensor for a device file without, its noise. again: the finger is known, the device was put on again:
     mount alone. by_touch: without a force sensor, from touches that the wearer tells; of a device with motors
-    by counting up touches.value from another thread, an emulated wearer tells by itself. real_time: an emulated device too goes by the clock. fault, fault_at_s: of an emulated
-    sensor, to see what is made of it. guard_program: softfinger-guard, where it is not with the library.
+    by counting up touches.value from another thread, an emulated wearer tells by itself. real_time: an emulated
+    device too goes by the clock. fault, fault_at_s: of an emulated sensor, to see what is made of it.
+    guard_program: softfinger-guard, where it is not with the library.
 
     Returns what the command prints with --json: parameters by name with value, ci95_low, ci95_high and prior,
     predicted_force_error, ... Raises OperationError, and writes nothing, where the presses do not foretell

@@ -37,6 +37,13 @@ class FittedDevice : public testing::Test {
     options.guard_program = guard_program();
     return options;
   }
+  [[nodiscard]] DeviceFitOptions options_by_touch() const {
+    DeviceFitOptions by_touch = options();
+    by_touch.sensor.reset();
+    by_touch.sensor_noise.reset();
+    by_touch.by_touch = true;
+    return by_touch;
+  }
   [[nodiscard]] bool is_written() const {
     return std::filesystem::exists(directory_ / "anna.toml");
   }
@@ -111,11 +118,19 @@ TEST_F(FittedDevice, ComesOutTheSameEachTimeAndOtherFingersStay) {
   EXPECT_TRUE(load_person(options().person).find("index")->mount);
 }
 
+TEST_F(FittedDevice, ByTouchAsksNoSensor) {
+  DeviceFitOptions by_touch = options_by_touch();
+  by_touch.fault = ForceSensorFault::kDead;
+  EXPECT_THROW((void)fit_device(by_touch, stop_), InputError);
+  by_touch = options_by_touch();
+  by_touch.sensor_noise = 0.02;
+  EXPECT_THROW((void)fit_device(by_touch, stop_), InputError);
+  EXPECT_FALSE(is_written());
+}
+
 // Without a force sensor: not how stiff the skin is, but where it is.
 TEST_F(FittedDevice, LearnsByTouchesThatTheWearerTells) {
-  DeviceFitOptions by_touch = options();
-  by_touch.sensor.reset();
-  by_touch.by_touch = true;
+  DeviceFitOptions by_touch = options_by_touch();
   const DeviceFit fit = fit_device(by_touch, stop_);
   ASSERT_EQ(fit.failure, "");
   EXPECT_EQ(fit.presses, 10);
@@ -135,9 +150,7 @@ TEST_F(FittedDevice, LearnsByTouchesThatTheWearerTells) {
 }
 
 TEST_F(FittedDevice, WhoTellsTouchesAnyHowLearnsNothing) {
-  DeviceFitOptions by_touch = options();
-  by_touch.sensor.reset();
-  by_touch.by_touch = true;
+  DeviceFitOptions by_touch = options_by_touch();
   by_touch.wear.reaction = 0.5;
   by_touch.wear.reaction_spread = 0.3;
   by_touch.seed = 2;  // a third of all seeds tell the last touch as far from the first
@@ -145,9 +158,7 @@ TEST_F(FittedDevice, WhoTellsTouchesAnyHowLearnsNothing) {
 }
 
 TEST_F(FittedDevice, WhoNeverTellsIsLeftAlone) {
-  DeviceFitOptions by_touch = options();
-  by_touch.sensor.reset();
-  by_touch.by_touch = true;
+  DeviceFitOptions by_touch = options_by_touch();
   by_touch.wear.reaction = 100.0;
   expect_refused(by_touch, "no touch was told within 1.2 mm");
 }

@@ -337,6 +337,12 @@ void check(const DeviceFitOptions& options) {
     throw InputError(fmt::format(
         "--name {}: no name of a finger; expected 1 to 64 letters, digits, - or _", options.name));
   }
+  if (options.by_touch &&
+      (options.sensor || options.sensor_noise || options.fault != ForceSensorFault::kNone)) {
+    throw InputError(
+        "--by-touch: asks the wearer and no force sensor; leave --sensor, --sensor-noise-N and "
+        "--fault out");
+  }
   constexpr double kMostNoise = 10.0;  // N
   const auto& noise = options.sensor_noise;
   if (noise && !(*noise >= 0.0 && *noise <= kMostNoise)) {
