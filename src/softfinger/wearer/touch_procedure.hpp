@@ -22,9 +22,9 @@ struct TouchTick {
 struct TouchLimits {
   double approach = 1e-3;  ///< m/s
   double past = 1.2e-3;    ///< m past where the skin should be that it is looked for
-  /// From a touch to the wearer's word, s. A simple reaction to touch takes 0.15 to 0.16 s (Brebner
-  /// and Welford, "Introduction: an historical background sketch", in Reaction Times, 1980); who
-  /// waits for something that grows slowly takes a little more.
+  /// From a touch to the wearer's word, s. A simple reaction to touch takes 0.155 s (Robinson 1934,
+  /// as Kosinski, "A Literature Review on Reaction Time", reports it; not verified); who waits for
+  /// something that grows slowly takes a little more.
   double reaction = 0.2;
   double duration = 90.0;  ///< s, of all
 };
