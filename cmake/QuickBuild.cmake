@@ -1,5 +1,5 @@
 # Builds from nothing parse Eigen, the standard library and a target's own headers once instead of once a
-# file: headers are precompiled, and a few sources are compiled as one. Off by default: compiler caches and
+# file: headers are precompiled, and all sources of a target are compiled as one. Off by default: compiler caches and
 # editors are better served without, and a header that forgets an include shows.
 option(SOFTFINGER_QUICK_BUILD "Precompile headers and compile sources together" OFF)
 
@@ -9,12 +9,6 @@ if(SOFTFINGER_QUICK_BUILD)
   # Failures are told with the name of their file, not with its path: so tests are the same in every checkout, and
   # what one has compiled is in the compiler cache for all.
   list(APPEND SOFTFINGER_TEST_OPTIONS -Wno-builtin-macro-redefined -D__FILE__=__FILE_NAME__)
-endif()
-
-# So many sources are compiled as one. Under a sanitizer all of a target: there no one waits for a single file.
-set(SOFTFINGER_SOURCES_AT_ONCE 8)
-if(SOFTFINGER_SANITIZE)
-  set(SOFTFINGER_SOURCES_AT_ONCE 0)
 endif()
 
 # Not with Clang: CMake hands it precompiled headers by paths that a compiler cache takes for another program in another
@@ -31,7 +25,7 @@ function(softfinger_quick_build target kind)
     if(SOFTFINGER_PRECOMPILE AND NOT kind STREQUAL "program")
       target_precompile_headers(${target} REUSE_FROM softfinger_${kind}_headers)
     endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SOFTFINGER_SOURCES_AT_ONCE})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   endif()
 endfunction()
 

@@ -67,8 +67,8 @@ std::string motion(const Json& object) {
 }
 
 void print_summary(const Json& scene) {
-  const auto text = [](const Json& json, const char* key) {
-    return json.at(key).get<std::string>();
+  const auto text = [](const Json& value, const char* key) {
+    return value.at(key).get<std::string>();
   };
   fmt::print("{}: good\n", text(scene, "scene"));
   if (const std::string line = text(scene, "description"); !line.empty())

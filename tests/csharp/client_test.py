@@ -119,10 +119,9 @@ class Client(unittest.TestCase):
                 steps = {row["step"]: dict(row) for row in database.execute("SELECT * FROM steps")}
                 ticks = {row["tick"]: dict(row) for row in database.execute("SELECT * FROM ticks")}
         self.compare(told, steps, ticks)
-        # It ends with the program.
-        out, error = printing.communicate(timeout=mono.PATIENCE_S)
-        self.assertEqual((printing.returncode, error), (0, ""))
-        rows += [line.split() for line in out.splitlines()]
+        # It ends with the program. Read to the end by the same reader, which may hold a part of a line already.
+        rows += [line.split() for line in printing.stdout]
+        self.assertEqual((printing.stderr.read(), printing.wait(mono.PATIENCE_S)), ("", 0))
         self.assertTrue(all(row[1] == "s" and row[3] == "N" for row in rows), rows)
         self.assertEqual(sorted(float(row[0]) for row in rows), [float(row[0]) for row in rows])
         self.assertEqual(contact.run("nowhere://")[0], 2)

@@ -37,13 +37,18 @@ async function seenMoving(page, picture) {
   await page.waitForFunction(() => document.body.dataset.contacts === "0", null, { polling });
   const before = await picture("#rendered");
   const reach = await picture("#workspace");
-  await pauseInContact(page, 4);
-  const after = await picture("#rendered");
-  const { teal } = countColors(after);
-  assert.ok(teal > 400, `${teal} pixels of the device's colour`);
-  const moved = differingPixels(before, after);
+  let moved, there;
+  // On a busy machine a touch may be paused at before the device has begun to follow.
+  for (let attempt = 0; attempt < 5 && !(moved > 300 && there > 10); ++attempt) {
+    if (attempt > 0) await page.keyboard.press("Space");
+    await pauseInContact(page, 4);
+    const after = await picture("#rendered");
+    const { teal } = countColors(after);
+    assert.ok(teal > 400, `${teal} pixels of the device's colour`);
+    moved = differingPixels(before, after);
+    there = differingPixels(reach, await picture("#workspace"));
+  }
   assert.ok(moved > 300, `${moved} pixels differ`);
-  const there = differingPixels(reach, await picture("#workspace"));
   assert.ok(there > 10, `${there} pixels of the workspace differ`);
   await page.keyboard.press("Space");
 }
