@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "kinds.hpp"
 #include "softfinger/device/linear_drives.hpp"
@@ -90,6 +92,62 @@ TEST(Composition, DrivesCarryEitherDisk) {
     const ClosestPointResidual b = pieces.closest_point_residual(q, p_F);
     EXPECT_LT((a.residual - b.residual).norm(), 1e-12);
     EXPECT_LT((a.jacobian - b.jacobian).norm(), 1e-9);
+  }
+}
+
+/// Pieces of every shape, strewn about the pad, on one drive.
+std::vector<SurfacePiece> strewn_pieces(std::mt19937& random) {
+  std::uniform_real_distribution<double> some(-1.0, 1.0);
+  const std::vector<PieceShape> shapes{DiskPiece{kRadius, kEdge}, PinPiece{0.5 * mm},
+                                       Shape{Ball{1.5 * mm}},
+                                       Shape{RoundedBox{Vector3(3.0, 0.5, 1.0) * mm, 0.2 * mm}},
+                                       Shape{RoundedCylinder{0.5 * mm, 4.0 * mm, 0.1 * mm}}};
+  std::vector<SurfacePiece> pieces;
+  for (int i = 0; i < 20; ++i) {
+    SurfacePiece piece;
+    piece.shape = shapes[static_cast<std::size_t>(i) % shapes.size()];
+    piece.X_LS = {exp_rotation(Vector3(some(random), some(random), some(random))),
+                  8.0 * mm * Vector3(some(random), some(random), some(random))};
+    pieces.push_back(piece);
+  }
+  return pieces;
+}
+
+// Most pieces are not looked at: none of those is the nearest.
+TEST(Composition, ManyPiecesAreAsNearAsTheNearestOfThem) {
+  DeviceSettings settings;
+  settings.axes = {ConfigurationAxis::length("travel_mm", -3.0 * mm, 7.0 * mm)};
+  settings.home = Configuration::Zero(1);
+  settings.retracted = settings.home;
+  LinearDrives::set_joint_limits(settings, 50.0 * mm);
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 10; ++trial) {
+    const std::vector<SurfacePiece> pieces = strewn_pieces(random);
+    const Device device(
+        settings,
+        std::make_unique<const LinearDrives>(settings, std::vector<Vector3>{Vector3::UnitZ()}, 1),
+        std::make_unique<const PieceSurface>(pieces));
+    const Configuration q = random_configuration(device, random);
+    std::vector<double> x, y, z;
+    double least_of_all = 1.0;
+    for (int i = 0; i < 100; ++i) {
+      const Vector3 p_F = random_pad_point(random);
+      double solid = 1.0;
+      double face = 1.0;
+      for (const SurfacePiece& piece : pieces) {
+        const Vector3 p_S = piece.X_LS.inverse() * (p_F - q[0] * Vector3::UnitZ());
+        solid = std::min(solid, solid_distance(piece.shape, p_S).distance);
+        face = std::min(face, squared_face_distance(piece.shape, p_S));
+      }
+      EXPECT_NEAR(device.signed_distance(q, p_F).distance, solid, 1e-14);
+      EXPECT_NEAR(device.closest_point_residual(q, p_F).residual.squaredNorm(), face, 1e-14);
+      least_of_all = std::min(least_of_all, solid);
+      x.push_back(p_F.x());
+      y.push_back(p_F.y());
+      z.push_back(p_F.z());
+      const SurfaceSamples so_far{x, y, z, x, x, 0};
+      EXPECT_NEAR(device.least_distance(q, so_far), least_of_all, 1e-14);
+    }
   }
 }
 

@@ -74,7 +74,7 @@ TEST(ObjectiveKinds, AShippedDeviceCanHaveEach) {
 
 TEST(ObjectiveKinds, AnEmptyFileLeadsByTheSurface) {
   EXPECT_EQ(MatchingSettings().objective, "surface");
-  EXPECT_EQ(&objective_kind(*device_of("plate-6dof")), objective_kind("surface"));
+  EXPECT_EQ(&objective_kind(*device_of("pins-wagner-6x6")), objective_kind("surface"));
   EXPECT_EQ(&objective_kind(*device_of("thimble-3rrs")), objective_kind("surface_and_force"));
 }
 

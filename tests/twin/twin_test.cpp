@@ -195,5 +195,36 @@ TEST(Twin, SkinThatRelaxesPushesLessAfterAWhile) {
   EXPECT_NEAR(later / at_once, model->relaxation.long_time_fraction(), 0.05);
 }
 
+// What is given up leaves no trace, but which factors the solver has kept.
+TEST(Twin, AnAttemptThatIsGivenUpLeavesTheNextWhereItBegan) {
+  const auto model = wearer();
+  const auto device = thimble_under_test();
+  const double touch = touching_travel(*device, *model);
+  Twin steady(model, device);
+  Twin hasty(model, device);
+  for (Twin* twin : {&steady, &hasty}) {
+    twin->begin_frame(0.5, 0.0);
+    EXPECT_TRUE(twin->attempt(level(touch + 0.5 * mm)).converged);
+    TwinForces forces;
+    ASSERT_TRUE(twin->forces_and_derivatives(forces));
+  }
+  const TwinSummary given_up = hasty.attempt(level(touch + 2.0 * mm), 3);
+  EXPECT_FALSE(given_up.converged);
+  EXPECT_LE(given_up.iterations, 3);
+  const Configuration next = level(touch + 0.7 * mm);
+  EXPECT_NEAR(hasty.attempt(next).iterations, steady.attempt(next).iterations, 1);
+  const double force = steady.contact().normal_force;
+  EXPECT_GT(force, 0.1);
+  EXPECT_NEAR(hasty.contact().normal_force, force, 1e-5 * force);
+  for (std::size_t n = 0; n < steady.positions().size(); ++n) {
+    ASSERT_LT((hasty.positions()[n] - steady.positions()[n]).norm(), 1e-9) << n;
+  }
+  // One that has enough is the one without an end.
+  const Configuration last = level(touch + 0.9 * mm);
+  EXPECT_TRUE(hasty.attempt(last, 1000).converged);
+  EXPECT_TRUE(steady.attempt(last).converged);
+  EXPECT_NEAR(hasty.contact().normal_force, steady.contact().normal_force, 1e-5 * force);
+}
+
 }  // namespace
 }  // namespace softfinger

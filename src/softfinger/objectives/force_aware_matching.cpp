@@ -25,6 +25,11 @@ constexpr double kStepTolerance = 1e-6;  // m of surface motion
 constexpr double kLeastDamping = 1e-4;   // of the largest diagonal
 // A frame. More gain nothing in the mean, and cost the slowest frames a third of their time.
 constexpr int kAttempts = 5;
+// Of Newton's method, in all attempts of a frame: a frame that would take more ends with the best
+// it has, and the next goes on.
+constexpr int kIterations = 120;
+// Of the attempt at the surface's match: where that presses the skin far, it is no start.
+constexpr int kIterationsOfALook = 30;
 // Of the cost; a step that gains less is not made.
 constexpr double kCostTolerance = 5e-3;
 constexpr double kStressTolerance = 1e-3;
@@ -77,6 +82,7 @@ struct ForceAwareMatching::Implementation {
   Configuration anchor;                         ///< the surface's match
   bool under_way = false;                       ///< the last frame has not ended
   bool attempted = false;                       ///< in this frame
+  int spent = 0;                                ///< iterations of the twin, in this frame
   SecantForces known;                           ///< at result.configuration and thereabouts
   bool foreknown = false;                       ///< by the last frame
   bool derived = false;                         ///< right at result.configuration
@@ -116,9 +122,11 @@ struct ForceAwareMatching::Implementation {
   }
   [[nodiscard]] double cost_at(const Configuration& q) { return surface_cost(q) + felt_cost(); }
   /// Whether the twin's skin came to rest there.
-  bool attempt(const Configuration& q) {
+  bool attempt(const Configuration& q, int most_iterations = Twin::kAsManyAsItTakes) {
     attempted = true;
-    return twin.attempt(q).converged;
+    const TwinSummary summary = twin.attempt(q, most_iterations);
+    spent += summary.iterations;
+    return summary.converged;
   }
   void choose_start(const Configuration& surface);
   [[nodiscard]] bool form_step(const Configuration& q);
@@ -210,8 +218,7 @@ void ForceAwareMatching::Implementation::choose_start(const Configuration& surfa
   attempt(before);
   if (near()) return;
   const double cost = cost_at(before);
-  attempt(surface);
-  if (cost_at(surface) < cost) {
+  if (attempt(surface, kIterationsOfALook) && cost_at(surface) < cost) {
     result.configuration = surface;
   } else {
     attempt(before);
@@ -250,14 +257,16 @@ void ForceAwareMatching::Implementation::search() {
   if (!foreknown && !derive()) return;
   double cost = cost_at(result.configuration);
   Configuration trial = result.configuration;
-  for (int attempts = 0; attempts < kAttempts && result.iterations < options.iterations;
+  for (int attempts = 0;
+       attempts < kAttempts && result.iterations < options.iterations && spent < kIterations;
        ++attempts) {
     if (!form_trial(cost, trial)) {
       if (!known.doubtful || derived || is_met() || !derive()) return;
+      if (spent >= kIterations) return;
       cost = cost_at(result.configuration);
       if (!form_trial(cost, trial)) return;
     }
-    const bool settled = attempt(trial);
+    const bool settled = attempt(trial, kIterations - spent);
     const double trial_cost = cost_at(trial);
     const bool foretold = settled && known.learn(*device, trial - result.configuration,
                                                  normal_force_vector(twin.contact()),
@@ -311,6 +320,7 @@ const ForceAwareResult& ForceAwareMatching::match(const ContactSet& virtual_side
   self.twin.begin_frame(friction_coefficient, elapsed);
   self.under_way = true;
   self.attempted = false;
+  self.spent = 0;
   if (virtual_side.contact_count > 0 && self.target.norm() > kWorthwhileForce) {
     if (self.stress) self.stress->want(nodes_F);
     self.choose_start(surface);

@@ -28,7 +28,7 @@ struct ForceAwareOptions {
   /// w_a, likewise: what moves neither surface nor force, a disk's turn about its own axis, does
   /// not wander off with the skin that it drags along.
   double anchor_weight = 0.3;
-  int iterations = 4;          ///< Gauss-Newton steps a frame that gain, of at most 8 attempts
+  int iterations = 4;          ///< Gauss-Newton steps a frame that gain, of at most 5 attempts
   double max_angle = 0.15;     ///< rad a step
   double max_length = 0.6e-3;  ///< m a step
 

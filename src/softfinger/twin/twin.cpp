@@ -114,12 +114,16 @@ struct Twin::Implementation {
   };
   std::vector<TouchingPair> touching;  ///< at the last attempt
   bool shifts_known = false;           ///< at the last attempt, or one before it
+  // Where the last attempt began, if it was given up.
+  bool given_up = false;
+  Configuration tried_from_q;
+  std::vector<Vector3> tried_from;
 
   void reset(const Configuration& at);
   void place();
   void keep_poses();
   void begin(std::span<const Vector3> seen_positions);
-  TwinSummary attempt(const Configuration& at);
+  TwinSummary attempt(const Configuration& at, int most_iterations = Twin::kAsManyAsItTakes);
   void foresee(const Configuration& at);
   void start(bool was_foreseen);
   void keep();
@@ -160,9 +164,11 @@ void Twin::Implementation::reset(const Configuration& at) {
   potential.forget_features();
   potential.keep_features(kept_features);
   foreseen = positions;
+  tried_from = positions;
   kept_poses.clear();
   for (Obstacle& obstacle : obstacles) obstacle.X_WO_old.reset();
   shifts_known = false;
+  given_up = false;
   friction_coefficient = 0.0;
   elapsed = 0.0;
   q = at;
@@ -227,7 +233,16 @@ void Twin::Implementation::start(bool was_foreseen) {
   if (energy < potential.energy()) potential.start_from(foreseen, Pose{});
 }
 
-TwinSummary Twin::Implementation::attempt(const Configuration& at) {
+TwinSummary Twin::Implementation::attempt(const Configuration& at, int most_iterations) {
+  if (given_up) {
+    positions = tried_from;
+    q = tried_from_q;
+    given_up = false;
+  }
+  if (most_iterations < Twin::kAsManyAsItTakes) {
+    tried_from = positions;
+    tried_from_q = q;
+  }
   const bool was_foreseen = shifts_known && at != q;
   if (was_foreseen) foresee(at);
   q = at;
@@ -238,10 +253,10 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
   const Tolerances tolerances = tolerances_for(precision);
   NewtonOptions newton;
   newton.tolerance = tolerances.roughly;
-  newton.max_iterations = kIterations;
   newton.stop = stop;
   TwinSummary summary;
   for (int pass = 0; pass < kFrictionPasses; ++pass) {
+    newton.max_iterations = std::min(kIterations, most_iterations - summary.iterations);
     if (pass < kLooks) begin(pass == 0 ? std::span<const Vector3>{} : positions);
     if (pass == 0) {
       start(was_foreseen);
@@ -260,10 +275,15 @@ TwinSummary Twin::Implementation::attempt(const Configuration& at) {
     const bool fully =
         newton.tolerance == tolerances.residual || solved.residual <= tolerances.residual;
     if (stand && fully) break;
+    given_up = summary.iterations >= most_iterations;
+    if (given_up) {
+      summary.converged = false;
+      break;
+    }
     if (stand || pass + 2 == kFrictionPasses) newton.tolerance = tolerances.residual;
   }
   report_contact(*wearer, potential, contact);
-  shifts_known = shifts_known && contact.contact_count > 0;
+  shifts_known = shifts_known && (given_up || contact.contact_count > 0);
   return summary;
 }
 
@@ -567,7 +587,9 @@ void Twin::begin_frame(double friction_coefficient, double elapsed) {
   implementation_->friction_coefficient = friction_coefficient;
   implementation_->elapsed = elapsed;
 }
-TwinSummary Twin::attempt(const Configuration& q) { return implementation_->attempt(q); }
+TwinSummary Twin::attempt(const Configuration& q, int most_iterations) {
+  return implementation_->attempt(q, most_iterations);
+}
 void Twin::keep() { implementation_->keep(); }
 void Twin::end_frame(const Configuration& q) {
   const Implementation& self = *implementation_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <stop_token>
@@ -65,8 +66,11 @@ class Twin {
   TwinSummary press(const Configuration& q, double friction_coefficient, double elapsed);
 
   // A frame in pieces, for those who look for a q: any number of attempts, of which the last stays.
+  // One that would take more than `most_iterations` of Newton's method is given up: it does not
+  // converge, the next one begins where it had begun, and it may not be kept.
   void begin_frame(double friction_coefficient, double elapsed);
-  TwinSummary attempt(const Configuration& q);
+  static constexpr int kAsManyAsItTakes = std::numeric_limits<int>::max();
+  TwinSummary attempt(const Configuration& q, int most_iterations = kAsManyAsItTakes);
   void keep();
   /// keep() with the device at q, wherever it was tried, by the way that press() takes.
   void end_frame(const Configuration& q);

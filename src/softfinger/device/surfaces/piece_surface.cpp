@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -12,6 +13,14 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 Vector3 in_frame(const Pose& X_BS, const Vector3& p_B) {
   return X_BS.rotation.transpose() * (p_B - X_BS.translation);
+}
+
+/// Whether what reaches so far about its origin is farther than `distance` from p_S, without a
+/// doubt: so most pieces need not be looked at.
+bool is_farther(const Vector3& p_S, double reach, double distance) {
+  constexpr double kBeyondDoubt = 1e-9;  // m
+  const double within = distance + reach + kBeyondDoubt;
+  return within < 0.0 || p_S.squaredNorm() > within * within;
 }
 
 }  // namespace
@@ -47,6 +56,8 @@ struct PieceSurface::BodySums {
 PieceSurface::PieceSurface(std::vector<SurfacePiece> pieces) : pieces_(std::move(pieces)) {
   for (const SurfacePiece& piece : pieces_) {
     bodies_ = std::max(bodies_, static_cast<std::size_t>(piece.body) + 1);
+    face_reach_.push_back(face_reach(piece.shape));
+    solid_reach_.push_back(solid_reach(piece.shape));
   }
 }
 
@@ -68,7 +79,9 @@ std::size_t PieceSurface::nearest_face(const Placed& placed, const Vector3& p_B)
   if (pieces_.size() == 1) return nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
-    const double square = squared_face_distance(pieces_[k].shape, in_frame(placed.pieces[k], p_B));
+    const Vector3 p_S = in_frame(placed.pieces[k], p_B);
+    if (is_farther(p_S, face_reach_[k], std::sqrt(least))) continue;
+    const double square = squared_face_distance(pieces_[k].shape, p_S);
     if (square < least) {
       least = square;
       nearest = k;
@@ -82,8 +95,9 @@ std::size_t PieceSurface::nearest_solid(const Placed& placed, const Vector3& p_B
   if (pieces_.size() == 1) return nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
-    const double distance =
-        solid_distance(pieces_[k].shape, in_frame(placed.pieces[k], p_B)).distance;
+    const Vector3 p_S = in_frame(placed.pieces[k], p_B);
+    if (is_farther(p_S, solid_reach_[k], least)) continue;
+    const double distance = solid_distance(pieces_[k].shape, p_S).distance;
     if (distance < least) {
       least = distance;
       nearest = k;
@@ -216,11 +230,12 @@ double PieceSurface::least_distance(const Kinematics& by, const Configuration& q
   const Placed here = placed(by, q);
   const Pose X_BF = by.mount().inverse();
   double least = std::numeric_limits<double>::infinity();
-  for (const SurfacePiece& piece : pieces_) {
-    const Pose X_SF = piece_pose(here, piece).inverse() * X_BF;
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    const Pose X_SF = here.pieces[k].inverse() * X_BF;
     for (std::size_t i = 0; i < samples.x.size(); ++i) {
       const Vector3 p_S = X_SF * Vector3(samples.x[i], samples.y[i], samples.z[i]);
-      least = std::min(least, solid_distance(piece.shape, p_S).distance);
+      if (is_farther(p_S, solid_reach_[k], least)) continue;
+      least = std::min(least, solid_distance(pieces_[k].shape, p_S).distance);
     }
   }
   return least;

@@ -54,7 +54,8 @@ class PieceSurface final : public ContactingSurface {
   [[nodiscard]] const DiskPiece* only_disk() const;
 
   std::vector<SurfacePiece> pieces_;
-  std::size_t bodies_ = 1;  ///< that carry them
+  std::vector<double> face_reach_, solid_reach_;  ///< of each piece, m
+  std::size_t bodies_ = 1;                        ///< that carry them
 };
 
 }  // namespace softfinger

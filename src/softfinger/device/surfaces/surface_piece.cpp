@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "softfinger/device/surfaces/disk_geometry.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
@@ -100,6 +101,23 @@ double extent(const PieceShape& shape) {
   }
   const auto* mesh = std::get_if<MeshShape>(&solid);
   return mesh != nullptr ? 0.5 * (*mesh)->content().bounds.sizes().maxCoeff() : 0.0;
+}
+
+double face_reach(const PieceShape& shape) {
+  if (const auto* disk = std::get_if<DiskPiece>(&shape)) return disk->radius;
+  if (const auto* pin = std::get_if<PinPiece>(&shape)) return pin->radius;
+  return solid_reach(shape);
+}
+
+double solid_reach(const PieceShape& shape) {
+  if (const auto* solid = std::get_if<Shape>(&shape)) {
+    if (const auto* ball = std::get_if<Ball>(solid)) return ball->radius;
+    if (const auto* box = std::get_if<RoundedBox>(solid)) return box->half_size.norm();
+    if (const auto* cylinder = std::get_if<RoundedCylinder>(solid)) {
+      return std::hypot(cylinder->radius, cylinder->half_length);
+    }
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 SignedDistance solid_distance(const PieceShape& shape, const Vector3& p_S) {

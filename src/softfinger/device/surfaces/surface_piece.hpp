@@ -40,6 +40,11 @@ struct NearestPoint {
 /// How far the piece reaches from its origin, m.
 [[nodiscard]] double extent(const PieceShape& shape);
 
+/// No point of the piece's face, or of its solid, is farther than this from its origin, m; infinity
+/// where that has no end or is not known.
+[[nodiscard]] double face_reach(const PieceShape& shape);
+[[nodiscard]] double solid_reach(const PieceShape& shape);
+
 /// Signed distance to the piece's solid with its derivatives by p_S.
 [[nodiscard]] SignedDistance solid_distance(const PieceShape& shape, const Vector3& p_S);
 
