@@ -14,6 +14,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/text_file.hpp"
+#include "softfinger/finger/finger_size.hpp"
 #include "softfinger/session/evaluation.hpp"
 
 namespace softfinger {
@@ -202,6 +203,26 @@ TEST_F(FittedDevice, AStopWhileItEstimatesEndsItAndNothingIsWritten) {
     EXPECT_THAT(fit.failure, HasSubstr("ended before"));
     EXPECT_FALSE(is_written());
   }
+}
+
+// A device that no run would let this wearer wear is told now, not by the next command.
+TEST_F(FittedDevice, AFingerThatTheDeviceRestsOnAtHomeIsRefused) {
+  std::string text = read_text_file(kFitProject / "devices" / "thimble-3rrs.toml", 10000);
+  const std::string clearance = "clearance_mm = 3.0";
+  ASSERT_NE(text.find(clearance), std::string::npos);
+  text.replace(text.find(clearance), clearance.size(), "clearance_mm = 0.1");
+  DeviceFitOptions close = options();
+  close.device = directory_ / "close.toml";
+  std::ofstream(close.device) << text;
+  close.wearer = directory_ / "thick.toml";
+  const std::string finger = read_text_file(kFitProject / "fingers" / "index.toml", 100000);
+  std::string own = finger;
+  const std::string mesh = "file = \"";
+  ASSERT_NE(own.find(mesh), std::string::npos);
+  own.insert(own.find(mesh) + mesh.size(), (kFitProject / "fingers/").string());
+  const FingerSize size = finger_size(*FingerModel::load(kFitProject / "fingers" / "index.toml"));
+  std::ofstream(*close.wearer) << own << "\n[size]\ndepth_mm = " << *size.depth / mm * 1.03 << "\n";
+  expect_refused(close, "cannot be worn");
 }
 
 TEST_F(FittedDevice, ASensorScaledToNothingIsDead) {

@@ -354,6 +354,15 @@ void check(const DeviceFitOptions& options) {
   }
 }
 
+/// Why nothing would run with what was found; empty: it can be worn.
+std::string why_not_worn(const DeviceFitOptions& options, const FingerModel& finger,
+                         const PersonFinger& found) {
+  const auto fitted =
+      FingerModel::load(options.finger, found.size, found.modulus_factor.value_or(1.0));
+  const std::string why = why_not_fitted_on(*fitted, finger, options.device, *found.mount);
+  return why.empty() ? why : fmt::format("on the finger that was found it cannot be worn: {}", why);
+}
+
 }  // namespace
 
 DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& stop,
@@ -448,7 +457,10 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   tell(fit.estimate, known, *finger, fit);
   fit.failure = objection(fit, options.finger);
   if (!fit.failure.empty()) return fit;
-  put(fit.estimate, *finger, person.at(options.name));
+  PersonFinger& found = person.at(options.name);
+  put(fit.estimate, *finger, found);
+  fit.failure = why_not_worn(options, *finger, found);
+  if (!fit.failure.empty()) return fit;
   save_person(person);
   fit.written = options.person;
   return fit;
