@@ -58,7 +58,7 @@ export interface Scene {
   scene: string;
   scenes: string[];
   duration_s: number;
-  objects: { name: string; shape: Shape; hand: string | null; holdable: boolean }[];
+  objects: { name: string; shape: Shape; hand: string | null; holdable: boolean; joint: "slider" | "hinge" | "ball" | "fixed" | null }[];
   fingers: FingerDescription[];
   notices: Notice[];
   objectives: Objective[];

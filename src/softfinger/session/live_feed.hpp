@@ -29,6 +29,7 @@ struct SceneDescription {
     std::vector<std::array<int, 3>> triangles;  ///< indices into these, outward
     std::string hand;                           ///< whose bone it is; empty: none's
     bool can_be_held = false;                   ///< by LiveRequest::Kind::kHold
+    std::string joint;                          ///< kind of the one it moves by; empty: none
   };
   struct Finger {
     std::string name;

@@ -85,6 +85,9 @@ SceneDescription describe(const RunSetup& setup) {
     told.name = object.name;
     told.shape = object.shape;
     told.can_be_held = object.can_be_held();
+    if (object.dynamics && object.dynamics->joint) {
+      told.joint = row_of(kJointKinds, object.dynamics->joint->kind).name;
+    }
     if (object.hand() >= 0) {
       told.hand = setup.scene.hands[static_cast<std::size_t>(object.hand())].name;
     }

@@ -175,7 +175,8 @@ std::string scene_message(const SceneDescription& scene) {
     message["objects"].push_back({{"name", object.name},
                                   {"shape", std::move(shape)},
                                   {"hand", object.hand.empty() ? Json() : Json(object.hand)},
-                                  {"holdable", object.can_be_held}});
+                                  {"holdable", object.can_be_held},
+                                  {"joint", object.joint.empty() ? Json() : Json(object.joint)}});
   }
   for (const auto& finger : scene.fingers) message["fingers"].push_back(to_json(finger));
   for (const auto& notice : scene.notices) {

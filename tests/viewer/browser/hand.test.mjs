@@ -119,3 +119,53 @@ test("the pointer takes a ball from the table, lifts it and drops it", { timeout
     rmSync(folder, { recursive: true, force: true });
   }
 });
+
+const kKnobScene = kBallScene.slice(0, kBallScene.indexOf("[[object]]")) + `
+[[object]]
+name = "knob"
+shape = "cylinder"
+radius_mm = 14.0
+length_mm = 20.0
+position_mm = [0.0, 0.0, 10.0]
+motion = "dynamic"
+mass_g = 40.0
+[object.joint]
+kind = "hinge"
+axis = [0.0, 0.0, 1.0]
+friction_N_mm = 0.5
+[object.joint.detents]
+count = 24
+torque_N_mm = 4.0
+[[object]]
+name = "table"
+shape = "plane"
+`;
+
+test("the pointer turns a knob, click by click", { timeout: 300_000 }, async () => {
+  const folder = mkdtempSync(join(tmpdir(), "softfinger-knob-"));
+  writeFileSync(join(folder, "knob.toml"), kKnobScene);
+  const running = await startProgram(program, ["run", join(folder, "knob.toml"), "--port", "0"]);
+  const browser = await openPage(running.url, { width: 1100, height: 700 });
+  const { page } = browser;
+  try {
+    const box = await page.locator("#virtual").boundingBox();
+    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    await page.waitForTimeout(1500); // the view has followed
+    let depth = 0.46;
+    for (; depth > 0.2; depth -= 0.02) {
+      await page.mouse.move(middle.x, middle.y + depth * box.height);
+      await page.mouse.down();
+      if ((await browser.data("holds")) === "knob") break;
+      await page.mouse.up();
+    }
+    await page.waitForFunction(() => document.body.dataset.holds === "knob");
+    await page.mouse.move(middle.x + 0.3 * box.width, middle.y + depth * box.height, { steps: 20 });
+    await page.waitForFunction(() => document.getElementById("events").innerText.includes("detent knob"));
+    await page.mouse.up();
+    assert.deepEqual(browser.complaints, []);
+  } finally {
+    await browser.close();
+    assert.equal(await running.stop(), 0);
+    rmSync(folder, { recursive: true, force: true });
+  }
+});

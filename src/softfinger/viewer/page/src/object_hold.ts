@@ -4,14 +4,18 @@ import type { ObjectView } from "./object_view";
 import type { View } from "./stage";
 
 const kInterval = 25; // ms between requests; the program takes no more than 50 a second
+const kLeastArm = 1; // mm from its middle that something is turned by
 const kFarthest = 990; // mm from the origin, of a coordinate; the program takes no more than 1000
 
 /** What the pointer has taken, and where: the plane that it is drawn along, and from its frame to the grip. */
 interface Grip {
   pointer: number;
   name: string;
+  group: Object3D; // where it is
+  turns: boolean; // by a joint, which keeps it from being carried
   plane: Plane;
-  toGrip: Vector3; // mm, W
+  toGrip: Vector3; // mm, W, as it was taken
+  taken: Quaternion; // its rotation then
   position: Vector3; // X_WO wanted, mm
   rotation: Quaternion;
 }
@@ -72,8 +76,11 @@ export class ObjectHold {
     const grip = {
       pointer: event.pointerId,
       name: object.name,
+      group,
+      turns: object.joint === "hinge" || object.joint === "ball",
       plane: new Plane().setFromNormalAndCoplanarPoint(facing, hit.point),
       toGrip: hit.point.clone().sub(group.position),
+      taken: group.quaternion.clone(),
       position: group.position.clone(),
       rotation: group.quaternion.clone(),
     };
@@ -91,7 +98,9 @@ export class ObjectHold {
     if (!grip || event.pointerId !== grip.pointer) return;
     event.stopImmediatePropagation();
     const at = this.view.under(event).ray.intersectPlane(grip.plane, new Vector3());
-    if (at) grip.position.copy(at).sub(grip.toGrip).clampScalar(-kFarthest, kFarthest);
+    if (!at) return;
+    grip.position.copy(at).sub(grip.toGrip).clampScalar(-kFarthest, kFarthest);
+    if (grip.turns) turn(grip, at);
   }
 
   private letGo(event: PointerEvent): void {
@@ -100,4 +109,13 @@ export class ObjectHold {
     this.end();
     event.stopImmediatePropagation();
   }
+}
+
+/** A knob or a dial follows the pointer around its middle: from where it was taken to where the pointer is. */
+function turn(grip: Grip, at: Vector3): void {
+  const middle = grip.group.position;
+  const to = at.clone().sub(middle);
+  if (grip.toGrip.length() < kLeastArm || to.length() < kLeastArm) return;
+  grip.position.copy(middle);
+  grip.rotation.setFromUnitVectors(grip.toGrip.clone().normalize(), to.normalize()).multiply(grip.taken);
 }
