@@ -378,7 +378,7 @@ class Host {
 
 }  // namespace
 
-extern "C" int read_c_interface(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_c_interface(const std::uint8_t* data, std::size_t size) {
   static Host host;
   static Several several;
   static Drive drive;

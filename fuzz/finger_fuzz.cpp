@@ -2,7 +2,7 @@
 #include "scratch_file.hpp"
 #include "softfinger/finger/finger_model.hpp"
 
-extern "C" int read_finger(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_finger(const std::uint8_t* data, std::size_t size) {
   static const softfinger::ScratchFile file("finger.toml");
   // The mesh that the seed names lies beside it, so that constants are reached behind it.
   [[maybe_unused]] static const bool copied = std::filesystem::copy_file(

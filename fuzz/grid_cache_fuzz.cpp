@@ -39,7 +39,7 @@ void seal(std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 // Input: damage done to a sound cache, half of it among the sizes at its beginning.
-extern "C" int read_grid_cache(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_grid_cache(const std::uint8_t* data, std::size_t size) {
   static const std::vector<std::uint8_t> sound = sound_cache();
   static const ScratchFile file("damaged.grid");
   std::vector<std::uint8_t> bytes = damaged(sound, {data, size}, 256);

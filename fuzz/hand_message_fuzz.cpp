@@ -6,7 +6,7 @@
 #include "softfinger/viewer/hand_message.hpp"
 
 // Whatever a page sends: it is refused, or a hand whose fingers have finite poses that are rigid.
-extern "C" int read_hand_message(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_hand_message(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   const std::string_view message(reinterpret_cast<const char*>(data), size);
   const auto hand = parse_hand_message(message);

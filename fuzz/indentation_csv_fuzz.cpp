@@ -1,7 +1,7 @@
 #include "scratch_file.hpp"
 #include "softfinger/identification/indentation_data.hpp"
 
-extern "C" int read_indentation_csv(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_indentation_csv(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   static const ScratchFile file("measured.csv");
   file.write({data, size});

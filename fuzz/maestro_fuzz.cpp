@@ -5,7 +5,7 @@
 #include "softfinger/motors/maestro/maestro_emulator.hpp"
 
 // A line full of noise must neither stop the emulator nor move a servo further than its pulses say.
-extern "C" int read_maestro(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_maestro(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   constexpr std::array<EmulatedServo, 3> kServos{
       EmulatedServo{.channel = 0}, EmulatedServo{.channel = 1}, EmulatedServo{.channel = 23}};

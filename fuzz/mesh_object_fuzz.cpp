@@ -8,7 +8,7 @@
 #include "softfinger/geometry/surface_check.hpp"
 
 // Input: which format (1 byte), then the file. What is accepted becomes a coarse grid.
-extern "C" int read_mesh_object(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_mesh_object(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   static const std::array<std::unique_ptr<ScratchFile>, 5> files{
       std::make_unique<ScratchFile>("mesh.obj"), std::make_unique<ScratchFile>("mesh.stl"),

@@ -45,7 +45,7 @@ TriangleMesh mesh_of(const std::uint8_t* data, std::size_t size) {
 
 }  // namespace
 
-extern "C" int read_mesh_surface(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_mesh_surface(const std::uint8_t* data, std::size_t size) {
   if (size > 400) return 0;
   read_or_refuse([&] {
     const ClosedSurface surface = closed_surface(welded(mesh_of(data, size), 1e-6), "mesh");

@@ -7,7 +7,7 @@
 
 // A server that says anything at all: nothing is read past the end, and a pose is one or is not
 // there. The first byte chooses the version, the rest are datagrams, each after its length.
-extern "C" int read_natnet(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_natnet(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   if (size == 0) return 0;
   constexpr std::array<NatNetVersion, 5> kVersions{{{3, 0}, {3, 1}, {4, 0}, {4, 1}, {4, 2}}};

@@ -31,7 +31,7 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 }  // namespace
 
 // What is read from a packet is read again from a bundle that is written of it.
-extern "C" int read_osc(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_osc(const std::uint8_t* data, std::size_t size) {
   bool whole = false;
   const std::vector<Numbers> messages = messages_of({data, size}, whole);
   if (!whole) return 0;

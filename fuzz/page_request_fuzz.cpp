@@ -8,7 +8,7 @@
 
 // Whatever a page asks: it is refused, or names a scene that there is, or has a pose that is
 // finite, rigid and within a metre, or lengths that are a finger's and a table's.
-extern "C" int read_page_request(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_page_request(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   static const std::array<std::string, 2> kScenes = {"sphere", "edge"};
   const std::string_view message(reinterpret_cast<const char*>(data), size);

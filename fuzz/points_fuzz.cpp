@@ -1,7 +1,7 @@
 #include "contact_points_file.hpp"
 #include "scratch_file.hpp"
 
-extern "C" int read_points(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_points(const std::uint8_t* data, std::size_t size) {
   static const softfinger::ScratchFile file("points.json");
   file.write({data, size});
   softfinger::read_or_refuse([] {

@@ -3,7 +3,7 @@
 #include "scratch_file.hpp"
 #include "softfinger/tracking/csv_tracker.hpp"
 
-extern "C" int read_pose_csv(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_pose_csv(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   static const ScratchFile file("poses.csv");
   file.write({data, size});

@@ -4,7 +4,7 @@
 #include "softfinger/tracking/stream/pose_datagram.hpp"
 
 // What the trackers udp and osc take for a pose is one.
-extern "C" int read_pose_message(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_pose_message(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   for (const auto decode : {decode_pose_datagram, decode_osc_pose}) {
     const auto message = decode({data, size});

@@ -23,7 +23,7 @@ std::vector<std::uint8_t> sound_recording() {
 }  // namespace
 
 // Input: damage done to a sound recording, anywhere.
-extern "C" int read_recording(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_recording(const std::uint8_t* data, std::size_t size) {
   static const std::vector<std::uint8_t> sound = sound_recording();
   static const ScratchFile file("damaged.sqlite");
   file.write(damaged(sound, {data, size}, sound.size()));

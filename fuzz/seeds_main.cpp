@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#define FUZZ_TARGET(name) extern "C" int read_##name(const std::uint8_t* data, std::size_t size);
+#define FUZZ_TARGET(name) extern "C" int fuzz_##name(const std::uint8_t* data, std::size_t size);
 #include "fuzz_targets.inl"
 #undef FUZZ_TARGET
 
@@ -20,7 +20,7 @@ using Target = int (*)(const std::uint8_t*, std::size_t);
 
 Target target_named(std::string_view wanted) {
 #define FUZZ_TARGET(name) \
-  if (wanted == #name) return read_##name;
+  if (wanted == #name) return fuzz_##name;
 #include "fuzz_targets.inl"
 #undef FUZZ_TARGET
   return nullptr;

@@ -91,7 +91,7 @@ std::string answer_to(std::string_view bytes, std::uint16_t port) {
 
 // Whatever a client sends, HTTP or WebSocket frames after it: the server goes on and serves the
 // next visitor.
-extern "C" int read_server(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_server(const std::uint8_t* data, std::size_t size) {
   static EmptyFeed feed;
   static constexpr std::array<PageFile, 1> kPage = {{{"/index.html", "text/html", "softfinger"}}};
   static Server server(feed, {.port = 0}, kPage);

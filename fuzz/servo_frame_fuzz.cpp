@@ -8,7 +8,7 @@
 
 // A bus full of noise: frames that are found must be written as they were read, and no servo may
 // leave its turn. The first byte says whose frames, and how the rest comes in pieces.
-extern "C" int read_servo_frame(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_servo_frame(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   if (size == 0) return 0;
   const bool dynamixel = (data[0] & 1) != 0;

@@ -3,7 +3,7 @@
 #include "softfinger/motors/weart/weart_emulator.hpp"
 
 // Whatever a client says, the force stays from 0 to 1, and what is understood can be said again.
-extern "C" int read_weart(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_weart(const std::uint8_t* data, std::size_t size) {
   using namespace softfinger;
   WeartReader reader;
   for (std::size_t i = 0; i < size; ++i) {
