@@ -15,6 +15,7 @@
 namespace softfinger {
 namespace {
 
+using testing::AnyOf;
 using testing::HasSubstr;
 constexpr auto kLongest = std::chrono::seconds(90);
 constexpr int kAttempts = 5;
@@ -123,7 +124,8 @@ TEST_F(FittingSession, LearnsTheWearerAndGoesOnWithItRetracted) {
     if (phase() == FitState::Phase::kSaved) {
       EXPECT_THAT(message, HasSubstr("mm long"));
     } else {
-      ASSERT_THAT(message, HasSubstr("no command for"));
+      // Late readings of a device that has left may be told first.
+      ASSERT_THAT(message, AnyOf(HasSubstr("no command for"), HasSubstr("remain although")));
     }
     ASSERT_TRUE(comes_back(attempt + 2));
     EXPECT_TRUE(session_->latest().stopped.asked);
