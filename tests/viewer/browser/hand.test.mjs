@@ -63,7 +63,11 @@ test("keys and pointer bring the finger to the sphere and away", { timeout: 300_
   }
 });
 
-const kBallScene = `
+/** A run whose finger waits over this object, `name`, on a table; `check` begins once the pointer has taken the object. */
+function onTaken(what, name, object, check) {
+  test(what, { timeout: 300_000 }, async () => {
+    const folder = mkdtempSync(join(tmpdir(), "softfinger-taken-"));
+    writeFileSync(join(folder, "taken.toml"), `
 [[finger]]
 name = "index"
 model = "${dirname(scene)}/../fingers/index.toml"
@@ -72,63 +76,69 @@ tracker = "page"
 time_s = 0.0
 position_mm = [0.0, 0.0, 36.0]
 [[object]]
-name = "ball"
-shape = "sphere"
-radius_mm = 12.0
+name = "${name}"
 motion = "dynamic"
-mass_g = 20.0
-position_mm = [0.0, 0.0, 12.0]
+${object}
 [[object]]
 name = "table"
 shape = "plane"
-`;
-
-test("the pointer takes a ball from the table, lifts it and drops it", { timeout: 300_000 }, async () => {
-  const folder = mkdtempSync(join(tmpdir(), "softfinger-ball-"));
-  writeFileSync(join(folder, "ball.toml"), kBallScene);
-  const running = await startProgram(program, ["run", join(folder, "ball.toml"), "--port", "0"]);
-  const browser = await openPage(running.url, { width: 1100, height: 700 });
-  const { page } = browser;
-  const holds = (name) => page.waitForFunction((wanted) => (document.body.dataset.holds ?? "") === wanted, name);
-  try {
-    assert.ok(await page.locator("#object-hint").isVisible());
-    const box = await page.locator("#virtual").boundingBox();
-    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
-    await page.waitForTimeout(1500); // the view has followed
-    // The ball is below the finger.
-    let depth = 0.46;
-    for (; depth > 0.2; depth -= 0.02) {
-      await page.mouse.move(middle.x, middle.y + depth * box.height);
-      await page.mouse.down();
-      if ((await browser.data("holds")) === "ball") break;
-      await page.mouse.up();
+`);
+    const running = await startProgram(program, ["run", join(folder, "taken.toml"), "--port", "0"]);
+    const browser = await openPage(running.url, { width: 1100, height: 700 });
+    const { page } = browser;
+    const holds = (wanted) => page.waitForFunction((it) => (document.body.dataset.holds ?? "") === it, wanted);
+    try {
+      assert.ok(await page.locator("#object-hint").isVisible());
+      const box = await page.locator("#virtual").boundingBox();
+      const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+      await page.waitForTimeout(1500); // the view has followed
+      // It is below the finger.
+      let depth = 0.46;
+      for (; depth > 0.2; depth -= 0.02) {
+        await page.mouse.move(middle.x, middle.y + depth * box.height);
+        await page.mouse.down();
+        if ((await browser.data("holds")) === name) break;
+        await page.mouse.up();
+      }
+      await holds(name);
+      // Both in parts of the pane, from its middle.
+      const carry = (right, down) =>
+        page.mouse.move(middle.x + right * box.width, middle.y + down * box.height, { steps: 20 });
+      await check({ page, depth, carry, holds });
+      assert.deepEqual(browser.complaints, []);
+    } finally {
+      await browser.close();
+      assert.equal(await running.stop(), 0);
+      rmSync(folder, { recursive: true, force: true });
     }
-    await holds("ball");
-    // Past the fingertip, then up.
-    await page.mouse.move(middle.x + 0.4 * box.width, middle.y + depth * box.height, { steps: 20 });
-    await page.mouse.move(middle.x + 0.4 * box.width, middle.y + 0.1 * box.height, { steps: 20 });
-    await page.waitForTimeout(1500);
-    await page.waitForFunction(() => document.getElementById("events").children.length === 0); // it hangs still
-    await page.mouse.up();
-    await holds("");
-    await page.waitForFunction(() => document.getElementById("events").innerText.includes("impact ball and table"));
-    assert.deepEqual(browser.complaints, []);
-  } finally {
-    await browser.close();
-    assert.equal(await running.stop(), 0);
-    rmSync(folder, { recursive: true, force: true });
-  }
+  });
+}
+
+const happened = (page, event) =>
+  page.waitForFunction((words) => document.getElementById("events").innerText.includes(words), event);
+
+onTaken("the pointer takes a ball from the table, lifts it and drops it", "ball", `
+shape = "sphere"
+radius_mm = 12.0
+mass_g = 20.0
+position_mm = [0.0, 0.0, 12.0]
+`, async ({ page, depth, carry, holds }) => {
+  // Past the fingertip, then up.
+  await carry(0.4, depth);
+  await carry(0.4, 0.1);
+  await page.waitForTimeout(1500);
+  await page.waitForFunction(() => document.getElementById("events").children.length === 0); // it hangs still
+  await page.mouse.up();
+  await holds("");
+  await happened(page, "impact ball and table");
 });
 
-const kKnobScene = kBallScene.slice(0, kBallScene.indexOf("[[object]]")) + `
-[[object]]
-name = "knob"
+onTaken("the pointer turns a knob, click by click", "knob", `
 shape = "cylinder"
 radius_mm = 14.0
 length_mm = 20.0
-position_mm = [0.0, 0.0, 10.0]
-motion = "dynamic"
 mass_g = 40.0
+position_mm = [0.0, 0.0, 10.0]
 [object.joint]
 kind = "hinge"
 axis = [0.0, 0.0, 1.0]
@@ -136,36 +146,9 @@ friction_N_mm = 0.5
 [object.joint.detents]
 count = 24
 torque_N_mm = 4.0
-[[object]]
-name = "table"
-shape = "plane"
-`;
-
-test("the pointer turns a knob, click by click", { timeout: 300_000 }, async () => {
-  const folder = mkdtempSync(join(tmpdir(), "softfinger-knob-"));
-  writeFileSync(join(folder, "knob.toml"), kKnobScene);
-  const running = await startProgram(program, ["run", join(folder, "knob.toml"), "--port", "0"]);
-  const browser = await openPage(running.url, { width: 1100, height: 700 });
-  const { page } = browser;
-  try {
-    const box = await page.locator("#virtual").boundingBox();
-    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
-    await page.waitForTimeout(1500); // the view has followed
-    let depth = 0.46;
-    for (; depth > 0.2; depth -= 0.02) {
-      await page.mouse.move(middle.x, middle.y + depth * box.height);
-      await page.mouse.down();
-      if ((await browser.data("holds")) === "knob") break;
-      await page.mouse.up();
-    }
-    await page.waitForFunction(() => document.body.dataset.holds === "knob");
-    await page.mouse.move(middle.x + 0.3 * box.width, middle.y + depth * box.height, { steps: 20 });
-    await page.waitForFunction(() => document.getElementById("events").innerText.includes("detent knob"));
-    await page.mouse.up();
-    assert.deepEqual(browser.complaints, []);
-  } finally {
-    await browser.close();
-    assert.equal(await running.stop(), 0);
-    rmSync(folder, { recursive: true, force: true });
-  }
+`, async ({ page, depth, carry, holds }) => {
+  await carry(0.3, depth);
+  await happened(page, "detent knob");
+  await page.mouse.up();
+  await holds("");
 });
