@@ -129,6 +129,17 @@ TEST(SceneSnapshot, AMembraneChangesItsShape) {
   EXPECT_EQ(blown.pieces[1].ball_radius, 0.0);
 }
 
+TEST(SceneSnapshot, TellsWhatAnObjectMovesBy) {
+  const auto joint_of = [](const char* scene) {
+    RunOptions options;
+    options.scene = kShipped / "scenes" / scene;
+    return describe(*load_setup(options)).objects[0].joint;
+  };
+  EXPECT_EQ(joint_of("knob.toml"), "hinge");
+  EXPECT_EQ(joint_of("button.toml"), "slider");
+  EXPECT_EQ(joint_of("sphere.toml"), "");
+}
+
 // The surface of something soft is told in a frame that goes with it: what is left is its
 // deformation.
 TEST(SceneSnapshot, SomethingSoftIsDrawnAsItStands) {

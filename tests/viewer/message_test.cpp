@@ -255,7 +255,10 @@ TEST(SceneMessage, NamesEachShape) {
                    {"b", RoundedBox{Vector3(1, 2, 3) * mm, 0.5 * mm}},
                    {"c", RoundedCylinder{4 * mm, 10 * mm, 0.0}},
                    {"d", TaperedCapsule{9 * mm, 8 * mm, 20 * mm}, {}, {}, "right"}};
+  scene.objects[2].joint = "hinge";
   const auto objects = nlohmann::json::parse(scene_message(scene))["objects"];
+  EXPECT_TRUE(objects[0]["joint"].is_null());
+  EXPECT_EQ(objects[2]["joint"], "hinge");
   EXPECT_EQ(objects[0]["shape"]["kind"], "plane");
   EXPECT_NEAR(objects[1]["shape"]["size_mm"][2].get<double>(), 6.0, 1e-9);
   EXPECT_NEAR(objects[2]["shape"]["length_mm"].get<double>(), 20.0, 1e-9);

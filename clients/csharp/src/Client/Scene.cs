@@ -63,9 +63,13 @@ namespace Softfinger
         /// <summary>Moves by the forces on it: Client.HoldAsync takes it.</summary>
         public bool Holdable { get; }
 
+        /// <summary>Kind of the joint it moves by: slider, hinge, ball or fixed; null: none.</summary>
+        public string Joint { get; }
+
         internal SceneObject(Json json)
         {
             Holdable = json["holdable"].Bool();
+            Joint = json["joint"].IsNull ? null : json["joint"].Text();
             Name = json["name"].Text();
             Shape = new Shape(json["shape"]);
             Hand = json["hand"].IsNull ? null : json["hand"].Text();
