@@ -215,12 +215,11 @@ TEST_F(FittedDevice, AFingerThatTheDeviceRestsOnAtHomeIsRefused) {
   close.device = directory_ / "close.toml";
   std::ofstream(close.device) << text;
   close.wearer = directory_ / "thick.toml";
-  const std::string finger = read_text_file(kFitProject / "fingers" / "index.toml", 100000);
-  std::string own = finger;
+  std::string own = read_text_file(close.finger, 100000);
   const std::string mesh = "file = \"";
   ASSERT_NE(own.find(mesh), std::string::npos);
   own.insert(own.find(mesh) + mesh.size(), (kFitProject / "fingers/").string());
-  const FingerSize size = finger_size(*FingerModel::load(kFitProject / "fingers" / "index.toml"));
+  const FingerSize size = finger_size(*FingerModel::load(close.finger));
   std::ofstream(*close.wearer) << own << "\n[size]\ndepth_mm = " << *size.depth / mm * 1.03 << "\n";
   expect_refused(close, "cannot be worn");
 }

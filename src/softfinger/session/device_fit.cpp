@@ -357,10 +357,14 @@ void check(const DeviceFitOptions& options) {
 /// Why nothing would run with what was found; empty: it can be worn.
 std::string why_not_worn(const DeviceFitOptions& options, const FingerModel& finger,
                          const PersonFinger& found) {
-  const auto fitted =
-      FingerModel::load(options.finger, found.size, found.modulus_factor.value_or(1.0));
-  const std::string why = why_not_fitted_on(*fitted, finger, options.device, *found.mount);
-  return why.empty() ? why : fmt::format("on the finger that was found it cannot be worn: {}", why);
+  try {
+    const auto fitted =
+        FingerModel::load(options.finger, found.size, found.modulus_factor.value_or(1.0));
+    (void)fitted_without_ceiling(*fitted, finger, options.device, *found.mount);
+    return {};
+  } catch (const InputError& error) {
+    return fmt::format("on the finger that was found it cannot be worn: {}", error.what());
+  }
 }
 
 }  // namespace

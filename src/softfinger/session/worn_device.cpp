@@ -244,20 +244,14 @@ WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::s
   return checked_on(finger, file, mounted_on(finger, file, text));
 }
 
-std::string why_not_fitted_on(const FingerModel& finger, const FingerModel& nominal,
-                              const fs::path& file, const Pose& mount_fit) {
-  try {
-    checked_on(finger, file, remounted(file, *mounted_on(nominal, file), mount_fit));
-    return {};
-  } catch (const InputError& error) {
-    return error.what();
-  }
+WornDevice fitted_without_ceiling(const FingerModel& finger, const FingerModel& nominal,
+                                  const fs::path& file, const Pose& mount_fit) {
+  return checked_on(finger, file, remounted(file, *mounted_on(nominal, file), mount_fit));
 }
 
 WornDevice fitted_on(const FingerModel& finger, const FingerModel& nominal, const fs::path& file,
                      const Pose& mount_fit, const std::stop_token& stop) {
-  WornDevice worn =
-      checked_on(finger, file, remounted(file, *mounted_on(nominal, file), mount_fit));
+  WornDevice worn = fitted_without_ceiling(finger, nominal, file, mount_fit);
   worn.ceiling = ceiling_on(finger, file, worn.device, stop);
   return worn;
 }
