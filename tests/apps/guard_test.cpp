@@ -149,9 +149,10 @@ TEST_F(KilledProgram, ATouchThatNobodyTellsEndsTheFitRetracted) {
   const ProgramRun run = program.stop(0);
   EXPECT_EQ(run.status, 1);
   // A machine that is too busy to command a device in time ends it as well.
-  EXPECT_THAT(run.errors, testing::AnyOf(testing::HasSubstr("no touch was told within 1.2 mm past "
-                                                            "where the skin should be"),
-                                         testing::HasSubstr("no command for")));
+  EXPECT_THAT(run.errors,
+              testing::AnyOf(testing::HasSubstr("device fit: no touch was told within 1.2 mm past "
+                                                "where the skin should be"),
+                             testing::HasSubstr("no command for")));
   EXPECT_TRUE(soon([&] { return away_from(device->retracted()) < 0.02; }));
   EXPECT_FALSE(fs::exists(place.path("anna.toml")));
 }

@@ -37,7 +37,7 @@ struct NearestPoint {
 /// Its squared_distance alone.
 [[nodiscard]] double squared_face_distance(const PieceShape& shape, const Vector3& p_S);
 
-/// How far the piece reaches from its origin, m.
+/// How far the piece reaches from its origin along its own axes, m.
 [[nodiscard]] double extent(const PieceShape& shape);
 
 /// No point of the piece's face, or of its solid, is farther than this from its origin, m; infinity
