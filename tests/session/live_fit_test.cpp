@@ -15,7 +15,6 @@
 namespace softfinger {
 namespace {
 
-using testing::AnyOf;
 using testing::HasSubstr;
 constexpr auto kLongest = std::chrono::seconds(90);
 constexpr int kAttempts = 5;
@@ -98,7 +97,10 @@ class FittingSession : public testing::Test {
 
 constexpr const char* kSensor = "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = 0.02\n";
 
-TEST_F(FittingSession, LearnsTheWearerAndGoesOnWithItRetracted) {
+/// All presses of it take 16 s without a pause of a tenth: nothing else runs beside it.
+class WholeFitInRealTime : public FittingSession {};
+
+TEST_F(WholeFitInRealTime, LearnsTheWearerAndGoesOnWithItRetracted) {
 #ifdef SOFTFINGER_SANITIZED
   GTEST_SKIP() << "the emulated wearer is too slow for the clock under a sanitizer";
 #endif
@@ -124,8 +126,7 @@ TEST_F(FittingSession, LearnsTheWearerAndGoesOnWithItRetracted) {
     if (phase() == FitState::Phase::kSaved) {
       EXPECT_THAT(message, HasSubstr("mm long"));
     } else {
-      // Late readings of a device that has left may be told first.
-      ASSERT_THAT(message, AnyOf(HasSubstr("no command for"), HasSubstr("remain although")));
+      ASSERT_THAT(message, HasSubstr("no command for"));
     }
     ASSERT_TRUE(comes_back(attempt + 2));
     EXPECT_TRUE(session_->latest().stopped.asked);
