@@ -220,6 +220,17 @@ void FingerSimulation::begin_step(const Pose& X_WFt, double time) {
 
 void FingerSimulation::end_step() { implementation_->finish(); }
 
+void FingerSimulation::pass_step(double time) { implementation_->place_obstacles(time); }
+
+void FingerSimulation::rest() {
+  Implementation& self = *implementation_;
+  std::ranges::fill(self.velocities, Vector3::Zero());
+  std::ranges::fill(self.old_velocities, Vector3::Zero());
+  self.bone.velocity.setZero();
+  self.bone.rotation_rate.setZero();
+  self.old_bone = self.bone;
+}
+
 void FingerSimulation::put_object(std::size_t o, const Pose& X_WO) {
   implementation_->obstacles[o].X_WO = X_WO;
   implementation_->obstacles[o].X_WO_old.reset();

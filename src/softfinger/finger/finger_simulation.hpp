@@ -57,6 +57,10 @@ class FingerSimulation {
   void begin_step(const Pose& X_WFt, double time);
   StepSummary solve_step();
   void end_step();
+  /// Instead of these, a step in which it rests: only scripted objects move, where it meets none.
+  void pass_step(double time);
+  /// It has come to rest: nothing of it moves.
+  void rest();
   /// Object o stands there now and at the start of the next step.
   void put_object(std::size_t o, const Pose& X_WO);
   /// Object o is expected there at the end of the next step.

@@ -28,14 +28,17 @@ void BodyRest::wake(std::size_t b) {
 }
 
 void BodyRest::look(std::size_t b, const Pose& X_WO, double reach, double speed) {
-  Time& time = times_[b];
-  const double way = (X_WO.translation - time.since.translation).norm() +
-                     reach * (X_WO.rotation - time.since.rotation).norm();
-  if (time.steps > 0 && way <= kRestWay && speed <= kRestSpeed) {
-    time.steps = std::min(time.steps + 1, rest_steps_);
-    return;
-  }
-  time = {1, X_WO};
+  Pose& since = times_[b].since;
+  const double way = (X_WO.translation - since.translation).norm() +
+                     reach * (X_WO.rotation - since.rotation).norm();
+  if (look(b, way, speed)) since = X_WO;
+}
+
+bool BodyRest::look(std::size_t b, double way, double speed) {
+  int& steps = times_[b].steps;
+  const bool anew = steps == 0 || way > kRestWay || speed > kRestSpeed;
+  steps = anew ? 1 : std::min(steps + 1, rest_steps_);
+  return anew;
 }
 
 void BodyRest::fall_asleep(std::span<const std::size_t> bodies) {

@@ -8,9 +8,10 @@
 
 namespace softfinger {
 
-/// Which bodies sleep. Those of an island that have all been at rest for kRestTime fall asleep
-/// together, and wake together: none of their points, and no joint's, was further than kRestWay
-/// from where it was when the time began, nor is faster than kRestSpeed at its end.
+/// Which bodies sleep, rigid and soft ones. Those of an island that have all been at rest for
+/// kRestTime fall asleep together, and wake together: none of their points, and no joint's, was
+/// further than kRestWay from where it was when the time began, nor is faster than kRestSpeed at
+/// its end.
 class BodyRest {
  public:
   static constexpr double kRestTime = 0.5;    ///< s
@@ -28,6 +29,9 @@ class BodyRest {
   /// A step has ended with a body, awake, there; `reach` of its surface from O's origin, m; `speed`
   /// of its fastest point, m/s.
   void look(std::size_t b, const Pose& X_WO, double reach, double speed);
+  /// The same of what knows itself where it was: its furthest point is `way` from there, m. True
+  /// where its time begins anew, where it is now.
+  bool look(std::size_t b, double way, double speed);
   /// Something has moved or may move it: its time begins anew.
   void disturb(std::size_t b) { times_[b].steps = 0; }
   [[nodiscard]] bool has_rested(std::size_t b) const { return times_[b].steps >= rest_steps_; }

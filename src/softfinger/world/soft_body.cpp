@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
 
 #include "softfinger/finger/finger_potential.hpp"
 #include "softfinger/finger/soft_solid.hpp"
@@ -25,6 +27,22 @@ SoftBody::SoftBody(std::span<const VirtualObject> objects, std::size_t object,
 void SoftBody::reset() {
   simulation_.reset(motion_->sample(0.0));
   renew_surface();
+  mark();
+}
+
+double SoftBody::way() const {
+  double square = 0.0;
+  const std::span<const Vector3> positions = simulation_.positions();
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    square = std::max(square, (positions[n] - marks_[n]).squaredNorm());
+  }
+  return std::sqrt(square);
+}
+
+double SoftBody::speed() const {
+  double square = 0.0;
+  for (const Vector3& v : simulation_.velocities()) square = std::max(square, v.squaredNorm());
+  return std::sqrt(square);
 }
 
 void SoftBody::begin_step(double time) { simulation_.begin_step(motion_->sample(time), time); }

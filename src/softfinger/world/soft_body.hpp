@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "softfinger/contact/deforming_surface.hpp"
 #include "softfinger/contact/virtual_object.hpp"
@@ -30,6 +31,12 @@ class SoftBody {
   /// The surface is where the nodes are.
   void renew_surface() { surface_.put(simulation_.positions()); }
   void begin_step(double time);
+  /// Where its nodes are is where they rest from.
+  void mark() { marks_.assign(simulation_.positions().begin(), simulation_.positions().end()); }
+  /// Way of the node that is furthest from its mark, m.
+  [[nodiscard]] double way() const;
+  /// Of the fastest node, m/s.
+  [[nodiscard]] double speed() const;
   /// Its pose is that of the rigid motion which brings its nodes at rest nearest to where they are,
   /// weighted by mass (Mueller et al., "Meshless deformations based on shape matching", 2005).
   [[nodiscard]] ObjectState state() const;
@@ -41,6 +48,7 @@ class SoftBody {
   DeformingSurface surface_;
   Vector3 centre_O_ = Vector3::Zero();  ///< of mass at rest
   double mass_ = 0.0;
+  std::vector<Vector3> marks_;  ///< by node, W
 };
 
 }  // namespace softfinger

@@ -45,6 +45,11 @@ Eigen::AlignedBox3d box_around(const FingerSimulation& finger) {
   return box;
 }
 
+std::size_t soft_ones(std::span<const VirtualObject> objects) {
+  const auto is_soft = [](const VirtualObject& object) { return object.soft != nullptr; };
+  return static_cast<std::size_t>(std::ranges::count_if(objects, is_soft));
+}
+
 /// A jointed object does not touch what it hangs on.
 std::vector<std::array<int, 2>> joined(std::span<const VirtualObject> objects) {
   std::vector<std::array<int, 2>> pairs;
@@ -67,7 +72,7 @@ struct World::Implementation {
         tree(things),
         contact(things, masses_of(things), joined(things), dt),
         forces(tree, g, dt),
-        rest(tree.bodies().size(), dt),
+        rest(tree.bodies().size() + soft_ones(things), dt),
         places(tree.start()),
         poses(things.size()),
         expected(things.size()),
@@ -79,6 +84,7 @@ struct World::Implementation {
     for (std::size_t o = 0; o < things.size(); ++o) {
       if (things[o].soft) softs.push_back(std::make_unique<SoftBody>(things, o, g, dt, helpers));
     }
+    has_begun.resize(softs.size());
     start();
     const WorldParts parts{tree,         motions,  forces,   contact,
                            soft_contact, partners, expected, places};
@@ -133,28 +139,47 @@ struct World::Implementation {
                              .joint = motions[b].place().q,
                              .has_joint = body.joint && body.freedoms == 1};
     }
-    for (const auto& soft : softs) states[soft->object()] = soft->state();
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (!sleeps_soft(s)) tell_soft(s);
+    }
+  }
+  void tell_soft(std::size_t s) { states[softs[s]->object()] = softs[s]->state(); }
+
+  /// Number of a soft object among what rests and hangs together: after the bodies, as partners.
+  [[nodiscard]] std::size_t number_of_soft(std::size_t s) const { return motions.size() + s; }
+  [[nodiscard]] bool sleeps_soft(std::size_t s) const { return rest.sleeps(number_of_soft(s)); }
+  [[nodiscard]] bool sleeps(const Partner& partner) const {
+    return partner.number < softs.size() && sleeps_soft(partner.number);
   }
 
-  /// Soft objects begin, and all that may touch their surfaces knows where.
+  /// Soft objects that are awake begin, and all that may touch their surfaces knows where; once
+  /// more in the same step where others have woken.
   void begin_softs(double end) {
-    for (const auto& soft : softs) soft->renew_surface();
-    for (const auto& soft : softs) {
-      const std::size_t o = soft->object();
-      for (FingerSimulation* finger : fingers) finger->find_patches(o, soft->surface());
-      for (const auto& other : softs) {
-        if (other != soft) other->simulation().find_patches(o, soft->surface());
+    const auto begins = [&](std::size_t s) { return !sleeps_soft(s) && has_begun[s] == 0; };
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (begins(s)) softs[s]->renew_surface();
+    }
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (sleeps_soft(s)) continue;
+      const std::size_t o = softs[s]->object();
+      for (FingerSimulation* finger : fingers) {
+        if (begins(s)) finger->find_patches(o, softs[s]->surface());
+      }
+      for (std::size_t other = 0; other < softs.size(); ++other) {
+        if (other == s || sleeps_soft(other) || !(begins(s) || begins(other))) continue;
+        softs[other]->simulation().find_patches(o, softs[s]->surface());
       }
     }
-    for (const auto& soft : softs) {
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (!begins(s)) continue;
+      FingerSimulation& simulation = softs[s]->simulation();
       for (const Body& body : tree.bodies()) {
-        soft->simulation().expect_object(body.object, expected[body.object]);
+        simulation.expect_object(body.object, expected[body.object]);
       }
-      soft->begin_step(end);
-    }
-    for (const auto& soft : softs) {
-      const auto nodes = soft->simulation().potential().positions();
-      for (FingerSimulation* finger : fingers) finger->follow_surface(soft->object(), nodes);
+      softs[s]->begin_step(end);
+      has_begun[s] = 1;
+      const auto nodes = simulation.potential().positions();
+      for (FingerSimulation* finger : fingers) finger->follow_surface(softs[s]->object(), nodes);
     }
   }
 
@@ -174,7 +199,6 @@ struct World::Implementation {
       if (rest.sleeps(b) && hangs_on_moving(b)) rest.wake(b);
     }
     put_boxes();
-    wake_near_partners();
     predict_awake(end);
     // What may touch in this step takes blows as they are: the second order would make them ring.
     if (roughen()) predict(end);
@@ -191,18 +215,58 @@ struct World::Implementation {
     for (std::size_t p = 0; p < partners.size(); ++p) boxes[p] = box_around(*partners[p].finger);
   }
 
-  /// Whether a finger, or something soft, comes near the object in this step.
-  [[nodiscard]] bool is_near_partner(std::size_t object) const {
-    return std::ranges::any_of(partners, [&](const Partner& partner) {
-      return partner.finger->may_touch(object) && reaches(boxes[partner.number], object);
+  /// Of partners: the soft objects come first.
+  [[nodiscard]] std::span<const Partner> those_of_fingers() const {
+    return std::span(partners).subspan(softs.size());
+  }
+
+  /// Whether one of some partners comes near the rigid object in this step, awake.
+  [[nodiscard]] bool is_near(std::size_t object, std::span<const Partner> some) const {
+    return std::ranges::any_of(some, [&](const Partner& partner) {
+      return !sleeps(partner) && partner.finger->may_touch(object) &&
+             reaches(boxes[partner.number], object);
     });
   }
 
+  /// Whether a soft object is moved, or something comes near it, that no forces of its island move.
+  [[nodiscard]] bool is_disturbed(std::size_t s) const {
+    if (stirs[softs[s]->object()] == Stir::kStirs) return true;
+    for (const Partner& partner : those_of_fingers()) {
+      if (boxes[s].intersects(boxes[partner.number])) return true;
+    }
+    for (std::size_t o = 0; o < objects.size(); ++o) {
+      if (tree.body_of(o) < 0 && stirs_near(s, o)) return true;
+    }
+    return false;
+  }
+
+  /// Whether something rigid stirs near a soft object.
+  [[nodiscard]] bool stirs_near(std::size_t s, std::size_t object) const {
+    return stirs[object] == Stir::kStirs && objects[object].soft == nullptr &&
+           reaches(boxes[s], object);
+  }
+
+  /// Whether anything that stirs comes near a soft object that sleeps.
+  [[nodiscard]] bool is_met(std::size_t s) const {
+    if (is_disturbed(s)) return true;
+    for (std::size_t other = 0; other < softs.size(); ++other) {
+      if (!sleeps_soft(other) && boxes[s].intersects(boxes[other])) return true;
+    }
+    return std::ranges::any_of(tree.bodies(),
+                               [&](const Body& body) { return stirs_near(s, body.object); });
+  }
+
+  /// Fingers and soft objects wake what they come near, and what stirs soft objects.
   bool wake_near_partners() {
     bool any = false;
     for (std::size_t b = 0; b < motions.size(); ++b) {
-      if (!rest.sleeps(b) || !is_near_partner(tree.bodies()[b].object)) continue;
+      if (!rest.sleeps(b) || !is_near(tree.bodies()[b].object, partners)) continue;
       rest.wake(b);
+      any = true;
+    }
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (!sleeps_soft(s) || !is_met(s)) continue;
+      rest.wake(number_of_soft(s));
       any = true;
     }
     return any;
@@ -212,7 +276,7 @@ struct World::Implementation {
   void predict_awake(double end) {
     for (bool woken = true; woken;) {
       predict(end);
-      woken = false;
+      woken = wake_near_partners();
       contact.for_each_near([&](std::size_t of, std::size_t on) {
         for (const std::size_t o : {of, on}) {
           const int b = tree.body_of(o);
@@ -248,7 +312,7 @@ struct World::Implementation {
     for (std::size_t b = 0; b < quiet.size(); ++b) {
       const std::size_t object = tree.bodies()[b].object;
       if (!acts(b) || forces.is_bone(b)) continue;
-      if (quiet[b] < kSmoothAfter || !(contact.is_near(object) || is_near_partner(object))) {
+      if (quiet[b] < kSmoothAfter || !(contact.is_near(object) || is_near(object, partners))) {
         continue;
       }
       quiet[b] = 0;
@@ -262,6 +326,7 @@ struct World::Implementation {
   [[nodiscard]] bool reaches(const Eigen::AlignedBox3d& box, std::size_t object) const {
     const Eigen::AlignedBox3d own = bounds(objects[object].shape);
     const Vector3 half = 0.5 * own.sizes();
+    if (!half.allFinite()) return true;  // endless
     const auto covers = [&](const Pose& X_WO) {
       const Vector3 centre = X_WO * Vector3(own.min() + half);
       const Vector3 extent = X_WO.rotation.cwiseAbs() * half;
@@ -278,8 +343,9 @@ struct World::Implementation {
       if (acts(b)) islands.take(b);
     }
     for (Partner& partner : partners) {
-      const bool steps = partner.number < softs.size() ||
-                         std::ranges::find(stepped, partner.finger) != stepped.end();
+      const bool steps = partner.number < softs.size()
+                             ? !sleeps(partner)
+                             : std::ranges::find(stepped, partner.finger) != stepped.end();
       takes_part[partner.number] = steps ? 1 : 0;
       if (steps) islands.take(bodies + partner.number);
     }
@@ -296,7 +362,12 @@ struct World::Implementation {
       if (takes_part[partner.number] == 0) continue;
       const std::size_t own = bodies + partner.number;
       for (std::size_t s = 0; s < softs.size(); ++s) {
-        if (partner.finger->patches(softs[s]->object()).any()) islands.join(own, bodies + s);
+        // As sleep has it: what is soft wakes what it comes near.
+        const bool both_soft =
+            partner.number < softs.size() && boxes[own - bodies].intersects(boxes[s]);
+        if (both_soft || partner.finger->patches(softs[s]->object()).any()) {
+          islands.join(own, bodies + s);
+        }
       }
       for (std::size_t b = 0; b < bodies; ++b) {
         const std::size_t object = tree.bodies()[b].object;
@@ -406,12 +477,18 @@ struct World::Implementation {
       for (FingerSimulation* finger : fingers) finger->move_object(object, poses[object]);
       for (const auto& soft : softs) soft->simulation().move_object(object, poses[object]);
     }
-    for (const auto& soft : softs) soft->simulation().end_step();
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (sleeps_soft(s)) {
+        softs[s]->simulation().pass_step(time);
+      } else {
+        softs[s]->simulation().end_step();
+      }
+    }
     look_for_rest();
     tell();
   }
 
-  /// Islands of bodies alone that have been at rest for long fall asleep.
+  /// Islands without fingers that have been at rest for long fall asleep.
   void look_for_rest() {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       if (!acts(b)) continue;
@@ -420,7 +497,13 @@ struct World::Implementation {
           motions[b].velocity().norm() + reach * motions[b].angular_velocity().norm();
       rest.look(b, motions[b].place().X_WO, reach, speed);
       const bool pulled = forces.pull_on(b) != nullptr;
-      if (pulled || hangs_on_moving(b) || is_near_partner(tree.bodies()[b].object)) rest.disturb(b);
+      const std::size_t object = tree.bodies()[b].object;
+      if (pulled || hangs_on_moving(b) || is_near(object, those_of_fingers())) rest.disturb(b);
+    }
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (sleeps_soft(s)) continue;
+      if (rest.look(number_of_soft(s), softs[s]->way(), softs[s]->speed())) softs[s]->mark();
+      if (is_disturbed(s)) rest.disturb(number_of_soft(s));
     }
     contact.for_each_near([&](std::size_t of, std::size_t on) {
       for (const auto& [o, other] : {std::pair(of, on), std::pair(on, of)}) {
@@ -430,12 +513,20 @@ struct World::Implementation {
       }
     });
     for (const Task& task : tasks) {
-      const auto rested = [&](std::size_t b) { return rest.has_rested(b); };
-      const std::span<const std::size_t> bodies = task.island.bodies;
-      if (bodies.empty() || !task.island.partners.empty() || !task.summary.converged) continue;
-      if (!std::ranges::all_of(bodies, rested)) continue;
-      rest.fall_asleep(bodies);
-      for (const std::size_t b : bodies) motions[b].rest();
+      const std::span<const std::size_t> members = islands.members(task.island.number);
+      const auto rested = [&](std::size_t n) {
+        return n < number_of_soft(softs.size()) && rest.has_rested(n);
+      };
+      if (!task.summary.converged || !std::ranges::all_of(members, rested)) continue;
+      rest.fall_asleep(members);
+      for (const std::size_t n : members) {
+        if (n < motions.size()) {
+          motions[n].rest();
+        } else {
+          softs[n - motions.size()]->simulation().rest();
+          tell_soft(n - motions.size());
+        }
+      }
     }
   }
 
@@ -496,6 +587,9 @@ struct World::Implementation {
     for (std::size_t b = 0; b < motions.size(); ++b) {
       if (rest.sleeps(b)) events->lie(static_cast<int>(tree.bodies()[b].object));
     }
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (sleeps_soft(s)) events->lie(static_cast<int>(softs[s]->object()));
+    }
     for (std::size_t f = 0; f < fingers.size(); ++f) {
       if (std::ranges::find(near, fingers[f]) == near.end()) continue;
       for (const Body& body : tree.bodies()) {
@@ -509,7 +603,9 @@ struct World::Implementation {
                       skin.wrench(soft->object()).normal_force);
       }
     }
-    for (const auto& soft : softs) {
+    for (std::size_t s = 0; s < softs.size(); ++s) {
+      if (sleeps_soft(s)) continue;
+      const auto& soft = softs[s];
       for (std::size_t o = 0; o < objects.size(); ++o) {
         events->touch(static_cast<int>(soft->object()), static_cast<int>(o),
                       soft->simulation().potential().contact().wrench(o).normal_force);
@@ -571,6 +667,7 @@ struct World::Implementation {
   std::vector<int> island_of_object;  ///< -1: none
   std::vector<int> quiet;             ///< by body: steps without contact
   std::vector<std::unique_ptr<SoftBody>> softs;
+  std::vector<std::uint8_t> has_begun;                   ///< by soft object: its step
   std::vector<Partner> partners;                         ///< what is soft, then the fingers
   std::vector<std::unique_ptr<IslandProblem>> problems;  ///< by thread
   std::vector<FingerSimulation*> fingers, near;
@@ -665,6 +762,7 @@ void World::begin_step(double time) {
       finger->expect_object(body.object, self.expected[body.object]);
     }
   }
+  std::ranges::fill(self.has_begun, std::uint8_t{0});
   self.begin_softs(time);
 }
 
@@ -676,7 +774,10 @@ void World::solve(std::span<FingerSimulation* const> fingers, std::span<StepSumm
   }
   // A finger may have been put somewhere else since the step began.
   self.put_boxes();
-  if (self.wake_near_partners()) self.predict_awake(self.time);
+  if (self.wake_near_partners()) {
+    self.predict_awake(self.time);
+    self.begin_softs(self.time);
+  }
   self.find_islands(fingers);
   self.make_tasks();
   self.solve_tasks();
@@ -716,6 +817,9 @@ std::uint64_t World::state_hash() const {
     self.forces.add_to(hash, b);
     self.rest.add_to(hash, b);
     hash.add(self.quiet[b]);
+  }
+  for (std::size_t s = 0; s < self.softs.size(); ++s) {
+    self.rest.add_to(hash, self.number_of_soft(s));
   }
   for (std::size_t o = 0; o < self.objects.size(); ++o) self.contact.add_to(hash, o);
   for (const auto& soft : self.softs) hash.add(soft->simulation().state_hash());

@@ -23,7 +23,7 @@ struct Overlap {
 /// What the last step of a world took.
 struct StepWork {
   std::size_t islands = 0;   ///< that had bodies or something soft
-  std::size_t sleeping = 0;  ///< bodies
+  std::size_t sleeping = 0;  ///< bodies, rigid and soft
   std::size_t near = 0;      ///< points of objects that might have touched
   long evaluations = 0;      ///< of bodies
 };
