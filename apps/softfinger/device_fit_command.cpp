@@ -99,6 +99,7 @@ void print(const DeviceFit& fit, const DeviceFitFlags& flags) {
     fmt::print("each press is foretold by the others to {:.1f} % of its force\n",
                100.0 * fit.estimate.predicted_force_error);
   }
+  if (const std::string told = told_of_registration(fit); !told.empty()) fmt::print("{}\n", told);
   fmt::print("wrote {}, finger {}\n", fit.written.string(), flags.name);
 }
 

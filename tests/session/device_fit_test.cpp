@@ -2,6 +2,7 @@
 
 #include "softfinger/session/device_fit.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,10 +12,12 @@
 
 #include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
+#include "../support/table_rest.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/text_file.hpp"
 #include "softfinger/finger/finger_size.hpp"
+#include "softfinger/person/person_registration.hpp"
 #include "softfinger/session/evaluation.hpp"
 
 namespace softfinger {
@@ -44,6 +47,18 @@ class FittedDevice : public testing::Test {
     by_touch.sensor_noise.reset();
     by_touch.by_touch = true;
     return by_touch;
+  }
+  /// A finger file of the shape of index and another size.
+  [[nodiscard]] std::filesystem::path sized(const char* name, const FingerSize& size) const {
+    std::string text = read_text_file(options().finger, 100000);
+    const std::string mesh = "file = \"";
+    text.insert(text.find(mesh) + mesh.size(), (kFitProject / "fingers/").string());
+    text += "\n[size]\n";
+    if (size.length) text += fmt::format("length_mm = {}\n", *size.length / mm);
+    if (size.breadth) text += fmt::format("breadth_mm = {}\n", *size.breadth / mm);
+    if (size.depth) text += fmt::format("depth_mm = {}\n", *size.depth / mm);
+    std::ofstream(directory_ / name) << text;
+    return directory_ / name;
   }
   [[nodiscard]] bool is_written() const {
     return std::filesystem::exists(directory_ / "anna.toml");
@@ -117,6 +132,47 @@ TEST_F(FittedDevice, ComesOutTheSameEachTimeAndOtherFingersStay) {
   const std::string& alone = first_fit().text;
   EXPECT_THAT(text, EndsWith(alone.substr(alone.find("[index.size]"))));
   EXPECT_TRUE(load_person(options().person).find("index")->mount);
+}
+
+// A table tells one scale for all of a finger, presses three: the tracked body is found anew.
+TEST_F(FittedDevice, WhereTheTrackedBodySitsFollowsTheFingerFound) {
+  const Pose X_BodyFt{exp_rotation({0.2, 1.3, -0.4}), {3 * mm, 1 * mm, -14 * mm}};
+  DeviceFitOptions registered = options();
+  registered.wearer =
+      sized("slender.toml", {.length = 27 * mm, .breadth = 15 * mm, .depth = 13 * mm});
+  const auto captures = captures_of(*FingerModel::load(*registered.wearer), X_BodyFt, 50 * mm);
+  const RegistrationTask task{
+      .finger = "index", .model = options().finger, .measured = {}, .table_height = 50 * mm};
+  const auto lies = [&](double table_height) {
+    Person person = load_person_if_any(options().person);
+    (void)register_person(person, task, captures);
+    person.at("index").size = {};  // or it would be the estimate's prior
+    person.at("index").on_table->height = table_height;
+    save_person(person);
+  };
+  lies(50 * mm);
+  const Pose before = *load_person(options().person).find("index")->X_BodyFt;
+  const DeviceFit fit = fit_device(registered, stop_);
+  ASSERT_EQ(fit.failure, "");
+  ASSERT_TRUE(fit.registration);
+  const Pose after = *load_person(options().person).find("index")->X_BodyFt;
+  EXPECT_LT((after.translation - fit.registration->X_BodyFt.translation).norm(), 1e-8);
+  EXPECT_NEAR((after.translation - before.translation).norm(), fit.registration_moved, 1e-8);
+  const double error = (before.translation - X_BodyFt.translation).norm();
+  EXPECT_GT(error, 0.2 * mm);
+  EXPECT_LT((after.translation - X_BodyFt.translation).norm(), 0.6 * error);
+  EXPECT_LT(fit.registration->height_residual, 0.5 * mm);
+
+  // A table that was somewhere else: the finger is learned, the body stays.
+  std::filesystem::remove(options().person);
+  lies(60 * mm);
+  const DeviceFit elsewhere = fit_device(registered, stop_);
+  EXPECT_EQ(elsewhere.failure, "");
+  EXPECT_FALSE(elsewhere.registration);
+  EXPECT_THAT(elsewhere.registration_failure, HasSubstr("off the table"));
+  const Person person = load_person(options().person);
+  EXPECT_TRUE(person.find("index")->mount);
+  EXPECT_LT((person.find("index")->X_BodyFt->translation - before.translation).norm(), 1e-8);
 }
 
 TEST_F(FittedDevice, ByTouchAsksNoSensor) {
@@ -214,13 +270,8 @@ TEST_F(FittedDevice, AFingerThatTheDeviceRestsOnAtHomeIsRefused) {
   DeviceFitOptions close = options();
   close.device = directory_ / "close.toml";
   std::ofstream(close.device) << text;
-  close.wearer = directory_ / "thick.toml";
-  std::string own = read_text_file(close.finger, 100000);
-  const std::string mesh = "file = \"";
-  ASSERT_NE(own.find(mesh), std::string::npos);
-  own.insert(own.find(mesh) + mesh.size(), (kFitProject / "fingers/").string());
   const FingerSize size = finger_size(*FingerModel::load(close.finger));
-  std::ofstream(*close.wearer) << own << "\n[size]\ndepth_mm = " << *size.depth / mm * 1.03 << "\n";
+  close.wearer = sized("thick.toml", {.depth = 1.03 * *size.depth});
   expect_refused(close, "cannot be worn");
 }
 

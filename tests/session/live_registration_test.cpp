@@ -10,7 +10,7 @@
 
 #include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
-#include "../support/turn_onto.hpp"
+#include "../support/table_rest.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/tracking/stream/pose_datagram.hpp"
@@ -30,13 +30,7 @@ class HeldBody {
             FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index.toml")) {}
 
   [[nodiscard]] Pose pose(Posture posture) const {
-    const Matrix3 rotation = turn_onto(up_in_finger(posture), Vector3::UnitZ());
-    double lowest = 1.0;
-    for (const int node : model_->sample_nodes) {
-      lowest =
-          std::min(lowest, (rotation * model_->mesh.nodes[static_cast<std::size_t>(node)]).z());
-    }
-    return Pose{rotation, {0.0, 0.0, 50 * mm - lowest}} * X_BodyFt.inverse();
+    return lying(*model_, posture, 50 * mm) * X_BodyFt.inverse();
   }
 
   const Pose X_BodyFt{exp_rotation({0.2, 1.3, -0.4}), {3 * mm, 1 * mm, -14 * mm}};

@@ -11,9 +11,11 @@
 
 #include "../support/folders.hpp"
 #include "../support/scenes_without_force_limit.hpp"
+#include "../support/table_rest.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/files/text_file.hpp"
+#include "softfinger/person/person_registration.hpp"
 #include "softfinger/recording/recording_reader.hpp"
 #include "softfinger/session/live_session.hpp"
 #include "softfinger/session/replay.hpp"
@@ -139,6 +141,94 @@ TEST_F(PersonFile, WhatItDoesNotKnowIsRefusedByName) {
   EXPECT_THAT(refusal("index = 3\n"), HasSubstr("index"));
   EXPECT_THAT(refusal("[\"a b\"]\n"), HasSubstr("no name of a finger"));
   EXPECT_THROW((void)load_person(directory_ / "nobody.toml"), InputError);
+}
+
+/// A person who lies on a table 50 mm up, with a body on the finger.
+class PersonOnATable : public PersonFile {
+ protected:
+  static std::filesystem::path finger(const char* name) {
+    return std::filesystem::path(source_folder()) / "fingers" / name;
+  }
+  /// Long, slender and flat.
+  const std::shared_ptr<const FingerModel> true_finger_ = FingerModel::load(
+      finger("index.toml"), {.length = 28 * mm, .breadth = 15 * mm, .depth = 12.5 * mm});
+  const Pose X_BodyFt_{exp_rotation({0.2, 1.3, -0.4}), {3 * mm, 1 * mm, -14 * mm}};
+  const std::vector<PostureCapture> captures_ = captures_of(*true_finger_, X_BodyFt_, 50 * mm);
+  const RegistrationTask task_{
+      .finger = "index", .model = finger("index.toml"), .measured = {}, .table_height = 50 * mm};
+};
+
+TEST_F(PersonOnATable, HowTheFingerLayComesBackAndCommentsStay) {
+  Person person = load("[index.size]\ndepth_mm = 13  # by calliper\n");
+  (void)register_person(person, task_, captures_);
+  save_person(person);
+  Person read = load_person(file_);
+  const TableRest& rest = read.find("index")->on_table.value();
+  ASSERT_EQ(rest.captures.size(), captures_.size());
+  for (std::size_t k = 0; k < captures_.size(); ++k) {
+    EXPECT_EQ(rest.captures[k].posture, captures_[k].posture);
+    EXPECT_LT((rest.captures[k].up_Body - captures_[k].up_Body).norm(), 2e-6);
+    EXPECT_NEAR(rest.captures[k].height, captures_[k].height, 1e-9);
+  }
+  EXPECT_TRUE(rest.height_was_given);
+  EXPECT_NEAR(rest.height, 50 * mm, 1e-9);
+  const std::string text = read_text_file(file_, 10000);
+  EXPECT_THAT(text, HasSubstr("# by calliper\n"));
+  save_person(read);
+  EXPECT_EQ(read_text_file(file_, 10000), text);
+}
+
+TEST_F(PersonOnATable, WhoseSizeIsKnownLaterHasTheBodyWhereItIs) {
+  for (const bool given : {true, false}) {
+    RegistrationTask task = task_;
+    if (!given) task.table_height.reset();
+    Person person = load_person_if_any(file_);
+    (void)register_person(person, task, captures_);
+    PersonFinger& finger = person.at("index");
+    const double before = (finger.X_BodyFt->translation - X_BodyFt_.translation).norm();
+    EXPECT_GT(before, 0.2 * mm);
+    finger.size = finger_size(*true_finger_);
+    const Registration found = register_again(finger, this->finger("index.toml")).value();
+    EXPECT_EQ(finger.X_BodyFt->translation, found.X_BodyFt.translation);
+    const double after = (finger.X_BodyFt->translation - X_BodyFt_.translation).norm();
+    EXPECT_LT(after, 1e-8) << given;
+    EXPECT_NEAR(finger.on_table->height, 50 * mm, 1e-8);
+  }
+}
+
+TEST_F(PersonOnATable, WhoWasNeverThereStaysAsItIs) {
+  PersonFinger finger{.name = "index", .X_BodyFt = X_BodyFt_};
+  EXPECT_FALSE(register_again(finger, this->finger("index.toml")));
+  EXPECT_EQ(finger.X_BodyFt->translation, X_BodyFt_.translation);
+}
+
+TEST_F(PersonOnATable, SizesThatADeviceHasLearnedStand) {
+  Person person = load_person_if_any(file_);
+  person.at("index").size = finger_size(*true_finger_);
+  person.at("index").mount = Pose{};
+  (void)register_person(person, task_, captures_);
+  EXPECT_EQ(person.find("index")->size.length, finger_size(*true_finger_).length);
+  person.at("index").mount.reset();
+  (void)register_person(person, task_, captures_);
+  EXPECT_NE(person.find("index")->size.length, finger_size(*true_finger_).length);
+}
+
+TEST_F(PersonOnATable, WhatNobodyLaySoIsRefusedByName) {
+  const std::string poses =
+      "[index.registration]\ntranslation_mm = [0, 0, 0]\nrotation_vector_deg = [0, 0, 0]\n";
+  const std::string up = "up = [0, 0, 1, 0, -1, 0, 0, 1, 0, -1, 0, 0, 0, 0, 1]\n";
+  const std::string heights = "height_mm = [7, 8, 8, 12, 7]\n";
+  const std::string table = "table_mm = 0\n";
+  EXPECT_TRUE(load(poses + up + heights + table).find("index")->on_table);
+  EXPECT_THAT(refusal(poses + up + heights), HasSubstr("table_mm"));
+  EXPECT_THAT(refusal(poses + up + table), HasSubstr("height_mm"));
+  EXPECT_THAT(refusal(poses + heights + table), HasSubstr("up: missing"));
+  EXPECT_THAT(refusal(poses + "up = [0, 0, 1]\n" + heights + table), HasSubstr("up"));
+  EXPECT_THAT(refusal(poses + up + "height_mm = [7, 8, 8, 12, 70000]\n" + table),
+              HasSubstr("height_mm"));
+  EXPECT_THAT(
+      refusal(poses + "up = [0, 0, 1, 0, -1, 0, 0, 0.9, 0, -1, 0, 0, 0, 0, 1]\n" + heights + table),
+      HasSubstr("direction 3 of 5"));
 }
 
 /// Runs of scenes/plane.toml whose tracker is a file of poses.

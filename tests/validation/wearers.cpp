@@ -23,9 +23,11 @@
 #include <regex>
 #include <sstream>
 
+#include "../support/table_rest.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/finger/finger_size.hpp"
+#include "softfinger/person/person_registration.hpp"
 #include "softfinger/session/device_fit.hpp"
 #include "softfinger/session/evaluation.hpp"
 #include "softfinger/threads/thread_clock.hpp"
@@ -39,6 +41,10 @@ using Json = nlohmann::ordered_json;
 constexpr double kEvaluated = 4.0;  // s of a scene
 constexpr double kPlay = 0.1 * mm;
 constexpr double kQuiet = 0.002;  // N
+/// X_BodyFt of what a tracker follows, and how well a finger lies on a table in each posture.
+const Pose kBody{exp_rotation({0.2, 1.3, -0.4}), {3.0 * mm, 1.0 * mm, -14.0 * mm}};
+constexpr double kLean = 2.0 * deg;
+constexpr double kHeightNoise = 0.1 * mm;
 
 /// What a drawn wearer has besides the traits that are looked for.
 struct Unlike {
@@ -121,6 +127,7 @@ class Wearers {
                 .backlash = play(),
                 .late = unlike.late ? 1 : 0};
     fs::remove(fit.person);
+    const double tracked_before = register_on_table(fit.person);
     const double cpu_began = thread_cpu_time();
     const DeviceFit found = fit_device(fit, stop_);
     Json row{{"wearer", number},
@@ -142,6 +149,11 @@ class Wearers {
       row["found"][std::string(trait.name)] = {told.value / trait.unit, told.ci95_low / trait.unit,
                                                told.ci95_high / trait.unit};
     }
+    if (found.registration) {
+      row["tracked_mm"] = {
+          tracked_before / mm,
+          (found.registration->X_BodyFt.translation - kBody.translation).norm() / mm};
+    }
     if (number < arguments_.others) row["touched"] = learns_by_touch(fit);
     for (const char* scene : {"plane", "sphere"}) {
       if (found.failure.empty())
@@ -161,6 +173,28 @@ class Wearers {
   }
 
  private:
+  /// A body on the wearer's finger, registered on a table of known height from poses with noise,
+  /// and no size: nothing else is known yet. Returns how far off that puts it, m.
+  double register_on_table(const fs::path& file) {
+    const auto finger = FingerModel::load(folder_ / "wearer.toml");
+    std::vector<PostureCapture> captures = captures_of(*finger, kBody, 0.0);
+    std::mt19937_64 random = random_;  // those of the fit stay as they were
+    std::normal_distribution<double> normal;
+    for (PostureCapture& capture : captures) {
+      const Vector3 turn(normal(random), normal(random), normal(random));
+      capture.up_Body = exp_rotation(kLean * turn) * capture.up_Body;
+      capture.height += kHeightNoise * normal(random);
+    }
+    Person person = load_person_if_any(file);
+    const Registration found = register_person(
+        person,
+        {.finger = "index", .model = folder_ / "model.toml", .measured = {}, .table_height = 0.0},
+        captures);
+    person.at("index").size = {};
+    save_person(person);
+    return (found.X_BodyFt.translation - kBody.translation).norm();
+  }
+
   [[nodiscard]] double noise() const { return arguments_.unlike.noise ? arguments_.noise : kQuiet; }
   [[nodiscard]] double play() const { return arguments_.unlike.play ? kPlay : 0.0; }
   double normal() { return std::normal_distribution<double>()(random_); }

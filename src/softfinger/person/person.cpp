@@ -13,6 +13,7 @@
 #include "softfinger/person/person_text.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/scene/scene_schema.hpp"
+#include "softfinger/tracking/registration/registration_procedure.hpp"
 
 namespace softfinger {
 namespace {
@@ -26,11 +27,40 @@ constexpr Range kTurn_deg{.min = -360.0, .max = 360.0};
 constexpr Range kModulusFactor{.min = 0.05, .max = 20.0};
 constexpr Range kMount_mm{.min = -20.0, .max = 20.0};
 constexpr Range kMountTurn_deg{.min = -60.0, .max = 60.0};
+constexpr Range kHeight_mm{.min = -10000.0, .max = 10000.0};
+constexpr Range kUp{.min = -1.001, .max = 1.001};
+constexpr double kUnit = 1e-3;  // that a length may be off 1
+constexpr int kPostureCount = static_cast<int>(RegistrationProcedure::kOrder.size());
 
 Pose read_pose(const ConfigTable& table, const Range& offset, const Range& turn) {
   const Vector3 translation = table.numbers("translation_mm", 3, offset);
   const Vector3 rotation = table.numbers("rotation_vector_deg", 3, turn);
   return {exp_rotation(rotation), translation};
+}
+
+/// Empty where the table says nothing of it.
+std::optional<TableRest> read_rest(const ConfigTable& table) {
+  const auto up = table.optional_numbers("up", 3 * kPostureCount, kUp);
+  const auto heights = table.optional_numbers("height_mm", kPostureCount, kHeight_mm);
+  const auto table_height = table.optional_number("table_mm", kHeight_mm);
+  const bool given = table.boolean("table_given", false);
+  if (!up && !heights && !table_height) return std::nullopt;
+  if (!up || !heights || !table_height) {
+    table.fail(up ? heights ? "table_mm" : "height_mm" : "up",
+               "missing; up, height_mm and table_mm go together");
+  }
+  TableRest rest{.captures = {}, .height = *table_height, .height_was_given = given};
+  for (int k = 0; k < kPostureCount; ++k) {
+    const Vector3 direction = up->segment<3>(3 * k);
+    if (std::abs(direction.norm() - 1.0) > kUnit) {
+      table.fail("up", fmt::format("direction {} of {} is not of length 1", k + 1, kPostureCount));
+    }
+    rest.captures.push_back(
+        {.posture = RegistrationProcedure::kOrder.at(static_cast<std::size_t>(k)),
+         .up_Body = direction,
+         .height = (*heights)[k]});
+  }
+  return rest;
 }
 
 PersonFinger read_finger(const ConfigTable& table, const std::string& name) {
@@ -39,6 +69,7 @@ PersonFinger read_finger(const ConfigTable& table, const std::string& name) {
   if (const auto size = table.optional_table("size")) finger.size = read_finger_size(*size);
   if (const auto registration = table.optional_table("registration")) {
     finger.X_BodyFt = read_pose(*registration, kOffset_mm, kTurn_deg);
+    finger.on_table = read_rest(*registration);
   }
   if (const auto tissue = table.optional_table("tissue")) {
     finger.modulus_factor = tissue->optional_number("modulus_factor", kModulusFactor);
@@ -88,6 +119,19 @@ void add_pose(const std::string& table, const std::optional<Pose>& pose,
   keys.push_back({table, "rotation_vector_deg", numbers(log_rotation(pose->rotation), deg)});
 }
 
+void add_rest(const TableRest& rest, std::vector<WrittenKey>& keys) {
+  std::vector<std::string> up;
+  std::vector<std::string> heights;
+  for (const PostureCapture& capture : rest.captures) {
+    for (const double part : capture.up_Body) up.push_back(number(part, 1.0));
+    heights.push_back(number(capture.height, mm));
+  }
+  keys.push_back({"registration", "up", fmt::format("[{}]", fmt::join(up, ", "))});
+  keys.push_back({"registration", "height_mm", fmt::format("[{}]", fmt::join(heights, ", "))});
+  keys.push_back({"registration", "table_mm", number(rest.height, mm)});
+  keys.push_back({"registration", "table_given", rest.height_was_given ? "true" : "false"});
+}
+
 std::vector<WrittenKey> keys_of(const PersonFinger& finger) {
   std::vector<WrittenKey> keys;
   const auto& [length, breadth, depth] = finger.size;
@@ -95,6 +139,7 @@ std::vector<WrittenKey> keys_of(const PersonFinger& finger) {
   if (breadth) keys.push_back({"size", "breadth_mm", number(*breadth, mm)});
   if (depth) keys.push_back({"size", "depth_mm", number(*depth, mm)});
   add_pose("registration", finger.X_BodyFt, keys);
+  if (finger.on_table) add_rest(*finger.on_table, keys);
   if (finger.modulus_factor) {
     keys.push_back({"tissue", "modulus_factor", number(*finger.modulus_factor, 1.0)});
   }

@@ -8,8 +8,16 @@
 
 #include "softfinger/finger/finger_size.hpp"
 #include "softfinger/geometry/pose.hpp"
+#include "softfinger/tracking/registration/registration.hpp"
 
 namespace softfinger {
+
+/// How a finger lay on a level table when it was registered.
+struct TableRest {
+  std::vector<PostureCapture> captures;  ///< in the order of RegistrationProcedure::kOrder
+  double height = 0.0;                   ///< of the table, z of W, m
+  bool height_was_given = false;         ///< else the finger's size told it
+};
 
 /// What is known of one of a person's fingers.
 struct PersonFinger {
@@ -18,7 +26,8 @@ struct PersonFinger {
   std::optional<double> modulus_factor;  ///< of the finger file's Young's moduli
   /// How a device stands on it otherwise than its file says, see DeviceSettings::mount_fit.
   std::optional<Pose> mount;
-  std::optional<Pose> X_BodyFt;  ///< distal phalanx in the tracked body; empty: the same
+  std::optional<Pose> X_BodyFt;       ///< distal phalanx in the tracked body; empty: the same
+  std::optional<TableRest> on_table;  ///< what that was found by, if it is known
 };
 
 /// A person file (TOML, keys in docs/files.md): a table a finger.

@@ -20,6 +20,7 @@
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/finger/finger_size.hpp"
 #include "softfinger/loop/finger_chain.hpp"
+#include "softfinger/person/person_registration.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/session/kept_ceiling.hpp"
 #include "softfinger/session/worn_device.hpp"
@@ -367,7 +368,31 @@ std::string why_not_worn(const DeviceFitOptions& options, const FingerModel& fin
   }
 }
 
+/// Where the tracked body sits follows the size.
+void follow_registration(PersonFinger& finger, const std::filesystem::path& model, DeviceFit& fit) {
+  const std::optional<Pose> before = finger.X_BodyFt;
+  try {
+    fit.registration = register_again(finger, model);
+  } catch (const InputError& error) {
+    fit.registration_failure = error.what();
+    return;
+  }
+  if (!fit.registration || !before) return;
+  fit.registration_moved = (fit.registration->X_BodyFt.translation - before->translation).norm();
+}
+
 }  // namespace
+
+std::string told_of_registration(const DeviceFit& fit) {
+  if (!fit.registration_failure.empty()) {
+    return "where the tracked body sits stays as it was: " + fit.registration_failure;
+  }
+  if (!fit.registration) return {};
+  return fmt::format(
+      "the tracked body sits {:.2f} mm from where it was thought to; by that the skin lay within "
+      "{:.2f} mm of the table",
+      fit.registration_moved / mm, fit.registration->height_residual / mm);
+}
 
 DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& stop,
                      const RunObserver& observer) {
@@ -465,6 +490,7 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   put(fit.estimate, *finger, found);
   fit.failure = why_not_worn(options, *finger, found);
   if (!fit.failure.empty()) return fit;
+  if (!options.again) follow_registration(found, options.finger, fit);
   save_person(person);
   fit.written = options.person;
   return fit;

@@ -85,9 +85,17 @@ struct DeviceFit {
     double value, ci95_low, ci95_high, prior;
   };
   std::vector<Told> traits;
-  std::filesystem::path written;  ///< empty: nothing was, see `failure`
-  std::string failure;            ///< in one line; empty: it succeeded
+  /// Where the tracked body sits by the finger found, of one that was registered on a table;
+  /// empty: it was not, or see `registration_failure`.
+  std::optional<Registration> registration;
+  double registration_moved = 0.0;   ///< from where it was thought to sit, m
+  std::string registration_failure;  ///< why it stays as it was, in one line
+  std::filesystem::path written;     ///< empty: nothing was, see `failure`
+  std::string failure;               ///< in one line; empty: it succeeded
 };
+
+/// What became of a registration, in one line; empty: there is none.
+[[nodiscard]] std::string told_of_registration(const DeviceFit& fit);
 
 /// How wrong the force of a press may be that the others foretell: with more nothing is written.
 inline constexpr double kMostForetoldError = 0.2;

@@ -27,7 +27,7 @@ double value_of(const DeviceFit& found, WearerTrait trait) {
   return found.traits.at(static_cast<std::size_t>(trait)).value;
 }
 
-std::string summary_of(const DeviceFit& found) {
+std::string finger_of(const DeviceFit& found) {
   if (found.by_touch) {
     return fmt::format(
         "{:.1f} mm long, {:.1f} mm broad, {:.1f} mm deep; the force of a light press is foretold "
@@ -44,6 +44,11 @@ std::string summary_of(const DeviceFit& found) {
       value_of(found, WearerTrait::kLength) / mm, value_of(found, WearerTrait::kBreadth) / mm,
       value_of(found, WearerTrait::kDepth) / mm, value_of(found, WearerTrait::kModulus),
       100.0 * found.estimate.known_force_error, 100.0 * found.estimate.predicted_force_error);
+}
+
+std::string summary_of(const DeviceFit& found) {
+  const std::string registration = told_of_registration(found);
+  return finger_of(found) + (registration.empty() ? "" : "; " + registration);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ Json device_fit_report(const DeviceFit& fit) {
               {"at_prior", Json::array()},
               {"known_force_error", nullptr},
               {"predicted_force_error", nullptr},
+              {"registration", nullptr},
               {"written", nullptr},
               {"failure", nullptr}};
   for (const DeviceFit::Told& told : fit.traits) {
@@ -40,6 +41,15 @@ Json device_fit_report(const DeviceFit& fit) {
   if (fit.by_touch && !fit.traits.empty()) {
     answer["touch_deviation_mm"] = micro_rounded(fit.estimate.touch_deviation / mm);
   }
+  if (fit.registration) {
+    const Pose& X_BodyFt = fit.registration->X_BodyFt;
+    answer["registration"] = {
+        {"translation_mm", micro_rounded(X_BodyFt.translation, mm)},
+        {"rotation_vector_deg", micro_rounded(log_rotation(X_BodyFt.rotation), deg)},
+        {"moved_mm", micro_rounded(fit.registration_moved / mm)},
+        {"height_residual_mm", micro_rounded(fit.registration->height_residual / mm)}};
+  }
+  if (!fit.registration_failure.empty()) answer["registration_failure"] = fit.registration_failure;
   if (!fit.written.empty()) answer["written"] = fit.written.string();
   if (!fit.failure.empty()) answer["failure"] = fit.failure;
   return answer;

@@ -8,11 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json in_unit(const Vector3& vector, double unit) {
-  return {micro_rounded(vector.x() / unit), micro_rounded(vector.y() / unit),
-          micro_rounded(vector.z() / unit)};
-}
-
 Json size_json(const std::optional<double>& size) {
   return size ? Json(micro_rounded(*size / mm)) : Json(nullptr);
 }
@@ -28,8 +23,8 @@ Json registration_report(const std::filesystem::path& person,
               {"rotation_vector_deg", nullptr},      {"table_height_mm", nullptr},
               {"height_residual_mm", nullptr},       {"turn_residual_deg", nullptr}};
   if (const auto& found = registered.found) {
-    report["translation_mm"] = in_unit(found->X_BodyFt.translation, mm);
-    report["rotation_vector_deg"] = in_unit(log_rotation(found->X_BodyFt.rotation), deg);
+    report["translation_mm"] = micro_rounded(found->X_BodyFt.translation, mm);
+    report["rotation_vector_deg"] = micro_rounded(log_rotation(found->X_BodyFt.rotation), deg);
     report["table_height_mm"] = micro_rounded(found->table_height / mm);
     report["height_residual_mm"] = micro_rounded(found->height_residual / mm);
     report["turn_residual_deg"] = micro_rounded(found->turn_residual / deg);
