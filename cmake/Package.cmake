@@ -60,7 +60,8 @@ set(page ${PROJECT_BINARY_DIR}/src/softfinger/viewer/page)
 set(licences "")
 if(SOFTFINGER_LIVE_PAGE)
   set(licences ${page}/node_modules/three/LICENSE ${page}/node_modules/uplot/LICENSE
-    ${page}/node_modules/@fontsource-variable/inter/LICENSE)
+    ${page}/node_modules/@fontsource-variable/inter/LICENSE
+    ${page}/node_modules/@webxr-input-profiles/assets/LICENSE.md)
 endif()
 add_custom_command(OUTPUT ${pages}/copyright
   COMMAND ${CMAKE_COMMAND} "-DLICENCES=${licences}" -DBEGIN=${packages}/copyright -DOUTPUT=${pages}/copyright

@@ -8,6 +8,7 @@ set(type_svg "image/svg+xml")
 set(type_woff2 "font/woff2")
 set(type_png "image/png")
 set(type_json "application/json")
+set(type_glb "model/gltf-binary")
 
 string(REPEAT "[0-9a-f]" 64 line)
 file(GLOB_RECURSE files RELATIVE ${PAGE} ${PAGE}/*)
