@@ -1,9 +1,5 @@
-import {
-  BufferAttribute, BufferGeometry, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, MeshStandardMaterial, Scene,
-  Vector3,
-} from "three";
-import { palette } from "./palette";
-import { positionOf, radiusOf } from "./xr_hand";
+import { BufferAttribute, BufferGeometry, type Material, Mesh, Vector3 } from "three";
+import { positionOf, radiusOf, type SeenHand } from "./xr_hand";
 
 const kAround = 16; // corners of a ring
 const kRings = 6; // of each end
@@ -36,36 +32,26 @@ const kStretches: Stretch[] = [
     between: chain("index-finger-metacarpal", "index-finger-phalanx-proximal")[0] },
 ];
 
-/** Hands as a headset sees them, in skin, so that the wearer sees where they are. */
-export class SeenHands {
-  readonly scene = new Scene();
+/** Hands of stretched balls, as thick as the headset says that their joints are. */
+export class CapsuleHands {
+  readonly meshes: Mesh[];
   private readonly geometry = new BufferGeometry();
   private readonly positions: Float32Array;
   private readonly normals: Float32Array;
   private readonly perStretch = 2 * kRings * (kAround + 1);
 
-  constructor() {
+  constructor(skin: Material[]) {
     const most = kMostHands * kStretches.length;
     this.positions = new Float32Array(3 * most * this.perStretch);
     this.normals = new Float32Array(3 * most * this.perStretch);
     this.geometry.setAttribute("position", new BufferAttribute(this.positions, 3));
     this.geometry.setAttribute("normal", new BufferAttribute(this.normals, 3));
     this.geometry.setIndex(new BufferAttribute(this.indices(most), 1));
-    // Depth first: of stretches that reach into each other only the outermost skin is drawn, so that they are one.
-    const depth = new Mesh(this.geometry, new MeshBasicMaterial({ colorWrite: false }));
-    const skin = new Mesh(this.geometry, new MeshStandardMaterial({
-      color: palette.skin, roughness: 0.6, emissive: "#9a4630", emissiveIntensity: 0.2, transparent: true, opacity: 0.72,
-    }));
-    depth.renderOrder = 0;
-    skin.renderOrder = 1;
-    for (const mesh of [depth, skin]) mesh.frustumCulled = false;
-    const key = new DirectionalLight("#fff4e6", 1.6);
-    key.position.set(-0.4, 1, 0.5);
-    this.scene.add(depth, skin, new HemisphereLight("#e9f1ff", "#6b5a54", 1.2), key);
+    this.meshes = skin.map((material) => new Mesh(this.geometry, material));
   }
 
   /** Poses as readJoints gives them; what lies between joints of `instead` is drawn by somebody else. */
-  show(hands: { joints: Float32Array; instead: Set<XRHandJoint> }[]): void {
+  show(hands: SeenHand[]): void {
     let count = 0;
     for (const { joints, instead } of hands.slice(0, kMostHands)) {
       for (const stretch of kStretches) {

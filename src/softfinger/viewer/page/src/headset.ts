@@ -53,7 +53,7 @@ export class Headset {
       if (!this.followed.some((finger) => finger.hand === side)) continue;
       this.tell(side, this.space ? joints : null, time);
     }
-    this.hands.show([...seen].map(([side, joints]) => ({ joints, instead: this.drawnOf(side) })));
+    this.hands.show([...seen].map(([side, joints]) => ({ side, joints, instead: this.drawnOf(side) })));
     document.body.dataset.headset = this.space ? "placed" : "entered";
   }
 
@@ -70,6 +70,7 @@ export class Headset {
       session.addEventListener("select", ({ inputSource }) => this.pinched(inputSource.handedness));
       this.space = null;
       this.seenSince = null;
+      this.hands.load();
       this.room = await this.drawing.open(session);
       this.say("");
     } catch (error) {

@@ -3,6 +3,13 @@ import { type FollowedFinger, kHandJoints } from "softfinger-client";
 
 export type Side = FollowedFinger["hand"];
 
+/** Joints as readJoints gives them; what lies between those of `instead` is drawn by somebody else. */
+export interface SeenHand {
+  side: Side;
+  joints: Float32Array;
+  instead: Set<XRHandJoint>;
+}
+
 export const kJoints = kHandJoints as readonly XRHandJoint[];
 
 const kFarthest = 10; // m from the origin, in a coordinate
