@@ -4,13 +4,15 @@ import { dirname, resolve } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { openPage, startProgram } from "./live_program.mjs";
-import { countColors } from "./pixels.mjs";
+import { countColors, differingPixels } from "./pixels.mjs";
 
 const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
 const program = process.env.SOFTFINGER_PROGRAM ?? resolve(root, "build/softfinger");
 const scene = process.env.SOFTFINGER_SCENE ?? resolve(root, "scenes/sphere.toml");
 // Small: every frame of a headset is drawn, here by the processor.
 const viewport = { width: 560, height: 360 };
+const isModel = (url) => String(url).endsWith(".glb");
+const handsAre = (page, kinds) => page.waitForFunction((wanted) => document.body.dataset.hands === wanted, kinds);
 
 test("a hand in a headset brings the finger to the sphere and away", { timeout: 300_000 }, async () => {
   const running = await startProgram(program, ["run", scene, "--tracker", "webxr", "--no-twin", "--port", "0"]);
@@ -36,6 +38,7 @@ test("a hand in a headset brings the finger to the sphere and away", { timeout: 
   };
   const at = { x: 0, y: 0 };
   try {
+    assert.deepEqual(browser.requests.filter(isModel), [], "no model before anybody wears a headset");
     // By the keyboard: the pointer stays where it is.
     await page.mouse.move((at.x = 280), (at.y = 100));
     await page.locator("#enter-headset").press("Enter");
@@ -45,6 +48,10 @@ test("a hand in a headset brings the finger to the sphere and away", { timeout: 
     // It is drawn a frame after it is placed.
     const { red, skin } = await colorsOnce((colors) => colors.skin > 10_000);
     assert.ok(skin > 10_000, `${skin} pixels of the hand's skin`);
+    // Both hands are models; the fingertip that the scene simulates is left out.
+    await handsAre(page, "right model, left model");
+    assert.equal(await browser.data("stumps"), "1");
+    assert.equal(browser.requests.filter(isModel).length, 2);
 
     await moveBy(100);
     await touching();
@@ -73,6 +80,52 @@ test("a hand in a headset brings the finger to the sphere and away", { timeout: 
   } finally {
     await browser.close();
     assert.equal(await running.stop(), 0);
+  }
+});
+
+test("capsules stand in for a hand's model until it is there, and it closes as the hand does", { timeout: 300_000 }, async () => {
+  const running = await startProgram(program, ["run", scene, "--no-twin", "--repeat", "--port", "0"]);
+  const wide = { width: 1000, height: 260 }; // the left hand is in sight
+  const browser = await openPage(`${running.url}/?emulate-headset`, wide);
+  const { page } = browser;
+  const enter = () => page.locator("#enter-headset").press("Enter");
+  const picture = () => page.screenshot();
+  /** Two pictures in a row that are the same. */
+  const still = async () => {
+    for (let last = await picture(), looked = 0; looked < 60; ++looked) {
+      await page.waitForTimeout(500);
+      const next = await picture();
+      if (differingPixels(last, next) === 0) return next;
+      last = next;
+    }
+    throw new Error("the picture never stands still");
+  };
+  try {
+    await page.click("#pause"); // what moves is a hand
+    await page.waitForFunction(() => document.body.dataset.state === "paused");
+    await page.route(isModel, (route) => route.abort());
+    await enter();
+    await handsAre(page, "right capsules, left capsules");
+    const { skin } = countColors(await still());
+    assert.ok(skin > 5_000, `${skin} pixels of capsules`);
+    assert.equal(await browser.data("stumps"), "0");
+
+    await page.keyboard.press("Escape");
+    await page.unroute(isModel);
+    await enter();
+    await handsAre(page, "right model, left model");
+    const open = await still();
+    await page.keyboard.down("p");
+    let moved = 0;
+    for (let looked = 0; moved < 1000 && looked < 60; ++looked) {
+      await page.waitForTimeout(500);
+      moved = differingPixels(open, await picture());
+    }
+    assert.ok(moved >= 1000, `${moved} pixels differ where a hand closes`);
+    assert.deepEqual(browser.complaints.filter((text) => !text.includes("ERR_FAILED")), []);
+  } finally {
+    await browser.close();
+    await running.stop();
   }
 });
 
