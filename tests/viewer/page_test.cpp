@@ -53,6 +53,23 @@ TEST(PageFile, TheBuiltPageIsWhole) {
   EXPECT_GE(assets, 2) << "a script and a style";
   EXPECT_EQ(index->content.find("http"), std::string_view::npos);
 }
+
+TEST(PageFile, ModelsAreServedAsTheyAre) {
+  int models = 0;
+  for (const PageFile& file : live_page()) {
+    if (!file.path.ends_with(".glb")) continue;
+    ++models;
+    EXPECT_EQ(file.content_type, "model/gltf-binary");
+    EXPECT_TRUE(file.content.starts_with("glTF")) << file.path;
+    // glTF 2.0, 4.4.2: bytes 8 to 11 are the length of the whole, low byte first.
+    ASSERT_GE(file.content.size(), 12U);
+    const auto byte = [&](std::size_t k) -> std::size_t {
+      return static_cast<unsigned char>(file.content[k]);
+    };
+    EXPECT_EQ(file.content.size(), byte(8) | byte(9) << 8 | byte(10) << 16 | byte(11) << 24);
+  }
+  EXPECT_EQ(models, 2) << "a left and a right hand";
+}
 #endif
 
 TEST(OwnAddress, OwnHostsOnly) {

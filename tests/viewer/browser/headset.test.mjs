@@ -45,13 +45,13 @@ test("a hand in a headset brings the finger to the sphere and away", { timeout: 
     await headsetIs("placed");
     await deviceIs("ready");
     await free();
-    // It is drawn a frame after it is placed.
-    const { red, skin } = await colorsOnce((colors) => colors.skin > 10_000);
-    assert.ok(skin > 10_000, `${skin} pixels of the hand's skin`);
     // Both hands are models; the fingertip that the scene simulates is left out.
     await handsAre(page, "right model, left model");
     assert.equal(await browser.data("stumps"), "1");
     assert.equal(browser.requests.filter(isModel).length, 2);
+    // It is drawn a frame after it is placed.
+    const { red, skin } = await colorsOnce((colors) => colors.skin > 10_000);
+    assert.ok(skin > 10_000, `${skin} pixels of the hand's skin`);
 
     await moveBy(100);
     await touching();
