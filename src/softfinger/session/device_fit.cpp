@@ -25,7 +25,7 @@
 #include "softfinger/session/kept_ceiling.hpp"
 #include "softfinger/session/worn_device.hpp"
 #include "softfinger/wearer/advance.hpp"
-#include "softfinger/wearer/stiffness_in_use.hpp"
+#include "softfinger/wearer/press_relaxation.hpp"
 #include "softfinger/wearer/touch_procedure.hpp"
 
 namespace softfinger {
@@ -457,11 +457,15 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   }
   if (!fit.failure.empty()) return fit;
 
-  // What is known and what is told are of a wearer in use; presses are by one that does not relax.
+  // The model that is pressed does not relax.
+  presses = without_relaxation(std::move(presses), finger->relaxation, PressLimits{}.press);
+  // Neither where it is touched: what is known and what is told are of a wearer in use.
   TraitVector in_use = TraitVector::Zero();
-  const auto modulus = static_cast<Eigen::Index>(WearerTrait::kModulus);
-  in_use[modulus] = std::log(stiffness_in_use(*finger, PressLimits{}.press)) /
-                    kWearerTraitRows[static_cast<std::size_t>(modulus)].deviation;
+  if (options.by_touch) {
+    const auto modulus = static_cast<Eigen::Index>(WearerTrait::kModulus);
+    in_use[modulus] = std::log(stiffness_in_use(*finger, PressLimits{}.press)) /
+                      kWearerTraitRows[static_cast<std::size_t>(modulus)].deviation;
+  }
   PressModel model(finger, worn.device, options.device, finger->friction_coefficient);
   const WearerEstimateOptions how{.noise = fit.noise,
                                   .mount_only = options.again,

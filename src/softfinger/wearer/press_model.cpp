@@ -9,6 +9,7 @@
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/finger/rest_skin.hpp"
 #include "softfinger/twin/resting_gap.hpp"
+#include "softfinger/wearer/advance.hpp"
 
 namespace softfinger {
 namespace {
@@ -19,7 +20,9 @@ constexpr std::array kTissueTraits{WearerTrait::kLength, WearerTrait::kBreadth, 
 constexpr double kDifference = 1e-5;
 /// Edges are met as planes, where they were seen: it looks again until that changes nothing.
 constexpr int kLooks = 6;
-constexpr double kLookTolerance = 1e-4;       // of the force
+constexpr double kLookTolerance = 1e-4;  // of the force
+/// Of a way with friction, m: contact and edges are looked for anew so often.
+constexpr double kPiece = 0.08 * mm;
 constexpr int kSearches = 12;                 // for a force
 constexpr double kForceTolerance = 1e-4;      // N, of these
 constexpr double kLongestAdvance = 0.4 * mm;  // of a search, at a time
@@ -100,9 +103,15 @@ std::vector<double> PressModel::press_with_friction(const Configuration& start,
   std::vector<double> forces;
   forces.reserve(path.size());
   twin_->reset(start);
+  Configuration from = start;
   for (const Configuration& q : path) {
-    twin_->press(q, friction_coefficient_, 0.0);
+    const double way = std::abs(advance_between(*device_, from, q));
+    const double pieces = std::max(std::ceil(way / kPiece), 1.0);
+    for (double piece = 1.0; piece <= pieces; ++piece) {
+      twin_->press(from + piece / pieces * (q - from), friction_coefficient_, 0.0);
+    }
     forces.push_back(twin_->contact().normal_force);
+    from = q;
   }
   return forces;
 }

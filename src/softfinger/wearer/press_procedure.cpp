@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "softfinger/base/units.hpp"
@@ -47,6 +49,8 @@ constexpr std::size_t kLeastPresses = 5;  // of nine
 constexpr double kOnePress = 2.2;         // s, with the way there
 constexpr double kLightest = 0.5;         // of the guard, that each press must have come to
 constexpr double kMostDelay = 4.0;        // ticks
+constexpr std::size_t kLate = 2;          // readings after the device has left the skin
+constexpr double kSurelyOff = 0.4 * mm;   // before a touch is noticed: the skin is not touched yet
 
 }  // namespace
 
@@ -178,7 +182,7 @@ void PressProcedure::advance(const PressTick& tick) {
       zero(tick);
       break;
     case Stage::kMove:
-      move();
+      move(tick);
       break;
     case Stage::kApproach:
       approach(tick);
@@ -190,7 +194,7 @@ void PressProcedure::advance(const PressTick& tick) {
       leave();
       break;
     case Stage::kSettle:
-      settle();
+      settle(tick);
       break;
     case Stage::kDone:
       break;
@@ -212,7 +216,8 @@ void PressProcedure::zero(const PressTick& tick) {
                     zero_readings_ / taken, kLeastReadings));
     return;
   }
-  for (const double force : zeros_) zero_ += force / count;
+  for (const double force : zeros_) off_skin_.add(force);
+  first_zero_ = zero_ = off_skin_.mean();
   double square = 0.0;
   for (const double force : zeros_) square += (force - zero_) * (force - zero_);
   noise_ = std::sqrt(square / (count - 1.0));
@@ -226,7 +231,16 @@ void PressProcedure::zero(const PressTick& tick) {
   begin_press();
 }
 
+/// Half a second's mean of a noisy sensor is a part of its noise off, which all forces would be as
+/// well. By no more than that: what is beyond is something that touches.
+void PressProcedure::renew_zero() {
+  const double most = kNoTouchNoise * noise_ / std::sqrt(static_cast<double>(zeros_.size()));
+  zero_ = std::clamp(off_skin_.mean(), first_zero_ - most, first_zero_ + most);
+}
+
 void PressProcedure::begin_press() {
+  renew_zero();
+  moving_ = {};
   const ExpectedTouch::Place skin = expected_.of(planned());
   start_ = skin.touch - kClear - kClearDeviations * skin.deviation - clear_;
   // Nothing is known of the wearer before the first: from home.
@@ -239,7 +253,7 @@ void PressProcedure::begin_press() {
   stage_began_ = now_;
 }
 
-void PressProcedure::move() {
+void PressProcedure::move(const PressTick& tick) {
   const bool touches =
       !seen_.empty() && seen_.back().force > std::max(3.0 * limits_.touch, 5.0 * noise_);
   if (touches || (seen_.size() >= kSoonest && recent(kSoonest) > touch_threshold(1))) {
@@ -252,12 +266,14 @@ void PressProcedure::move() {
     stage_ = Stage::kLeave;
     return;
   }
+  if (tick.fresh) moving_.add(tick.force);
   if (!go(at(start_), kMoveSpeed)) {
     stage_began_ = now_;
     return;
   }
   // What comes late is of the way.
   if (now_ - stage_began_ < kSteadyTicks * tick_) return;
+  off_skin_.add(moving_);
   stage_ = Stage::kApproach;
   seen_.clear();
 }
@@ -269,6 +285,9 @@ void PressProcedure::approach(const PressTick& tick) {
       (force > touch_threshold(kRecent) || recent(kSoonest) > touch_threshold(kSoonest))) {
     touched_ = best_at_ = stands;
     best_ = force;
+    for (const Seen& seen : seen_) {
+      if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
+    }
     pressing_ticks_ = 0;
     stage_ = Stage::kPress;
     press(tick);
@@ -309,7 +328,7 @@ void PressProcedure::press(const PressTick& tick) {
   const double force = tick.force - zero_;
   ++pressing_ticks_;
   if (tick.fresh && pressing_ticks_ > kSteadyTicks) {
-    record_.readings.push_back({tick.stands, force, 1.0, tick.time});
+    record_.readings.push_back({tick.stands, tick.force, 1.0, tick.time});
   }
   const Trend now = trend();
   const double mean = recent(kRecent);
@@ -367,7 +386,7 @@ void PressProcedure::end_press() {
     record_.readings.clear();
   }
   const Trend last = trend();
-  fall_ = {last.force, last.slope, seen_.back().advance, 0.0};
+  fall_ = {.force = last.force, .slope = last.slope, .from = seen_.back().advance};
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();
@@ -377,25 +396,39 @@ void PressProcedure::end_press() {
 void PressProcedure::watch_fall(const PressTick& tick) {
   if (!tick.fresh || !(fall_.force > 0.0)) return;
   const double back = fall_.from - advance_of(tick.stands);
-  fall_.beyond += tick.force - zero_ - std::max(fall_.force - fall_.slope * back, 0.0);
+  fall_.beyond += tick.force - std::max(fall_.force - fall_.slope * back, 0.0);
+  fall_.readings += 1.0;
 }
 
-/// The last force said was late as well: by then more was felt.
-void PressProcedure::end_fall() {
-  if (!(fall_.force > 0.0)) return;
-  const double a_tick = fall_.slope * limits_.press * tick_;  // of growth, N
+/// Ticks. The last force said was late as well: by then more was felt.
+double PressProcedure::delay_of_fall(std::size_t press) const {
+  const Fall& fall = falls_[press];
+  const double beyond = fall.beyond - fall.readings * zero_;
+  const double a_tick = fall.slope * limits_.press * tick_;  // of growth, N
   double ticks = 0.0;
-  for (int i = 0; i < 3; ++i) ticks = fall_.beyond / (fall_.force + a_tick * std::max(ticks, 0.0));
-  delays_.push_back(std::clamp(ticks, 0.0, kMostDelay));
-  fall_ = {};
+  for (int i = 0; i < 3; ++i) ticks = beyond / (fall.force + a_tick * std::max(ticks, 0.0));
+  return ticks;
 }
 
-/// What was read is what was felt `delay` before.
+void PressProcedure::take_zero_off() {
+  renew_zero();
+  for (PressRecord& record : records_) {
+    for (PressReading& reading : record.readings) reading.force -= zero_;
+  }
+}
+
+/// What was read is what was felt `delay` before. Of presses the mean, but for the two furthest
+/// off: in one the wearer may have moved.
 void PressProcedure::take_delay_off() {
-  if (delays_.empty()) return;
-  const auto middle = delays_.begin() + static_cast<std::ptrdiff_t>(delays_.size() / 2);
-  std::nth_element(delays_.begin(), middle, delays_.end());
-  delay_ = *middle * tick_;
+  if (falls_.empty()) return;
+  std::vector<double> delays;
+  for (std::size_t k = 0; k < falls_.size(); ++k) delays.push_back(delay_of_fall(k));
+  std::ranges::sort(delays);
+  const std::size_t aside = delays.size() > 2 ? 1 : 0;
+  const auto kept = std::span(delays).subspan(aside, delays.size() - 2 * aside);
+  const double mean =
+      std::accumulate(kept.begin(), kept.end(), 0.0) / static_cast<double>(kept.size());
+  delay_ = std::clamp(mean, 0.0, kMostDelay) * tick_;
   for (PressRecord& record : records_) {
     std::vector<PressReading>& readings = record.readings;
     Configuration way = readings[1].q - readings[0].q;  // of the first as of the second
@@ -425,7 +458,8 @@ void PressProcedure::leave() {
   seen_.clear();
 }
 
-void PressProcedure::settle() {
+void PressProcedure::settle(const PressTick& tick) {
+  if (tick.fresh && seen_.size() > kLate) off_skin_.add(tick.force);
   if (seen_.size() < kSettleReadings) return;
   // Of the last ones alone: those before came late.
   const double left = recent(kSoonest);
@@ -445,7 +479,8 @@ void PressProcedure::settle() {
     begin_press();
     return;
   }
-  end_fall();
+  if (fall_.force > 0.0) falls_.push_back(fall_);
+  fall_ = {};
   expected_.learn(planned(), touched_);
   records_.push_back(std::move(record_));
   next_press();
@@ -487,6 +522,7 @@ bool PressProcedure::enough() const {
 }
 
 void PressProcedure::finish() {
+  take_zero_off();
   take_delay_off();
   stage_ = Stage::kDone;
   wanted_ = device_.home();

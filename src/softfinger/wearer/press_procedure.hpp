@@ -63,12 +63,12 @@ class PressProcedure {
   /// 0 to 1.
   [[nodiscard]] double progress() const;
 
-  /// Readings of the presses that are done, zero taken off; once all are done, each with where the
-  /// device stood when what is read was felt.
+  /// Readings of all presses, once these are done: zero taken off, each with where the device stood
+  /// when what is read was felt.
   [[nodiscard]] const std::vector<PressRecord>& presses() const { return records_; }
   /// Standard deviation of the sensor off the skin, of one tick, N.
   [[nodiscard]] double noise() const { return noise_; }
-  /// What it says off the skin, N.
+  /// What it says off the skin, before the first press and between all, N.
   [[nodiscard]] double zero() const { return zero_; }
   /// How late force is known, s: what is still said while the device leaves the skin at once.
   [[nodiscard]] double delay() const { return delay_; }
@@ -86,14 +86,16 @@ class PressProcedure {
   void fail(std::string why);
   [[nodiscard]] bool watch(const PressTick& tick);
   void zero(const PressTick& tick);
-  void move();
+  void renew_zero();
+  void move(const PressTick& tick);
   void approach(const PressTick& tick);
   void press(const PressTick& tick);
   void give_up_press();
   void leave();
-  void settle();
+  void settle(const PressTick& tick);
   void watch_fall(const PressTick& tick);
-  void end_fall();
+  [[nodiscard]] double delay_of_fall(std::size_t press) const;
+  void take_zero_off();
   void take_delay_off();
   void begin_press();
   void end_press();
@@ -129,7 +131,24 @@ class PressProcedure {
   double stage_began_ = 0.0;
   double zero_ = 0.0, noise_ = 0.0, greatest_ = 0.0;
   double last_fresh_ = 0.0;
-  std::vector<double> zeros_;
+  /// What was said off the skin, zero not taken off.
+  struct OffSkin {
+    double sum = 0.0, count = 0.0;
+
+    void add(double force) {
+      sum += force;
+      count += 1.0;
+    }
+    void add(const OffSkin& other) {
+      sum += other.sum;
+      count += other.count;
+    }
+    [[nodiscard]] double mean() const { return sum / count; }
+  };
+  std::vector<double> zeros_;  ///< before the first press
+  double first_zero_ = 0.0;
+  OffSkin off_skin_;
+  OffSkin moving_;  ///< of the way to the press under way, which may yet touch
   int zero_readings_ = 0;
   std::size_t alike_ = 0;          ///< readings in a row that were the same as the one before
   std::size_t longest_alike_ = 0;  ///< off the skin
@@ -144,13 +163,13 @@ class PressProcedure {
   double best_at_ = 0.0;   ///< where that was
   ExpectedTouch expected_;
   /// As the device leaves: the force there was and how it grows with advance, N and N/m, where; and
-  /// the sum of what was said, N, beyond what was felt.
+  /// the sum of what was said, N, beyond what was felt, zero not taken off, in how many readings.
   struct Fall {
     double force = 0.0, slope = 0.0, from = 0.0;
-    double beyond = 0.0;
+    double beyond = 0.0, readings = 0.0;
   } fall_;
-  std::vector<double> delays_;  ///< ticks, by press
-  double delay_ = 0.0;          ///< s
+  std::vector<Fall> falls_;  ///< by press
+  double delay_ = 0.0;       ///< s
   int pressing_ticks_ = 0;
   bool given_up_ = false;  ///< the press under way
   double clear_ = 0.0;     ///< how much further off the skin a press begins, m

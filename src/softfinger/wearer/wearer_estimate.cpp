@@ -8,6 +8,7 @@
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/wearer/advance.hpp"
+#include "softfinger/wearer/press_relaxation.hpp"
 
 namespace softfinger {
 namespace {
@@ -24,7 +25,8 @@ constexpr double kForceFloor = 0.01;      // N, of the same
 /// wearers nine in ten are within their intervals (tools/validate --wearers).
 constexpr double kAlikeInPress = 5.0;
 constexpr int kTouchSteps = 7;
-constexpr int kForceSteps = 12;
+constexpr int kForceSteps = 8;  // of a pass
+constexpr int kFrictionPasses = 2;
 /// Of a step, standard deviations of any trait: after a longer one derivatives are computed, after
 /// a shorter one corrected by what it taught.
 constexpr double kFar = 0.25;
@@ -42,8 +44,9 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Neighbouring readings put together.
-PressRecord in_parts(const PressRecord& press) {
+/// Neighbouring readings put together, where the device felt their mean: force grows as exp(m d)
+/// by advance d, so that this is m / 2 times the variance of d past the mean of d.
+PressRecord in_parts(const Device& device, const PressRecord& press) {
   PressRecord parts{.start = press.start, .readings = {}};
   const std::size_t count = press.readings.size();
   const std::size_t most = std::min<std::size_t>(count, kMostParts);
@@ -57,6 +60,12 @@ PressRecord in_parts(const PressRecord& press) {
     }
     mean.q /= mean.count;
     mean.force /= mean.count;
+    Configuration spread = Configuration::Zero(press.start.size());
+    for (std::size_t i = part * count / most; i < (part + 1) * count / most; ++i) {
+      const PressReading& reading = press.readings[i];
+      spread += reading.count * advance_between(device, mean.q, reading.q) * (reading.q - mean.q);
+    }
+    mean.q += 0.5 * kForceGrowth / mean.count * spread;
     parts.readings.push_back(mean);
   }
   return parts;
@@ -100,7 +109,7 @@ class Estimation {
   Estimation(PressModel& model, std::span<const PressRecord> presses,
              const WearerEstimateOptions& options)
       : model_(model), options_(options) {
-    for (const PressRecord& press : presses) presses_.push_back(in_parts(press));
+    for (const PressRecord& press : presses) presses_.push_back(in_parts(model.device(), press));
     for (const PressRecord& press : presses_) touches_.push_back(touch_of(model.device(), press));
     if (std::ranges::none_of(touches_, [](const auto& touch) { return touch.has_value(); })) {
       throw OperationError("no press reached 0.1 N");
@@ -123,7 +132,11 @@ class Estimation {
     TraitVector x = options_.known;
     const double known_error = force_error(x);
     x = minimise(x, kTouchSteps, [this](bool) { return touch_residuals(); });
-    x = minimise(x, kForceSteps, [this](bool derived) { return force_residuals(derived); });
+    for (int pass = 0; pass < kFrictionPasses; ++pass) {
+      look_at_friction(x);
+      x = minimise(x, kForceSteps, [this](bool derived) { return force_residuals(derived); });
+    }
+    look_at_friction(x);
     WearerEstimate found = judge(x);
     found.known_force_error = known_error;
     return found;
@@ -243,7 +256,8 @@ class Estimation {
   template <typename Evaluate>
   Residuals look(const Evaluate& evaluate, bool derived) {
     ++evaluations_;
-    const double fraction = static_cast<double>(evaluations_) / (kTouchSteps + kForceSteps);
+    const double fraction =
+        evaluations_ / static_cast<double>(kTouchSteps + kFrictionPasses * kForceSteps);
     if (options_.progress && !options_.progress(std::min(fraction, 1.0))) {
       throw OperationError("ended before the wearer was estimated");
     }
@@ -291,7 +305,23 @@ class Estimation {
     return std::sqrt(options_.noise * options_.noise / reading.count + model * model);
   }
 
-  /// With friction; derivatives are those without, times what friction makes of the force.
+  /// What friction makes of each force. It hardly depends on traits, and depends on the way; forces
+  /// without do not, so that a search among them finds its end.
+  void look_at_friction(const TraitVector& x) {
+    model_.put(x);
+    frictions_.clear();
+    for (const PressRecord& press : presses_) {
+      const std::vector<Configuration> path = path_of(press);
+      const std::vector<PredictedForce> smooth = model_.press(press.start, path, false);
+      const std::vector<double> felt = model_.press_with_friction(press.start, path);
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        const double ratio = smooth[i].force > 0.0 ? felt[i] / smooth[i].force : 1.0;
+        frictions_.push_back(std::clamp(ratio, kLeastRatio, kMostRatio));
+      }
+    }
+  }
+
+  /// Forces without friction, times what friction makes of them.
   Residuals force_residuals(bool derived) {
     Eigen::Index count = 0;
     for (const PressRecord& press : presses_) {
@@ -301,16 +331,12 @@ class Estimation {
     all.by_trait.setZero(count, kWearerTraits);
     Eigen::Index row = 0;
     for (const PressRecord& press : presses_) {
-      const std::vector<Configuration> path = path_of(press);
-      const std::vector<double> felt = model_.press_with_friction(press.start, path);
-      std::vector<PredictedForce> smooth;
-      if (derived) smooth = model_.press(press.start, path);
+      const std::vector<PredictedForce> felt = model_.press(press.start, path_of(press), derived);
       for (std::size_t i = 0; i < felt.size(); ++i, ++row) {
         const double deviation = deviation_of(press.readings[i]);
-        all.r[row] = (felt[i] - press.readings[i].force) / deviation;
-        if (!derived || !(smooth[i].force > 0.0)) continue;
-        const double ratio = std::clamp(felt[i] / smooth[i].force, kLeastRatio, kMostRatio);
-        all.by_trait.row(row) = ratio * smooth[i].by_trait.transpose() / deviation;
+        const double friction = frictions_[static_cast<std::size_t>(row)];
+        all.r[row] = (friction * felt[i].force - press.readings[i].force) / deviation;
+        if (derived) all.by_trait.row(row) = friction * felt[i].by_trait.transpose() / deviation;
       }
     }
     return all;
@@ -387,6 +413,7 @@ class Estimation {
   double touch_force_ = kTouch;       ///< N
   double touch_noise_ = kTouchNoise;  ///< m
   TraitVector free_;
+  std::vector<double> frictions_;  ///< by reading: force with friction over that without
   Residuals last_;
   int evaluations_ = 0;
 };
