@@ -129,6 +129,32 @@ test("capsules stand in for a hand's model until it is there, and it closes as t
   }
 });
 
+test("a hand in a headset is drawn where the world holds it", { timeout: 300_000 }, async () => {
+  const bottle = resolve(dirname(scene), "bottle.toml");
+  const running = await startProgram(program, ["run", bottle, "--tracker", "webxr", "--no-twin", "--port", "0"]);
+  const browser = await openPage(`${running.url}/?emulate-headset`, viewport);
+  const { page } = browser;
+  const heldBack = (such) => page.waitForFunction(([most, least]) => {
+    const { bones, heldBack: back } = document.body.dataset;
+    return bones === "19" && Number(back) <= most && Number(back) >= least; // 14 of palm and phalanges, five tips
+  }, such);
+  try {
+    // It begins with its thumb in the table.
+    await page.mouse.move(280, 340);
+    await page.locator("#enter-headset").press("Enter");
+    await page.waitForFunction(() => document.body.dataset.headset === "placed");
+    await handsAre(page, "right model, left model");
+    await page.mouse.move(280, 40, { steps: 25 }); // 60 mm up
+    await heldBack([1, 0]);
+    await page.mouse.move(280, 340, { steps: 25 }); // the table holds it, the person goes on
+    await heldBack([60, 15]);
+    assert.deepEqual(browser.complaints, []);
+  } finally {
+    await browser.close();
+    await running.stop();
+  }
+});
+
 test("without a headset there is no button", { timeout: 300_000 }, async () => {
   const running = await startProgram(program, ["run", scene, "--no-twin", "--repeat", "--port", "0"]);
   const browser = await openPage(running.url, viewport);

@@ -1,4 +1,5 @@
-import type { Client, FollowedFinger, Scene } from "softfinger-client";
+import type { Client, FollowedFinger, Scene, Snapshot } from "softfinger-client";
+import { HeldHands } from "./held_hands";
 import { placeByEyes, placeByFinger } from "./placement";
 import type { Room } from "./room";
 import { SeenHands } from "./seen_hands";
@@ -15,6 +16,8 @@ const kSides: Side[] = ["right", "left"];
 export class Headset {
   private readonly button = document.getElementById("enter-headset")!;
   private readonly hands = new SeenHands();
+  private readonly held = new HeldHands();
+  private shown = new Set<Side>(); // hands with their bones
   private session: XRSession | null = null;
   private room: XRReferenceSpace | null = null;
   private space: XRReferenceSpace | null = null; // with the scene's origin; null: not placed
@@ -34,14 +37,21 @@ export class Headset {
 
   begin(scene: Scene): void {
     this.followed = scene.fingers.flatMap((finger) => finger.headset ?? []);
+    this.held.begin(scene);
     if (scene.scene !== this.scene) this.placeAnew();
     this.scene = scene.scene;
     this.say(this.followed.length === 0 ? "" : "Enter XR and hold the hand where it is to begin: after a second the " +
       "scene comes to the finger. A pinch of the other hand places it anew. Without a headset: ?emulate-headset");
   }
 
-  /** In every frame of the headset. */
-  follow(frame: XRFrame): void {
+  /** Whether an object of the scene is part of a hand that is drawn whole. */
+  draws(object: number): boolean {
+    const side = this.held.sideOf(object);
+    return this.session !== null && side !== undefined && this.shown.has(side);
+  }
+
+  /** In every frame of the headset; `newest` of the scene. */
+  follow(frame: XRFrame, newest: Snapshot | null): void {
     if (!this.room || frame.session !== this.session) return;
     const time = performance.now();
     if (!this.space) this.place(frame, time);
@@ -53,8 +63,22 @@ export class Headset {
       if (!this.followed.some((finger) => finger.hand === side)) continue;
       this.tell(side, this.space ? joints : null, time);
     }
-    this.hands.show([...seen].map(([side, joints]) => ({ side, joints, instead: this.drawnOf(side) })));
+    this.show(seen, newest);
     document.body.dataset.headset = this.space ? "placed" : "entered";
+  }
+
+  /** As the world has them, where it has them. */
+  private show(seen: Map<Side, Float32Array>, newest: Snapshot | null): void {
+    this.shown = new Set(this.space ? seen.keys() : []);
+    let [bones, back] = [0, 0];
+    this.hands.show([...seen].map(([side, joints]) => {
+      const held = this.space && newest ? this.held.asHeld(side, joints, newest) : { joints, count: 0, back: 0 };
+      bones += held.count;
+      back = Math.max(back, held.back);
+      return { side, joints: held.joints, instead: this.drawnOf(side) };
+    }));
+    document.body.dataset.bones = String(bones);
+    document.body.dataset.heldBack = (1e3 * back).toFixed(1); // mm
   }
 
   draw(): void {

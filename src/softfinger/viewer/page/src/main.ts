@@ -207,7 +207,8 @@ function frame(now: number, worn: XRFrame | undefined): void {
   if (newest) hand.see(newest.fingers);
   hand.advance(now - lastMove);
   lastMove = now;
-  if (worn) headset.follow(worn);
+  if (worn) headset.follow(worn, newest);
+  objects.forEach((view, i) => (view.group.visible = !(worn && headset.draws(i))));
   for (const label of labels) label.sprite.visible = !worn;
   if (!worn && now - lastFrame < kLeastInterval) return;
   const elapsed = now - lastFrame;

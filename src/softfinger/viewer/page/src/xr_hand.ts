@@ -1,4 +1,5 @@
 // A hand as WebXR gives it.
+import type { Quaternion, Vector3 } from "three";
 import { type FollowedFinger, kHandJoints } from "softfinger-client";
 
 export type Side = FollowedFinger["hand"];
@@ -33,6 +34,11 @@ export function readJoints(frame: XRFrame, hand: XRHand, space: XRReferenceSpace
 export function positionOf(joints: Float32Array, joint: XRHandJoint): [number, number, number] {
   const at = kPerJoint * kJoints.indexOf(joint);
   return [joints[at]!, joints[at + 1]!, joints[at + 2]!];
+}
+
+/** Puts it there. */
+export function setPose(joints: Float32Array, joint: XRHandJoint, at: Vector3, turned: Quaternion): void {
+  joints.set([at.x, at.y, at.z, turned.x, turned.y, turned.z, turned.w], kPerJoint * kJoints.indexOf(joint));
 }
 
 /** And its quaternion x, y, z, w. */
