@@ -40,6 +40,7 @@ class PressProcedureTest : public testing::Test {
     double time = 0.0;
     bool retracts = false;
     double delay = 0.0;    ///< s, as it was noticed
+    double zero = 0.0;     ///< N, the same
     double misread = 0.0;  ///< N: the furthest that a reading is off what was felt where it is said
   };
 
@@ -71,6 +72,7 @@ class PressProcedureTest : public testing::Test {
     pressed.presses = procedure.presses().size();
     pressed.time = procedure.duration();
     pressed.delay = procedure.delay();
+    pressed.zero = procedure.zero();
     pressed.retracts = procedure.wanted() == device_->retracted();
     for (const PressRecord& record : procedure.presses()) {
       for (std::size_t k = 1; k < record.readings.size(); ++k) {
@@ -130,6 +132,31 @@ TEST_F(PressProcedureTest, PressesNineTimesWithinTwentySecondsAndNeverHard) {
       }
     }
   }
+}
+
+TEST_F(PressProcedureTest, TakesItsZeroFromAllReadingsOffTheSkin) {
+  constexpr double kZero = -3.0;   // N
+  constexpr double kNoise = 0.05;  // N
+  constexpr int kSensors = 8;
+  double square = 0.0;
+  for (unsigned seed = 0; seed < kSensors; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> noise(kZero, kNoise);
+    const Pressed pressed = press([](double depth, double time) { return 0.6 * pad(depth, time); },
+                                  [&](PressTick& tick) { tick.force += noise(random); });
+    EXPECT_TRUE(pressed.done) << pressed.failure;
+    square += (pressed.zero - kZero) * (pressed.zero - kZero);
+  }
+  // Half a second are 15 readings.
+  EXPECT_LT(std::sqrt(square / kSensors), kNoise / std::sqrt(60.0));
+}
+
+TEST_F(PressProcedureTest, TakesNothingForItsZeroThatIsNoNoise) {
+  const Pressed pressed = press(pad, [](PressTick& tick) {
+    if (tick.time > 2.0) tick.force += 0.03;  // something leans on it
+  });
+  EXPECT_TRUE(pressed.done) << pressed.failure;
+  EXPECT_LT(pressed.zero, 0.014);
 }
 
 TEST_F(PressProcedureTest, NoticesHowLateTheSensorIs) {
