@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "play.hpp"
+#include "sleeping_in_both.hpp"
 #include "softfinger/threads/thread_team.hpp"
 
 namespace softfinger {
@@ -212,16 +213,7 @@ TEST(BodyRest, AndWakingAreTheSameOnAnyNumberOfThreads) {
   ThreadTeam team(2);
   Play alone = scene(nullptr);
   Play shared = scene(&team);
-  std::vector<std::size_t> sleeping;
-  for (int k = 0; k < 60; ++k) {
-    alone.run(0.1);
-    shared.run(0.1);
-    ASSERT_EQ(alone.world().state_hash(), shared.world().state_hash()) << alone.time();
-    ASSERT_EQ(alone.world().work().sleeping, shared.world().work().sleeping);
-    if (sleeping.empty() || sleeping.back() != alone.world().work().sleeping) {
-      sleeping.push_back(alone.world().work().sleeping);
-    }
-  }
+  const std::vector<std::size_t> sleeping = sleeping_in_both(alone, shared, 6.0);
   ASSERT_GE(sleeping.size(), 3U) << "fell asleep, and was woken";
   EXPECT_EQ(sleeping[1], 4U) << "all but the ball";
   EXPECT_EQ(sleeping[2], 1U) << "the tower is hit, the cube apart sleeps on";

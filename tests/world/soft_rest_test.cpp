@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "sleeping_in_both.hpp"
 #include "soft_box.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/threads/thread_team.hpp"
@@ -181,16 +182,7 @@ TEST(SoftRest, AndWakingAreTheSameOnAnyNumberOfThreads) {
   ThreadTeam team(2);
   Play alone = scene(nullptr);
   Play shared = scene(&team);
-  std::vector<std::size_t> sleeping;
-  for (int k = 0; k < 30; ++k) {
-    alone.run(0.1);
-    shared.run(0.1);
-    ASSERT_EQ(alone.world().state_hash(), shared.world().state_hash()) << alone.time();
-    ASSERT_EQ(alone.world().work().sleeping, shared.world().work().sleeping);
-    if (sleeping.empty() || sleeping.back() != alone.world().work().sleeping) {
-      sleeping.push_back(alone.world().work().sleeping);
-    }
-  }
+  const std::vector<std::size_t> sleeping = sleeping_in_both(alone, shared, 3.0);
   ASSERT_GE(sleeping.size(), 3U) << "fell asleep, and was woken";
   EXPECT_EQ(sleeping.back(), 1U) << "the sponge apart sleeps on";
 }
