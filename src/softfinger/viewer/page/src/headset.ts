@@ -17,7 +17,7 @@ export class Headset {
   private readonly button = document.getElementById("enter-headset")!;
   private readonly hands = new SeenHands();
   private readonly held = new HeldHands();
-  private shown = new Set<Side>(); // hands with their bones
+  private readonly shown = new Set<Side>(); // hands as the world holds them
   private session: XRSession | null = null;
   private room: XRReferenceSpace | null = null;
   private space: XRReferenceSpace | null = null; // with the scene's origin; null: not placed
@@ -67,15 +67,18 @@ export class Headset {
     document.body.dataset.headset = this.space ? "placed" : "entered";
   }
 
-  /** As the world has them, where it has them. */
+  /** Where the world holds them, of those that it has. */
   private show(seen: Map<Side, Float32Array>, newest: Snapshot | null): void {
-    this.shown = new Set(this.space ? seen.keys() : []);
+    this.shown.clear();
     let [bones, back] = [0, 0];
     this.hands.show([...seen].map(([side, joints]) => {
-      const held = this.space && newest ? this.held.asHeld(side, joints, newest) : { joints, count: 0, back: 0 };
+      const instead = this.drawnOf(side);
+      const held = this.space && newest && this.held.asHeld(side, joints, newest);
+      if (!held) return { side, joints, instead };
+      this.shown.add(side);
       bones += held.count;
       back = Math.max(back, held.back);
-      return { side, joints: held.joints, instead: this.drawnOf(side) };
+      return { side, joints: held.joints, instead };
     }));
     document.body.dataset.bones = String(bones);
     document.body.dataset.heldBack = (1e3 * back).toFixed(1); // mm

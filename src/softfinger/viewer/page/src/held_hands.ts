@@ -4,7 +4,7 @@ import type { Scene, Snapshot } from "softfinger-client";
 import { kWorldInRoom } from "./placement";
 import { endsOf, kJoints, positionOf, rotationOf, setPose, type Side } from "./xr_hand";
 
-const kFurthest = 0.1; // m: a bone this far from where it is seen is not there yet
+const kFurthest = 0.2; // m: a bone this far from where it is seen is not that hand's
 
 /** What of the scene follows the stretch of a hand from a joint to the next. */
 interface Held {
@@ -23,21 +23,24 @@ function jointOf(bone: string): { side: Side; joint: XRHandJoint } | null {
   return { side: side as Side, joint: `${of}-${part}` as XRHandJoint };
 }
 
+/** Hands of the scene that follow the headset. */
 export class HeldHands {
   private held: Held[] = [];
   private bones = new Map<number, Side>(); // by object
 
   begin(scene: Scene): void {
+    const followed = new Set(scene.fingers.flatMap(({ headset }) => (headset ? [headset.hand] : [])));
     this.held = [];
     this.bones.clear();
     scene.objects.forEach(({ name, hand }, o) => {
       const bone = hand ? jointOf(name) : null;
-      if (!bone) return;
+      if (!bone || !followed.has(bone.side)) return; // a script's
       this.bones.set(o, bone.side);
       this.held.push({ ...bone, poseIn: ({ X_WO }) => X_WO[o] });
     });
+    const whole = new Set(this.bones.values());
     scene.fingers.forEach(({ headset }, f) => {
-      if (!headset || ![...this.bones.values()].includes(headset.hand)) return; // the rest is where it is seen
+      if (!headset || !whole.has(headset.hand)) return; // the rest of it is where it is seen
       this.held.push({ side: headset.hand, joint: endsOf(headset.finger).distal, poseIn: ({ fingers }) => fingers[f]?.X_WF });
     });
   }
@@ -48,35 +51,34 @@ export class HeldHands {
   }
 
   /**
-   * The joints of a hand seen in the scene's space, with those that the world holds where it has them: so many, and one of
-   * them so far from where it is seen, m.
+   * The joints of a hand seen in the scene's space where the world holds them, how many, and how far one of them is from
+   * where it is seen, m; null where the scene has no such hand, or not there.
    */
-  asHeld(side: Side, seen: Float32Array, snapshot: Snapshot): { joints: Float32Array; count: number; back: number } {
+  asHeld(side: Side, seen: Float32Array, snapshot: Snapshot): { joints: Float32Array; count: number; back: number } | null {
+    const of = this.held.filter((held) => held.side === side);
+    if (of.length === 0) return null;
     const joints = seen.slice();
-    let count = 0;
-    let back = 0;
     const palm: Vector3[] = []; // ways
-    for (const held of this.held) {
-      const pose = held.side === side ? held.poseIn(snapshot) : undefined;
-      if (!pose) continue;
-      const next = kJoints[kJoints.indexOf(held.joint) + 1]!;
-      const [from, to] = [new Vector3(...positionOf(seen, held.joint)), new Vector3(...positionOf(seen, next))];
-      const length = from.distanceTo(to);
+    let back = 0;
+    for (const { joint, poseIn } of of) {
+      const pose = poseIn(snapshot);
+      if (!pose) return null;
+      const next = kJoints[kJoints.indexOf(joint) + 1]!;
+      const [from, to] = [new Vector3(...positionOf(seen, joint)), new Vector3(...positionOf(seen, next))];
       const middle = new Vector3(pose[0], pose[1], pose[2]).multiplyScalar(1e-3).applyQuaternion(kWorldInRoom);
-      const way = middle.clone().sub(from).sub(to.sub(from).multiplyScalar(0.5));
-      if (way.length() > kFurthest) continue;
+      const way = middle.clone().sub(from.clone().add(to).multiplyScalar(0.5));
+      if (way.length() > kFurthest) return null;
+      back = Math.max(back, way.length());
+      if (joint.endsWith("-metacarpal")) palm.push(way);
       const turned = kWorldInRoom.clone().multiply(new Quaternion(pose[3], pose[4], pose[5], pose[6]))
         .multiply(kWorldInRoom.clone().invert());
-      const half = new Vector3(0, 0, -0.5 * length).applyQuaternion(turned);
-      setPose(joints, held.joint, middle.clone().sub(half), turned);
+      const half = new Vector3(0, 0, -0.5 * from.distanceTo(to)).applyQuaternion(turned);
+      setPose(joints, joint, middle.clone().sub(half), turned);
       if (next.endsWith("-tip")) setPose(joints, next, middle.clone().add(half), turned);
-      if (held.joint.endsWith("-metacarpal")) palm.push(way);
-      back = Math.max(back, way.length());
-      ++count;
     }
     const wrist = new Vector3(...positionOf(seen, "wrist"));
     for (const way of palm) wrist.addScaledVector(way, 1 / palm.length);
     setPose(joints, "wrist", wrist, new Quaternion(...rotationOf(seen, "wrist")));
-    return { joints, count, back };
+    return { joints, count: of.length, back };
   }
 }
