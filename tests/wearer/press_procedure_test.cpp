@@ -142,8 +142,9 @@ TEST_F(PressProcedureTest, TakesItsZeroFromAllReadingsOffTheSkin) {
   for (unsigned seed = 0; seed < kSensors; ++seed) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> noise(kZero, kNoise);
-    const Pressed pressed = press([](double depth, double time) { return 0.6 * pad(depth, time); },
-                                  [&](PressTick& tick) { tick.force += noise(random); });
+    const Pressed pressed =
+        press([](double depth, double) { return std::max(0.8 * depth / mm, 0.0); },
+              [&](PressTick& tick) { tick.force += noise(random); });
     EXPECT_TRUE(pressed.done) << pressed.failure;
     square += (pressed.zero - kZero) * (pressed.zero - kZero);
   }

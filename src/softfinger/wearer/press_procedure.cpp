@@ -285,9 +285,6 @@ void PressProcedure::approach(const PressTick& tick) {
       (force > touch_threshold(kRecent) || recent(kSoonest) > touch_threshold(kSoonest))) {
     touched_ = best_at_ = stands;
     best_ = force;
-    for (const Seen& seen : seen_) {
-      if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
-    }
     pressing_ticks_ = 0;
     stage_ = Stage::kPress;
     press(tick);
@@ -384,6 +381,9 @@ void PressProcedure::end_press() {
       return;
     }
     record_.readings.clear();
+  }
+  for (const Seen& seen : seen_) {
+    if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
   const Trend last = trend();
   fall_ = {.force = last.force, .slope = last.slope, .from = seen_.back().advance};
