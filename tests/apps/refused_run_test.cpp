@@ -1,12 +1,11 @@
 // What a live run cannot have is refused before the port of any device is opened.
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <poll.h>
-#include <stdlib.h>
+#include <sys/inotify.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -20,30 +19,29 @@
 namespace softfinger {
 namespace {
 
-/// A pseudo-terminal that knows whether anybody has ever opened it.
-class UntouchedTerminal {
+/// A file in a terminal's place that knows whether anybody has opened it. Not a pseudo-terminal:
+/// what another test's device was lost from goes on looking for its number, and would open the next
+/// one that has it.
+class WatchedPort {
  public:
-  UntouchedTerminal() : ours_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
-    EXPECT_EQ(::grantpt(ours_), 0);
-    EXPECT_EQ(::unlockpt(ours_), 0);
-    char name[64] = {};
-    EXPECT_EQ(::ptsname_r(ours_, name, sizeof name), 0);
-    port_ = name;
+  explicit WatchedPort(const Workplace& place)
+      : path_(place.path("port")), watch_(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
+    place.write("port", "");
+    EXPECT_GE(::inotify_add_watch(watch_, path_.c_str(), IN_OPEN), 0) << path_;
   }
-  ~UntouchedTerminal() { ::close(ours_); }
-  UntouchedTerminal(const UntouchedTerminal&) = delete;
-  UntouchedTerminal& operator=(const UntouchedTerminal&) = delete;
+  ~WatchedPort() { ::close(watch_); }
+  WatchedPort(const WatchedPort&) = delete;
+  WatchedPort& operator=(const WatchedPort&) = delete;
 
-  [[nodiscard]] const std::string& port() const { return port_; }
-  /// Linux says so once it was open and is closed, and where something was written.
+  [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] bool was_opened() const {
-    pollfd look{ours_, POLLIN, 0};
+    pollfd look{watch_, POLLIN, 0};
     return ::poll(&look, 1, 0) > 0;
   }
 
  private:
-  int ours_;
-  std::string port_;
+  std::string path_;
+  int watch_;
 };
 
 /// A port of this machine that somebody listens at.
@@ -74,16 +72,16 @@ class OccupiedPort {
 class RefusedRun : public testing::Test {
  protected:
   RefusedRun() {
-    place.replace_line("devices/thimble-3rrs.toml", "port =", "port = \"" + terminal.port() + "\"");
+    place.replace_line("devices/thimble-3rrs.toml", "port =", "port = \"" + port.path() + "\"");
   }
   void expect_no_device(std::vector<std::string> flags, const std::vector<std::string>& words) {
     flags.insert(flags.begin(), {"run", place.path("scenes/sphere.toml")});
     expect_refused(run_program(flags), words);
-    EXPECT_FALSE(terminal.was_opened()) << words.front();
+    EXPECT_FALSE(port.was_opened()) << words.front();
   }
 
   Workplace place;
-  UntouchedTerminal terminal;
+  const WatchedPort port{place};
 };
 
 TEST_F(RefusedRun, OpensNoDevice) {
@@ -115,11 +113,11 @@ TEST_F(RefusedRun, OpensNoDeviceBeforeEveryTracker) {
   expect_no_device({"--headless", "--tracker", "other=page"}, {"other", "page"});
 }
 
-// That the terminal would tell.
+// That the port would tell.
 TEST_F(RefusedRun, OpensItsDeviceOtherwise) {
   const ProgramRun run =
       run_program({"run", place.path("scenes/sphere.toml"), "--headless", "--duration-s", "0.1"});
-  EXPECT_TRUE(terminal.was_opened()) << run.errors;
+  EXPECT_TRUE(port.was_opened()) << run.errors;
 }
 
 }  // namespace
