@@ -14,7 +14,10 @@ namespace {
 /// A pair counts where its gap is less than it moves and this, m.
 constexpr double kReach = 1e-4;
 /// Of the ways without the pairs' forces, that balance() may leave.
-constexpr double kBalanced = 1e-8;
+constexpr double kBalanced = 1e-5;
+/// The same, from where on an iteration that does not halve it is the last: what is left is a kink,
+/// or rounding.
+constexpr double kNearlyBalanced = 1e-3;
 constexpr int kIterations = 12;
 constexpr int kHalvings = 6;
 /// Nodes whose responses are found at once.
@@ -350,6 +353,7 @@ std::span<const double> SoftContact::balance(bool refined) {
   look_at(ways_);
   double excess = evaluate(ways_, refined);
   const double enough = kBalanced * excess;
+  const double nearly = kNearlyBalanced * excess;
   for (int iteration = 0; iteration < kIterations && excess > enough; ++iteration) {
     solve(ways_, better_);
     const double before = excess;
@@ -361,6 +365,7 @@ std::span<const double> SoftContact::balance(bool refined) {
       if (excess < before) break;
     }
     ways_.swap(trial_);
+    if (excess < nearly && excess > 0.5 * before) break;
   }
   return {forces_.data(), static_cast<std::size_t>(rows)};
 }
