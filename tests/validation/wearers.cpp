@@ -129,11 +129,17 @@ class Wearers {
     fs::remove(fit.person);
     const double tracked_before = register_on_table(fit.person);
     const double cpu_began = thread_cpu_time();
+    double pressed = 0.0;
+    fit.watch = [&pressed](const DeviceFitMoment& now) {
+      if (now.estimating && !(pressed > 0.0)) pressed = thread_cpu_time();
+    };
     const DeviceFit found = fit_device(fit, stop_);
+    const double cpu_ended = thread_cpu_time();
     Json row{{"wearer", number},
              {"fitted", found.failure.empty()},
              {"failure", found.failure},
-             {"cpu_s", thread_cpu_time() - cpu_began},
+             {"cpu_s", cpu_ended - cpu_began},
+             {"estimate_cpu_s", pressed > 0.0 ? cpu_ended - pressed : 0.0},
              {"duration_s", found.duration},
              {"presses", found.presses},
              {"delay_ms", found.delay / ms},

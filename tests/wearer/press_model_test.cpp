@@ -39,7 +39,7 @@ class PressModelTest : public testing::Test {
 TEST_F(PressModelTest, DerivativesAreThoseOfForces) {
   auto smooth = std::make_shared<FingerModel>(*finger_);
   smooth->feature_contact = false;  // planes that are chosen anew have no derivative
-  PressModel model(smooth, device_, file_, 0.0);
+  PressModel model(smooth, device_, file_, 0.0, TwinPrecision::kJudging);
   TraitVector x;
   x << 0.3, -0.4, 0.2, 0.5, -0.3, 0.1, 0.6, -0.5, 0.4;
   for (const std::size_t k : {std::size_t{0}, std::size_t{2}, std::size_t{5}}) {
@@ -65,6 +65,57 @@ TEST_F(PressModelTest, DerivativesAreThoseOfForces) {
             << ", reading " << n << ", largest " << largest << ", force " << here[n].force;
       }
     }
+  }
+}
+
+TEST_F(PressModelTest, FindsTheSameForcesFromWhereTheSkinWas) {
+  PressModel model(finger_, device_, file_, 0.0);
+  const PlannedPress& press = plan_[3];
+  const std::vector<Configuration> path = path_of(press);
+  PressedSkin skin;
+  (void)model.press(press.tilted, path, false, skin);
+  TraitVector x;
+  x << 0.2, -0.1, 0.2, 0.1, -0.2, -0.2, 0.3, -0.1, 0.4;
+  model.put(x);
+  const auto fresh = model.press(press.tilted, path, false);
+  const auto remembered = model.press(press.tilted, path, false, skin);
+  ASSERT_GT(fresh.back().force, 0.1) << "it presses";
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    EXPECT_NEAR(remembered[i].force, fresh[i].force, 2e-3 * fresh[i].force) << i;
+  }
+}
+
+TEST_F(PressModelTest, FindsTheAdvanceForAForceFromWithinTheSkin) {
+  PressModel model(finger_, device_, file_, 0.0);
+  for (const PlannedPress& press : plan_) {
+    double from_off = 0.0;
+    double from_within = 0.0;
+    PredictedForce there;
+    ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, from_off, there));
+    Configuration within = press.tilted;
+    device_->advance(from_off + 1.0 * mm, within);
+    ASSERT_TRUE(model.advance_for(within, 0.1, 10.0 * mm, from_within, there));
+    EXPECT_NEAR(there.force, 0.1, 1e-3);
+    EXPECT_NEAR(from_within, -1.0 * mm, 2e-3 * mm);
+  }
+}
+
+TEST_F(PressModelTest, SaysWhatNobodyBearsWithoutLookingFurther) {
+  PressModel model(finger_, device_, file_, 0.0);
+  const PlannedPress& press = plan_.front();
+  std::vector<Configuration> path;
+  for (const double depth : {0.5, 6.0, 7.0}) {
+    Configuration q = press.tilted;
+    device_->advance(press.touch + depth * mm, q);
+    path.push_back(q);
+  }
+  const auto felt = model.press(press.tilted, path, true);
+  ASSERT_EQ(felt.size(), 3U);
+  EXPECT_LT(felt[0].force, 1.0);
+  EXPECT_GT(felt[0].force, 0.0);
+  for (const std::size_t i : {1U, 2U}) {
+    EXPECT_EQ(felt[i].force, PressModel::kUnbearable);
+    EXPECT_TRUE(felt[i].by_trait.isZero(0.0));
   }
 }
 

@@ -72,7 +72,7 @@ struct Twin::Implementation {
     }
     touching.reserve(pieces.size() * (wearer->sample_nodes.size() + FeaturePoints::kMost));
     for (std::size_t k = 0; k < pieces.size(); ++k) obstacles[k].shape = &pieces[k].shape;
-    reset(device->home());
+    reset(device->home(), wearer->mesh.nodes);
   }
 
   std::shared_ptr<const FingerModel> wearer;
@@ -119,7 +119,7 @@ struct Twin::Implementation {
   Configuration tried_from_q;
   std::vector<Vector3> tried_from;
 
-  void reset(const Configuration& at);
+  void reset(const Configuration& at, std::span<const Vector3> from);
   void place();
   void keep_poses();
   void begin(std::span<const Vector3> seen_positions);
@@ -155,8 +155,8 @@ struct Twin::Implementation {
   [[nodiscard]] Vector3 motion_of_point(std::size_t i, std::span<const double> shift) const;
 };
 
-void Twin::Implementation::reset(const Configuration& at) {
-  kept_positions = wearer->mesh.nodes;
+void Twin::Implementation::reset(const Configuration& at, std::span<const Vector3> from) {
+  kept_positions.assign(from.begin(), from.end());
   positions = kept_positions;
   std::fill(kept_anchors.begin(), kept_anchors.end(), FrictionAnchor{});
   forget(history);
@@ -564,7 +564,10 @@ Twin& Twin::operator=(Twin&&) noexcept = default;
 
 void Twin::heed(const std::stop_token& stop) { implementation_->stop = stop; }
 void Twin::reset() { reset(device().home()); }
-void Twin::reset(const Configuration& q) { implementation_->reset(q); }
+void Twin::reset(const Configuration& q) { reset(q, wearer().mesh.nodes); }
+void Twin::reset(const Configuration& q, std::span<const Vector3> positions) {
+  implementation_->reset(q, positions);
+}
 
 TwinSummary Twin::press(const Configuration& q, double friction_coefficient, double elapsed) {
   Implementation& self = *implementation_;

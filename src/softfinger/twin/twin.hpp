@@ -61,6 +61,8 @@ class Twin {
   /// The same with the device at q, off the skin: for a search that begins there. What turned far
   /// in one attempt would be taken to have swept through the skin.
   void reset(const Configuration& q);
+  /// The same on the skin, all of whose nodes begin near `positions` (F, m).
+  void reset(const Configuration& q, std::span<const Vector3> positions);
   /// Moves the device to q in one frame, in as many parts as friction needs, `elapsed` s after the
   /// last one (relaxing skin only). `friction_coefficient` of device on skin, >= 0.
   TwinSummary press(const Configuration& q, double friction_coefficient, double elapsed);

@@ -18,6 +18,14 @@ struct PredictedForce {
   double by_advance = 0.0;                     ///< N/m
 };
 
+/// Where the skin was along one press: with traits that are hardly different it is found soon from
+/// there.
+struct PressedSkin {
+  TraitVector x = TraitVector::Zero();
+  std::shared_ptr<const FingerModel> finger;
+  std::vector<std::vector<Vector3>> positions;  ///< of its nodes by configuration; empty: unpressed
+};
+
 /// What presses are felt as by a finger with given traits: a twin in the device as the traits have
 /// it. Forces at an equilibrium come with their derivatives: those by the mount are the derivatives
 /// of a rigid motion of the device, those by sizes and modulus take one more solve each with the
@@ -28,20 +36,28 @@ class PressModel {
   /// `finger` and `device` as their files have them, `device` as it sits on that finger;
   /// `device_file` for messages. `friction_coefficient` of device on skin.
   PressModel(const std::shared_ptr<const FingerModel>& finger, std::shared_ptr<const Device> device,
-             std::filesystem::path device_file, double friction_coefficient);
+             std::filesystem::path device_file, double friction_coefficient,
+             TwinPrecision precision = TwinPrecision::kSearching);
 
   /// From now on with these traits.
   void put(const TraitVector& x);
   /// The forces at these configurations of one press, without friction. `with_derivatives`: else
-  /// only forces.
+  /// only forces. From where it is more, or the skin is pressed so far that no equilibrium is
+  /// found, they are kUnbearable, without derivatives. `skin`: of the same press, where it was and
+  /// now is.
+  [[nodiscard]] std::vector<PredictedForce> press(const Configuration& start,
+                                                  std::span<const Configuration> path,
+                                                  bool with_derivatives, PressedSkin& skin);
   [[nodiscard]] std::vector<PredictedForce> press(const Configuration& start,
                                                   std::span<const Configuration> path,
                                                   bool with_derivatives = true);
+  static constexpr double kUnbearable = 10.0;  ///< N
   /// The forces with friction, as the device goes along this way.
   [[nodiscard]] std::vector<double> press_with_friction(const Configuration& start,
                                                         std::span<const Configuration> path);
-  /// How far `from` has to be advanced (m) for this force, and what that is with the derivatives of
-  /// the force there. False where it is not reached within `most` (m).
+  /// How far `from` has to be advanced (m; below 0: taken back) for this force, and what that is
+  /// with the derivatives of the force there. False where it is not reached within `most` (m)
+  /// either way.
   [[nodiscard]] bool advance_for(const Configuration& from, double force, double most,
                                  double& advance, PredictedForce& there);
 
@@ -52,13 +68,16 @@ class PressModel {
   [[nodiscard]] const std::shared_ptr<const Device>& worn_device() const { return mounted_; }
 
  private:
-  void settle_at(const Configuration& q);
+  /// False where it takes too long.
+  bool settle_at(const Configuration& q);
   [[nodiscard]] PredictedForce felt(bool with_derivatives);
 
   std::shared_ptr<const FingerModel> finger_, worn_;
   std::shared_ptr<const Device> device_, mounted_;
   std::filesystem::path device_file_;
   double friction_coefficient_;
+  TwinPrecision precision_;
+  TraitVector x_;
   Eigen::Matrix<double, 6, kWearerTraits> mount_motion_;
   std::unique_ptr<Twin> twin_, same_;
   struct Other {

@@ -111,6 +111,7 @@ class Estimation {
       : model_(model), options_(options) {
     for (const PressRecord& press : presses) presses_.push_back(in_parts(model.device(), press));
     for (const PressRecord& press : presses_) touches_.push_back(touch_of(model.device(), press));
+    skins_.resize(presses_.size());
     if (std::ranges::none_of(touches_, [](const auto& touch) { return touch.has_value(); })) {
       throw OperationError("no press reached 0.1 N");
     }
@@ -136,7 +137,6 @@ class Estimation {
       look_at_friction(x);
       x = minimise(x, kForceSteps, [this](bool derived) { return force_residuals(derived); });
     }
-    look_at_friction(x);
     WearerEstimate found = judge(x);
     found.known_force_error = known_error;
     return found;
@@ -330,8 +330,10 @@ class Estimation {
     Residuals all{Eigen::VectorXd::Zero(count), {}};
     all.by_trait.setZero(count, kWearerTraits);
     Eigen::Index row = 0;
-    for (const PressRecord& press : presses_) {
-      const std::vector<PredictedForce> felt = model_.press(press.start, path_of(press), derived);
+    for (std::size_t k = 0; k < presses_.size(); ++k) {
+      const PressRecord& press = presses_[k];
+      const std::vector<PredictedForce> felt =
+          model_.press(press.start, path_of(press), derived, skins_[k]);
       for (std::size_t i = 0; i < felt.size(); ++i, ++row) {
         const double deviation = deviation_of(press.readings[i]);
         const double friction = frictions_[static_cast<std::size_t>(row)];
@@ -413,7 +415,8 @@ class Estimation {
   double touch_force_ = kTouch;       ///< N
   double touch_noise_ = kTouchNoise;  ///< m
   TraitVector free_;
-  std::vector<double> frictions_;  ///< by reading: force with friction over that without
+  std::vector<PressedSkin> skins_;  ///< by press
+  std::vector<double> frictions_;   ///< by reading: force with friction over that without
   Residuals last_;
   int evaluations_ = 0;
 };
