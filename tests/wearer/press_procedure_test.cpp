@@ -39,8 +39,9 @@ class PressProcedureTest : public testing::Test {
     double greatest = 0.0;  ///< true force, N
     double time = 0.0;
     bool retracts = false;
-    double delay = 0.0;    ///< s, as it was noticed
-    double zero = 0.0;     ///< N, the same
+    double delay = 0.0;  ///< s, as it was noticed
+    double zero = 0.0;   ///< N, the same
+    std::vector<PressRecord> records;
     double misread = 0.0;  ///< N: the furthest that a reading is off what was felt where it is said
   };
 
@@ -70,6 +71,7 @@ class PressProcedureTest : public testing::Test {
     pressed.failure = procedure.failure();
     pressed.done = procedure.done();
     pressed.presses = procedure.presses().size();
+    pressed.records = procedure.presses();
     pressed.time = procedure.duration();
     pressed.delay = procedure.delay();
     pressed.zero = procedure.zero();
@@ -131,6 +133,19 @@ TEST_F(PressProcedureTest, PressesNineTimesWithinTwentySecondsAndNeverHard) {
         EXPECT_EQ(pressed.presses, 9U);
       }
     }
+  }
+}
+
+TEST_F(PressProcedureTest, PressesHalfAsFastStraightOn) {
+  const Pressed pressed = press([](double depth, double time) { return 0.6 * pad(depth, time); });
+  ASSERT_EQ(pressed.records.size(), 9U) << pressed.failure;
+  for (std::size_t k = 0; k < 9; ++k) {
+    const auto& readings = pressed.records[k].readings;
+    ASSERT_GE(readings.size(), 5U);
+    const double way = readings[4].q[2] - readings[0].q[2];
+    const double speed = way / (readings[4].time - readings[0].time);
+    EXPECT_NEAR(speed, k == 0 ? 0.5e-3 : 1e-3, 1e-5) << k;
+    EXPECT_EQ(pressed.records[k].speed, k == 0 ? 0.5e-3 : 1e-3) << k;
   }
 }
 

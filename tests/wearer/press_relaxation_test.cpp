@@ -85,8 +85,7 @@ TEST(StiffnessInUse, APressIsThatMuchSofter) {
 
 TEST(WithoutRelaxation, PressesAreThoseOfSkinThatLasts) {
   const RelaxingPress& press = relaxing_press();
-  const std::vector<PressRecord> found =
-      without_relaxation(press.felt, press.finger->relaxation, RelaxingPress::kSpeed);
+  const std::vector<PressRecord> found = without_relaxation(press.felt, press.finger->relaxation);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_LT(press.felt[1].readings[4].force, 0.97 * press.felt[0].readings[4].force)
       << "the skin has not recovered";
@@ -115,7 +114,7 @@ TEST(WithoutRelaxation, ForceThatIsHeldGrowsByWhatWasLost) {
     }
     held.readings.push_back({{}, left, 1.0, time});
   }
-  const PressRecord found = without_relaxation({held}, relaxation, 1e-3).front();
+  const PressRecord found = without_relaxation({held}, relaxation).front();
   for (std::size_t i = 1; i < found.readings.size(); ++i) {
     EXPECT_NEAR(found.readings[i].force, 1.0, 1e-3) << i;
   }
@@ -123,9 +122,9 @@ TEST(WithoutRelaxation, ForceThatIsHeldGrowsByWhatWasLost) {
 
 TEST(WithoutRelaxation, IsTheSamePressWhereNothingRelaxes) {
   const std::vector<PressRecord>& felt = relaxing_press().felt;
-  const std::vector<PressRecord> found = without_relaxation(felt, {}, 1e-3);
+  const std::vector<PressRecord> found = without_relaxation(felt, {});
   EXPECT_EQ(found.back().readings.back().force, felt.back().readings.back().force);
-  EXPECT_TRUE(without_relaxation({{}}, {{{0.3, 0.05}}}, 1e-3).front().readings.empty());
+  EXPECT_TRUE(without_relaxation({{}}, {{{0.3, 0.05}}}).front().readings.empty());
 }
 
 TEST(StiffnessInUse, IsThatOfThePressWhereNothingRelaxes) {

@@ -71,6 +71,28 @@ TEST_F(WearerEstimateTest, ForcesComeOutRight) {
   EXPECT_TRUE(found.is_told(WearerTrait::kMountZ));
 }
 
+TEST_F(WearerEstimateTest, WhatIsFeltBesideThePadMovesLittleOfWhatIsFeltStraightOn) {
+  const TraitVector x = TraitVector::Zero();
+  std::vector<PressRecord> presses = presses_of(x, 0.0);
+  const PressRecord level = presses.front();
+  const auto forces = [&](const TraitVector& at) {
+    std::vector<Configuration> path;
+    for (const PressReading& reading : level.readings) path.push_back(reading.q);
+    model_.put(at);
+    return model_.press(level.start, path, false);
+  };
+  // As if the flanks of this finger were unlike the model's, each otherwise.
+  const double factors[] = {1.0, 1.25, 0.75, 1.3, 0.8, 0.7, 1.25, 0.75, 1.3};
+  ASSERT_EQ(presses.size(), std::size(factors));
+  for (std::size_t k = 0; k < presses.size(); ++k) {
+    for (PressReading& reading : presses[k].readings) reading.force *= factors[k];
+  }
+  const WearerEstimate found = estimate_wearer(model_, presses, {.noise = 0.02});
+  const double before = forces(x).back().force;
+  ASSERT_GT(before, 0.5);
+  EXPECT_NEAR(forces(found.x).back().force, before, 0.05 * before);
+}
+
 TEST_F(WearerEstimateTest, AWearerWhoMovedBetweenPressesIsNotBelieved) {
   std::vector<PressRecord> presses = presses_of(TraitVector::Zero(), 0.0);
   for (std::size_t k = 0; k < presses.size(); ++k) {

@@ -446,7 +446,10 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
     fit.presses = static_cast<int>(touches.size());
     if (fit.failure.empty()) fit.apart = apart(*worn.device, touches.front(), touches.back());
   } else {
-    PressProcedure procedure(*worn.device, plan, tick);
+    PressLimits limits;
+    // Within ten seconds: where the mount is, any press tells.
+    if (options.again) limits.straight_press = limits.press;
+    PressProcedure procedure(*worn.device, plan, tick, limits);
     take(procedure);
     presses = procedure.presses();
     fit.presses = static_cast<int>(presses.size());
@@ -458,7 +461,7 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   if (!fit.failure.empty()) return fit;
 
   // The model that is pressed does not relax.
-  presses = without_relaxation(std::move(presses), finger->relaxation, PressLimits{}.press);
+  presses = without_relaxation(std::move(presses), finger->relaxation);
   // Neither where it is touched: what is known and what is told are of a wearer in use.
   TraitVector in_use = TraitVector::Zero();
   if (options.by_touch) {

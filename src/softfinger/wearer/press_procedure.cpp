@@ -96,6 +96,11 @@ double PressProcedure::touch_threshold(std::size_t count) const {
   return std::max(limits_.touch, kNoTouchNoise * noise_ / std::sqrt(static_cast<double>(count)));
 }
 
+double PressProcedure::press_speed() const {
+  const bool straight = planned().pitch == 0.0 && planned().roll == 0.0;
+  return straight ? limits_.straight_press : limits_.press;
+}
+
 PressProcedure::Trend PressProcedure::trend() const {
   const std::size_t taken = std::min(kTrend, seen_.size());
   const auto n = static_cast<double>(taken);
@@ -248,7 +253,7 @@ void PressProcedure::begin_press() {
   advance_ = start_;
   touched_ = std::numeric_limits<double>::infinity();
   seen_.clear();
-  record_ = {.start = at(start_), .readings = {}};
+  record_ = {.start = at(start_), .readings = {}, .speed = press_speed()};
   stage_ = Stage::kMove;
   stage_began_ = now_;
 }
@@ -333,7 +338,7 @@ void PressProcedure::press(const PressTick& tick) {
     best_ = mean;
     best_at_ = stands;
   }
-  const double ahead = now.slope * limits_.press * kDelayTicks * tick_;
+  const double ahead = now.slope * press_speed() * kDelayTicks * tick_;
   if (force >= limits_.guard || now.force + ahead >= limits_.guard) {
     end_press();
     return;
@@ -368,7 +373,7 @@ void PressProcedure::press(const PressTick& tick) {
     return;
   }
   const double speed =
-      ahead > kMostGrowth ? std::max(kMostGrowth / ahead, kSlowest) * limits_.press : limits_.press;
+      ahead > kMostGrowth ? std::max(kMostGrowth / ahead, kSlowest) * press_speed() : press_speed();
   advance_ = std::min(advance_ + speed * tick_, planned().most);
   wanted_ = at(advance_);
 }
@@ -386,7 +391,10 @@ void PressProcedure::end_press() {
     if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
   const Trend last = trend();
-  fall_ = {.force = last.force, .slope = last.slope, .from = seen_.back().advance};
+  fall_ = {.force = last.force,
+           .slope = last.slope,
+           .from = seen_.back().advance,
+           .speed = press_speed()};
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();
@@ -404,7 +412,7 @@ void PressProcedure::watch_fall(const PressTick& tick) {
 double PressProcedure::delay_of_fall(std::size_t press) const {
   const Fall& fall = falls_[press];
   const double beyond = fall.beyond - fall.readings * zero_;
-  const double a_tick = fall.slope * limits_.press * tick_;  // of growth, N
+  const double a_tick = fall.slope * fall.speed * tick_;  // of growth, N
   double ticks = 0.0;
   for (int i = 0; i < 3; ++i) ticks = beyond / (fall.force + a_tick * std::max(ticks, 0.0));
   return ticks;

@@ -23,11 +23,13 @@ struct PressTick {
 };
 
 struct PressLimits {
-  double guard = 0.8;              ///< N measured, at which a press ends
-  double most = 1.0;               ///< N measured, at which the procedure ends
-  double touch = 0.05;             ///< N, at which a press begins
-  double approach = 3e-3;          ///< m/s
-  double press = 1e-3;             ///< m/s
+  double guard = 0.8;      ///< N measured, at which a press ends
+  double most = 1.0;       ///< N measured, at which the procedure ends
+  double touch = 0.05;     ///< N, at which a press begins
+  double approach = 3e-3;  ///< m/s
+  double press = 1e-3;     ///< m/s
+  /// m/s without tilt, as skin is pressed most in use: the more readings say of it the better.
+  double straight_press = 0.5e-3;
   double without_life = 1.2e-3;    ///< m past where the skin should be, of a sensor without noise
   double without_growth = 1.5e-3;  ///< m past touch without growth of force
   double duration = 20.0;          ///< s, of all
@@ -117,6 +119,8 @@ class PressProcedure {
     double force = 0.0, slope = 0.0;
   };
   [[nodiscard]] Trend trend() const;
+  /// Of the press under way, m/s.
+  [[nodiscard]] double press_speed() const;
 
   const Device& device_;
   std::vector<PlannedPress> plan_;
@@ -162,10 +166,11 @@ class PressProcedure {
   double best_ = 0.0;      ///< greatest mean force of it so far, N
   double best_at_ = 0.0;   ///< where that was
   ExpectedTouch expected_;
-  /// As the device leaves: the force there was and how it grows with advance, N and N/m, where; and
-  /// the sum of what was said, N, beyond what was felt, zero not taken off, in how many readings.
+  /// As the device leaves: the force there was and how it grows with advance, N and N/m, where, at
+  /// which speed it came there, m/s; and the sum of what was said, N, beyond what was felt, zero
+  /// not taken off, in how many readings.
   struct Fall {
-    double force = 0.0, slope = 0.0, from = 0.0;
+    double force = 0.0, slope = 0.0, from = 0.0, speed = 0.0;
     double beyond = 0.0, readings = 0.0;
   } fall_;
   std::vector<Fall> falls_;  ///< by press

@@ -18,6 +18,7 @@ struct PressReading {
 struct PressRecord {
   Configuration start;  ///< off the skin
   std::vector<PressReading> readings;
+  double speed = 1e-3;  ///< m/s
 };
 
 /// Force of a flat surface at which a wearer feels it, N; a guess. What it, and the time until it

@@ -82,12 +82,12 @@ double stiffness_in_use(const FingerModel& finger, double speed) {
 }
 
 std::vector<PressRecord> without_relaxation(std::vector<PressRecord> presses,
-                                            const Relaxation& relaxation, double speed) {
+                                            const Relaxation& relaxation) {
   Skin skin(relaxation);
   for (PressRecord& press : presses) {
     for (std::size_t i = 0; i < press.readings.size(); ++i) {
       PressReading& reading = press.readings[i];
-      reading.force = i == 0 ? skin.touched(reading.time, reading.force, kLightGrowth * speed)
+      reading.force = i == 0 ? skin.touched(reading.time, reading.force, kLightGrowth * press.speed)
                              : skin.pressed(reading.time, reading.force);
     }
   }

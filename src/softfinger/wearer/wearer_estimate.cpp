@@ -19,11 +19,14 @@ constexpr double kToldNoise = 0.15 * mm;  // of a touch that the wearer tells
 constexpr double kLightPress = 0.3;       // N, whose error is foretold where only touches are known
 constexpr double kFurthest = 6.0 * mm;    // from the start of a press, where 0.1 N must be
 constexpr int kMostParts = 4;             // into which readings of a press are put together
-constexpr double kModelError = 0.03;      // of a force, that no traits explain
-constexpr double kForceFloor = 0.01;      // N, of the same
-/// Times as much of it is alike in all readings of a press. So many that of the traits of drawn
-/// wearers nine in ten are within their intervals (tools/validate --wearers).
-constexpr double kAlikeInPress = 5.0;
+/// What no traits explain, of a force and N, reading by reading;
+constexpr double kModelError = 0.02;
+constexpr double kForceFloor = 0.01;
+/// and of all forces of a press alike: straight on, and by how far it is tilted (1/rad) towards
+/// skin whose shape is less well known. So large that of the traits of drawn wearers nine in ten
+/// are within their intervals (tools/validate --wearers).
+constexpr double kPressError = 0.02;
+constexpr double kPressErrorByTilt = 0.25;
 constexpr int kTouchSteps = 7;
 constexpr int kForceSteps = 8;  // of a pass
 constexpr int kFrictionPasses = 2;
@@ -94,7 +97,14 @@ std::vector<Configuration> path_of(const PressRecord& press) {
   return path;
 }
 
-/// Residuals over their standard deviations, and their derivatives by the traits.
+/// Of the surface that presses, against how it is at home, rad.
+double tilt_of(const Device& device, const PressRecord& press) {
+  const Vector3 home = device.surface_pose(device.home()).rotation.col(2);
+  const Vector3 tilted = device.surface_pose(press.start).rotation.col(2);
+  return std::acos(std::clamp(home.dot(tilted), -1.0, 1.0));
+}
+
+/// Residuals and their derivatives by the traits.
 struct Residuals {
   Eigen::VectorXd r;
   Eigen::Matrix<double, Eigen::Dynamic, kWearerTraits> by_trait;
@@ -111,6 +121,10 @@ class Estimation {
       : model_(model), options_(options) {
     for (const PressRecord& press : presses) presses_.push_back(in_parts(model.device(), press));
     for (const PressRecord& press : presses_) touches_.push_back(touch_of(model.device(), press));
+    for (const PressRecord& press : presses_) {
+      press_errors_.push_back(
+          std::hypot(kPressError, kPressErrorByTilt * tilt_of(model.device(), press)));
+    }
     skins_.resize(presses_.size());
     if (std::ranges::none_of(touches_, [](const auto& touch) { return touch.has_value(); })) {
       throw OperationError("no press reached 0.1 N");
@@ -296,13 +310,38 @@ class Estimation {
     return all;
   }
 
-  [[nodiscard]] static double model_error(const PressReading& reading) {
-    return kForceFloor + kModelError * std::max(reading.force, 0.0);
+  /// Of a reading by itself, N.
+  [[nodiscard]] double deviation_of(const PressReading& reading) const {
+    return std::hypot(options_.noise / std::sqrt(reading.count),
+                      kForceFloor + kModelError * std::max(reading.force, 0.0));
   }
 
-  [[nodiscard]] double deviation_of(const PressReading& reading) const {
-    const double model = model_error(reading);
-    return std::sqrt(options_.noise * options_.noise / reading.count + model * model);
+  /// Over their standard deviations: with those of readings D and what is alike in all of a press
+  /// u, (D^2 + u u^T)^(-1/2), the root of which is that of 1 + v v^T, v = D^-1 u.
+  [[nodiscard]] Residuals weighted(Residuals all) const {
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < presses_.size(); ++k) {
+      const std::vector<PressReading>& readings = presses_[k].readings;
+      const auto count = static_cast<Eigen::Index>(readings.size());
+      auto r = all.r.segment(row, count);
+      auto by_trait = all.by_trait.middleRows(row, count);
+      Eigen::VectorXd v(count);
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const PressReading& reading = readings[static_cast<std::size_t>(i)];
+        const double deviation = deviation_of(reading);
+        v[i] = press_errors_[k] * std::max(reading.force, 0.0) / deviation;
+        r[i] /= deviation;
+        by_trait.row(i) /= deviation;
+      }
+      const double square = v.squaredNorm();
+      if (square > 0.0) {
+        const double less = (1.0 - 1.0 / std::sqrt(1.0 + square)) / square;
+        r -= less * v.dot(r) * v;
+        by_trait -= less * v * (v.transpose() * by_trait).eval();
+      }
+      row += count;
+    }
+    return all;
   }
 
   /// What friction makes of each force. It hardly depends on traits, and depends on the way; forces
@@ -321,8 +360,10 @@ class Estimation {
     }
   }
 
-  /// Forces without friction, times what friction makes of them.
-  Residuals force_residuals(bool derived) {
+  Residuals force_residuals(bool derived) { return weighted(lacks(derived)); }
+
+  /// By how much forces are foretold too great, N: without friction, times what it makes of them.
+  Residuals lacks(bool derived) {
     Eigen::Index count = 0;
     for (const PressRecord& press : presses_) {
       count += static_cast<Eigen::Index>(press.readings.size());
@@ -335,76 +376,49 @@ class Estimation {
       const std::vector<PredictedForce> felt =
           model_.press(press.start, path_of(press), derived, skins_[k]);
       for (std::size_t i = 0; i < felt.size(); ++i, ++row) {
-        const double deviation = deviation_of(press.readings[i]);
         const double friction = frictions_[static_cast<std::size_t>(row)];
-        all.r[row] = (friction * felt[i].force - press.readings[i].force) / deviation;
-        if (derived) all.by_trait.row(row) = friction * felt[i].by_trait.transpose() / deviation;
+        all.r[row] = friction * felt[i].force - press.readings[i].force;
+        if (derived) all.by_trait.row(row) = friction * felt[i].by_trait.transpose();
       }
     }
     return all;
   }
 
-  /// Of the traits. What the model is wrong by is the same, or nearly, for all readings of a press:
-  /// they tell no more of it than one.
-  [[nodiscard]] TraitVector deviations(double misfit) const {
-    TraitMatrix normal = TraitMatrix::Identity();
-    Eigen::Index row = 0;
-    for (const PressRecord& press : presses_) {
-      const auto parts = static_cast<double>(press.readings.size());
-      for (const PressReading& reading : press.readings) {
-        const double all = deviation_of(reading);
-        const double alike = kAlikeInPress * model_error(reading);
-        const double noise = options_.noise * options_.noise / reading.count;
-        const double weight = all * all / (noise + parts * alike * alike);
-        const TraitVector by_trait =
-            last_.by_trait.row(row++).transpose().cwiseProduct(free_).eval();
-        normal += weight / misfit * by_trait * by_trait.transpose();
-      }
-    }
-    return normal.inverse().diagonal().cwiseSqrt().cwiseProduct(free_);
-  }
-
   WearerEstimate judge(const TraitVector& x) {
     model_.put(x);
-    last_ = force_residuals(true);
+    const Residuals lack = lacks(true);
+    last_ = weighted(lack);
     const TraitMatrix normal = normal_of(last_);
     const double rows = static_cast<double>(last_.r.size());
     const double misfit = std::max(1.0, last_.r.squaredNorm() / std::max(rows, 1.0));
+    const TraitMatrix told = TraitMatrix::Identity() + (normal - TraitMatrix::Identity()) / misfit;
     WearerEstimate found;
     found.x = x;
-    found.deviation = deviations(misfit);
+    found.deviation = told.inverse().diagonal().cwiseSqrt().cwiseProduct(free_);
     found.evaluations = evaluations_;
+    found.force_deviation = std::sqrt(lack.r.squaredNorm() / std::max(rows, 1.0));
     Eigen::Index row = 0;
-    double square = 0.0;
     std::vector<double> errors;
     double misfits = 0.0;
     for (const PressRecord& press : presses_) {
       const auto count = static_cast<Eigen::Index>(press.readings.size());
-      const auto r = last_.r.segment(row, count);
       const Eigen::MatrixXd by_trait = last_.by_trait.middleRows(row, count) * free_.asDiagonal();
       // Where the minimum of the others is, to first order, and what that says of this press.
       const TraitMatrix others = normal - by_trait.transpose() * by_trait;
-      const TraitVector change = others.ldlt().solve(by_trait.transpose() * r);
-      const Eigen::VectorXd foretold = r + by_trait * change;
-      double lack = 0.0;
-      double left = 0.0;
+      const TraitVector change =
+          others.ldlt().solve(by_trait.transpose() * last_.r.segment(row, count));
+      const auto left = lack.r.segment(row, count);
+      const double foretold =
+          (left + lack.by_trait.middleRows(row, count) * change.cwiseProduct(free_)).sum();
       double force = 0.0;
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const PressReading& reading = press.readings[static_cast<std::size_t>(i)];
-        const double deviation = deviation_of(reading);
-        lack += deviation * foretold[i];
-        left += deviation * r[i];
-        force += std::max(reading.force, 0.0);
-        square += deviation * deviation * r[i] * r[i];
-      }
-      errors.push_back(std::abs(lack) / std::max(force, kLeastForceOfPress));
-      misfits += std::abs(left) / std::max(force, kLeastForceOfPress);
+      for (const PressReading& reading : press.readings) force += std::max(reading.force, 0.0);
+      errors.push_back(std::abs(foretold) / std::max(force, kLeastForceOfPress));
+      misfits += std::abs(left.sum()) / std::max(force, kLeastForceOfPress);
       row += count;
     }
     // One press may be told badly by the others and be right: half of them are what counts.
     found.predicted_force_error =
         std::max(median(std::move(errors)), misfits / static_cast<double>(presses_.size()));
-    found.force_deviation = std::sqrt(square / std::max(rows, 1.0));
     return found;
   }
 
@@ -415,8 +429,9 @@ class Estimation {
   double touch_force_ = kTouch;       ///< N
   double touch_noise_ = kTouchNoise;  ///< m
   TraitVector free_;
-  std::vector<PressedSkin> skins_;  ///< by press
-  std::vector<double> frictions_;   ///< by reading: force with friction over that without
+  std::vector<double> press_errors_;  ///< by press: part of a force that no traits explain
+  std::vector<PressedSkin> skins_;    ///< by press
+  std::vector<double> frictions_;     ///< by reading: force with friction over that without
   Residuals last_;
   int evaluations_ = 0;
 };
