@@ -23,10 +23,13 @@ constexpr int kMostParts = 4;             // into which readings of a press are 
 constexpr double kModelError = 0.02;
 constexpr double kForceFloor = 0.01;
 /// and of all forces of a press alike: straight on, and by how far it is tilted (1/rad) towards
-/// skin whose shape is less well known. So large that of the traits of drawn wearers nine in ten
-/// are within their intervals (tools/validate --wearers).
+/// skin whose shape is less well known.
 constexpr double kPressError = 0.02;
 constexpr double kPressErrorByTilt = 0.25;
+/// So many times as little as all that makes of them do forces tell of traits: presses next to each
+/// other are unlike the model in the same way. So many that of the traits of drawn wearers nine in
+/// ten are within their intervals (tools/validate --wearers).
+constexpr double kToldLess = 4.5;
 constexpr int kTouchSteps = 7;
 constexpr int kForceSteps = 8;  // of a pass
 constexpr int kFrictionPasses = 2;
@@ -391,7 +394,8 @@ class Estimation {
     const TraitMatrix normal = normal_of(last_);
     const double rows = static_cast<double>(last_.r.size());
     const double misfit = std::max(1.0, last_.r.squaredNorm() / std::max(rows, 1.0));
-    const TraitMatrix told = TraitMatrix::Identity() + (normal - TraitMatrix::Identity()) / misfit;
+    const TraitMatrix told =
+        TraitMatrix::Identity() + (normal - TraitMatrix::Identity()) / (kToldLess * misfit);
     WearerEstimate found;
     found.x = x;
     found.deviation = told.inverse().diagonal().cwiseSqrt().cwiseProduct(free_);
