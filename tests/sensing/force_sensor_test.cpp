@@ -135,5 +135,17 @@ TEST(ForceSensorFile, WhatIsWrongIsNamed) {
   refused("kind = \"udp\"\nscale_N = \"one\"\n", "scale_N");
 }
 
+TEST(FaultyForce, SaysMoreOfAForceThatFallsThanOfOneThatGrows) {
+  FaultyForce says(0.0, 1, 0.1);
+  for (const double force : {0.2, 0.6, 1.0}) {
+    EXPECT_NEAR(says.reading(force).value(), 0.95 * force, 1e-12) << "grows";
+  }
+  EXPECT_NEAR(says.reading(0.95).value(), 0.95, 1e-12) << "as it turns, it says the same";
+  for (const double force : {0.8, 0.3}) {
+    EXPECT_NEAR(says.reading(force).value(), 1.05 * force, 1e-12) << "falls";
+  }
+  EXPECT_EQ(says.reading(0.0).value(), 0.0) << "nothing is left";
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -3,13 +3,13 @@
 // with play and put on askew.
 //
 //     softfinger_wearers SOURCE_FOLDER [--wearers N] [--first N] [--noise-N S] [--seed N]
-//                        [--others N] [--unlike LIST]
+//                        [--others N] [--unlike LIST] [--hysteresis PART]
 //
 // Prints one JSON object a wearer and line: error of the normal force on a plane and a sphere
 // with the fit, what the fit says of itself, and its cost. --others: of the first N also with
 // nothing known, with sizes alone, with the travel offset of a run, by touches that they tell, and
 // with all traits known as they are. --unlike: of
-// mesh,relaxation,friction,noise,gain,play,late these alone; none.
+// mesh,relaxation,friction,noise,gain,play,late these alone; none. --hysteresis: of the sensor.
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -64,6 +64,7 @@ struct Arguments {
   double noise = 0.05;  // N
   unsigned seed = 1;
   int others = 0;
+  double hysteresis = 0.0;
   Unlike unlike;
 };
 
@@ -96,8 +97,10 @@ class Wearers {
     device_ = arguments.source / "devices" / "thimble-3rrs.toml";
     sensing_ = folder_ / "sensing.toml";
     std::ofstream(sensing_) << text_of(device_)
-                            << fmt::format("\n[force_sensor]\nkind = \"emulator\"\nnoise_N = {}\n",
-                                           noise());
+                            << fmt::format(
+                                   "\n[force_sensor]\nkind = \"emulator\"\nnoise_N = {}\n"
+                                   "hysteresis = {}\n",
+                                   noise(), arguments.hysteresis);
   }
   ~Wearers() {
     std::error_code ignored;
@@ -114,12 +117,10 @@ class Wearers {
 
     const Unlike& unlike = arguments_.unlike;
     DeviceFitOptions fit;
-    fit.device = device_;
+    fit.device = sensing_;
     fit.finger = folder_ / "model.toml";
     fit.wearer = folder_ / "wearer.toml";
     fit.person = folder_ / "person.toml";
-    fit.sensor = ForceSensorKind::kEmulator;
-    fit.sensor_noise = noise();
     fit.seed = static_cast<std::uint64_t>(number) + 1;
     fit.wear = {.mount = traits.mount_fit(),
                 .friction_coefficient = 0.5 + (unlike.friction ? 0.2 : 0.0) * even(),
@@ -208,8 +209,7 @@ class Wearers {
 
   /// Into touched.toml; why not, or nothing.
   [[nodiscard]] std::string learns_by_touch(DeviceFitOptions fit) {
-    fit.sensor.reset();
-    fit.sensor_noise.reset();
+    fit.device = device_;
     fit.by_touch = true;
     fit.person = folder_ / "touched.toml";
     fs::remove(fit.person);
@@ -315,6 +315,8 @@ int main(int count, char** words) {
       arguments.seed = static_cast<unsigned>(value());
     } else if (word == "--unlike") {
       arguments.unlike = Unlike::of(i + 1 < count ? words[++i] : "");
+    } else if (word == "--hysteresis") {
+      arguments.hysteresis = value();
     } else if (word == "--others") {
       arguments.others = static_cast<int>(value());
     } else {

@@ -12,7 +12,7 @@ namespace softfinger {
 MeasuredForce::MeasuredForce(std::shared_ptr<const FingerModel> wearer,
                              std::shared_ptr<const Device> device, const Options& options)
     : settings_(options.settings ? *options.settings : device->settings().force_sensor.value()),
-      says_(settings_.noise, options.seed) {
+      says_(settings_.noise, options.seed, settings_.hysteresis) {
   const bool wire = options.live && settings_.kind != ForceSensorKind::kEmulator;
   if (wire) sensor_ = std::make_unique<ForceSensor>(settings_);
   if (!wire || settings_.is_emulated()) {

@@ -1,5 +1,6 @@
 #include "softfinger/sensing/force_sensor_emulator.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "softfinger/sensing/force_message.hpp"
@@ -17,6 +18,8 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 
 std::optional<double> FaultyForce::reading(double force) {
   const double noise = normal_(random_);
+  const double half = 0.5 * hysteresis_;
+  force = follows_ = std::clamp(follows_, (1.0 - half) * force, (1.0 + half) * force);
   switch (fault_.load()) {
     case ForceSensorFault::kSilent:
       return std::nullopt;
@@ -36,13 +39,13 @@ std::optional<double> FaultyForce::reading(double force) {
 
 ForceSensorEmulator::ForceSensorEmulator(const ForceSensorSettings& settings,
                                          const Endpoint& listener)
-    : settings_(settings), says_(settings.noise, kSeed), listener_(listener) {
+    : settings_(settings), says_(settings.noise, kSeed, settings.hysteresis), listener_(listener) {
   socket_.emplace(Endpoint{local_address_towards(listener.address), 0});
   thread_ = std::thread([this] { serve(); });
 }
 
 ForceSensorEmulator::ForceSensorEmulator(const ForceSensorSettings& settings)
-    : settings_(settings), says_(settings.noise, kSeed) {
+    : settings_(settings), says_(settings.noise, kSeed, settings.hysteresis) {
   terminal_.emplace();
   thread_ = std::thread([this] { serve(); });
 }

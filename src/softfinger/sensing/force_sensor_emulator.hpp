@@ -28,16 +28,19 @@ inline constexpr std::array<NameRow<ForceSensorFault>, 6> kForceSensorFaults{{
     {ForceSensorFault::kNoisy, "noisy", "with a noise of half a newton"},
 }};
 
-/// What a sensor with a fault says of a force, N.
+/// What a sensor with a fault, noise (N) and hysteresis (ForceSensorSettings) says of a force, N,
+/// at least 0.
 class FaultyForce {
  public:
-  FaultyForce(double noise, std::uint64_t seed) : noise_(noise), random_(seed) {}
+  FaultyForce(double noise, std::uint64_t seed, double hysteresis = 0.0)
+      : noise_(noise), hysteresis_(hysteresis), random_(seed) {}
   void fail(ForceSensorFault fault) { fault_.store(fault); }
   /// None: it is silent.
   [[nodiscard]] std::optional<double> reading(double force);
 
  private:
-  double noise_;
+  double noise_, hysteresis_;
+  double follows_ = 0.0;  ///< the force, N, with hysteresis
   std::atomic<ForceSensorFault> fault_{ForceSensorFault::kNone};
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;

@@ -16,6 +16,7 @@ constexpr double kLeastStale = 0.1;     ///< s, where the file says nothing
 constexpr Range kRate_Hz{.min = 1.0, .max = 10000.0};
 constexpr Range kStale_ms{.min = 1.0, .max = 2000.0};
 constexpr Range kScale{.min = -1e6, .max = 1e6};
+constexpr Range kHysteresis{.min = 0.0, .max = 0.5};
 constexpr Range kZero{.min = -1e12, .max = 1e12};
 
 }  // namespace
@@ -33,6 +34,7 @@ ForceSensorSettings read_force_sensor(const ConfigTable& table) {
   sensor.stale =
       table.number("stale_ms", kStale_ms, std::max(kLeastStale, kStaleReadings * period));
   sensor.noise = table.number("noise_N", Range::at_least(0.0), 0.0);
+  sensor.hysteresis = table.number("hysteresis", kHysteresis, 0.0);
   sensor.refine = table.boolean("refine", false);
   if (sensor.stale < period) {
     table.fail("stale_ms", fmt::format("{:g} is shorter than the {:g} ms from one reading to the "

@@ -40,7 +40,10 @@ struct ForceSensorSettings {
   double zero = 0.0;       ///< what it says without load, in its own unit
   double stale = 0.1;      ///< s; a reading older than that is none
   double noise = 0.0;      ///< of an emulated sensor, standard deviation, N
-  bool refine = false;     ///< a device that slips while it is worn is followed, see TravelOffset
+  /// Of an emulated sensor: how much more it says of a force that falls than of one that grows, a
+  /// part of that.
+  double hysteresis = 0.0;
+  bool refine = false;  ///< a device that slips while it is worn is followed, see TravelOffset
 
   [[nodiscard]] double force(double reading) const { return scale * (reading - zero); }
   [[nodiscard]] bool is_emulated() const { return port == kEmulated; }
