@@ -422,6 +422,11 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   }
   // The first once more in the end: a wearer who tells it elsewhere tells nothing.
   if (options.by_touch) plan.push_back(plan.front());
+  // Straight on once more where there is time; the same once more tells nothing by itself.
+  if (!options.by_touch && !options.again && plan.size() > 1) {
+    plan.push_back(plan.front());
+    plan.back().spare = true;
+  }
   if (options.again) {
     std::erase_if(plan, [](const PlannedPress& press) { return press.spare; });
   }

@@ -28,17 +28,19 @@ constexpr double kClearer = 0.8 * mm;      // more, after a press that began on 
 constexpr double kHeldBack = 1.5 * mm;     // a limit keeps the device from where it is sent
 /// Readings in a row that are the same, beyond twice as many as there were off the skin.
 constexpr std::size_t kStuck = 5;
-constexpr double kGrowth = 0.05;       // N, that counts as growth
-constexpr double kReversed = 0.1;      // N
-constexpr double kLostPart = 0.5;      // of the greatest force of a press
-constexpr double kNoTouchNoise = 3.3;  // deviations of the noise of a mean
-constexpr double kSurely = 1.5;        // of the threshold: no noise
-constexpr double kNoTouch = 0.4 * mm;  // of advance, in which a touch must show
-constexpr double kLeftOver = 0.12;     // N, off the skin
+constexpr double kGrowth = 0.05;        // N, that counts as growth
+constexpr double kReversed = 0.1;       // N
+constexpr double kReversedNoise = 2.5;  // deviations of one reading, of the mean of kRecent
+constexpr double kLostPart = 0.5;       // of the greatest force of a press
+constexpr double kNoTouchNoise = 3.3;   // deviations of the noise of a mean
+constexpr double kSurely = 1.5;         // of the threshold: no noise
+constexpr double kNoTouch = 0.4 * mm;   // of advance, in which a touch must show
+constexpr double kLeftOver = 0.12;      // N, off the skin
 constexpr std::size_t kSettleReadings = 4;
 constexpr int kDelayTicks = 3;            // until a force that is too large ends
 constexpr int kSteadyTicks = 3;           // after a change of speed
 constexpr double kMostGrowth = 0.15;      // N, that may come within the delay
+constexpr double kStraightGrowth = 0.08;  // N, the same straight on
 constexpr double kSlowest = 0.4;          // of the speed of a press
 constexpr std::size_t kLeastOfPress = 5;  // readings
 constexpr std::size_t kTries = 2;
@@ -47,10 +49,15 @@ constexpr std::size_t kSoonest = 2;  // the same where the force grows fast
 constexpr std::size_t kTrend = 8;
 constexpr std::size_t kLeastPresses = 5;  // of nine
 constexpr double kOnePress = 2.2;         // s, with the way there
+constexpr double kOneStraight = 3.2;      // s, the same of a slower one
 constexpr double kLightest = 0.5;         // of the guard, that each press must have come to
-constexpr double kMostDelay = 4.0;        // ticks
-constexpr std::size_t kLate = 2;          // readings after the device has left the skin
-constexpr double kSurelyOff = 0.4 * mm;   // before a touch is noticed: the skin is not touched yet
+constexpr double kQuietEnough = 0.05;     // N, of noise, standard deviation
+constexpr double kGuardByNoise = 2.0;    // N a N of noise beyond that, by which presses end earlier
+constexpr double kMostDelay = 4.0;       // ticks
+constexpr std::size_t kLate = 2;         // readings after the device has left the skin
+constexpr double kSurelyOff = 0.4 * mm;  // before a touch is noticed: the skin is not touched yet
+
+bool is_straight(const PlannedPress& press) { return press.pitch == 0.0 && press.roll == 0.0; }
 
 }  // namespace
 
@@ -97,8 +104,12 @@ double PressProcedure::touch_threshold(std::size_t count) const {
 }
 
 double PressProcedure::press_speed() const {
-  const bool straight = planned().pitch == 0.0 && planned().roll == 0.0;
-  return straight ? limits_.straight_press : limits_.press;
+  return is_straight(planned()) ? limits_.straight_press : limits_.press;
+}
+
+/// Nearer to zero for a sensor so noisy that it would say too much by itself.
+double PressProcedure::guard() const {
+  return limits_.guard - kGuardByNoise * std::max(noise_ - kQuietEnough, 0.0);
 }
 
 PressProcedure::Trend PressProcedure::trend() const {
@@ -295,7 +306,7 @@ void PressProcedure::approach(const PressTick& tick) {
     press(tick);
     return;
   }
-  if (seen_.size() >= kRecent && force < -std::max(kReversed, 2.0 * noise_)) {
+  if (seen_.size() >= kRecent && force < -std::max(kReversed, kReversedNoise * noise_)) {
     fail(
         fmt::format("the force sensor is reversed: it says {:.2f} N where the skin is pressed; "
                     "turn the sign of scale_N",
@@ -339,7 +350,7 @@ void PressProcedure::press(const PressTick& tick) {
     best_at_ = stands;
   }
   const double ahead = now.slope * press_speed() * kDelayTicks * tick_;
-  if (force >= limits_.guard || now.force + ahead >= limits_.guard) {
+  if (force >= guard() || now.force + ahead >= guard()) {
     end_press();
     return;
   }
@@ -372,8 +383,9 @@ void PressProcedure::press(const PressTick& tick) {
     }
     return;
   }
+  const double most = is_straight(planned()) ? kStraightGrowth : kMostGrowth;
   const double speed =
-      ahead > kMostGrowth ? std::max(kMostGrowth / ahead, kSlowest) * press_speed() : press_speed();
+      ahead > most ? std::max(most / ahead, kSlowest) * press_speed() : press_speed();
   advance_ = std::min(advance_ + speed * tick_, planned().most);
   wanted_ = at(advance_);
 }
@@ -503,10 +515,11 @@ void PressProcedure::next_press() {
     for (std::size_t i = index_; i < plan_.size(); ++i) needed += plan_[i].spare ? 0U : 1U;
     return needed;
   };
-  while (index_ < plan_.size() && plan_[index_].spare &&
-         duration() + kOnePress * static_cast<double>(left() + 1) > limits_.duration) {
-    ++index_;
-  }
+  const auto time_for = [&](const PlannedPress& press) {
+    const double own = is_straight(press) ? kOneStraight : kOnePress;
+    return duration() + own + kOnePress * static_cast<double>(left()) <= limits_.duration;
+  };
+  while (index_ < plan_.size() && plan_[index_].spare && !time_for(plan_[index_])) ++index_;
   // What there is does.
   if (records_.size() >= kLeastPresses && duration() + kOnePress > limits_.duration) {
     index_ = plan_.size();

@@ -119,6 +119,8 @@ class PressProcedure {
     double force = 0.0, slope = 0.0;
   };
   [[nodiscard]] Trend trend() const;
+  /// Force that ends a press, N.
+  [[nodiscard]] double guard() const;
   /// Of the press under way, m/s.
   [[nodiscard]] double press_speed() const;
 
