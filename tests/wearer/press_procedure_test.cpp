@@ -46,8 +46,13 @@ class PressProcedureTest : public testing::Test {
   };
 
   [[nodiscard]] Pressed press(const Spring& spring, const Sensor& sensor = {},
-                              double further_off = 0.0) const {
-    PressProcedure procedure(*device_, plan_, kTick);
+                              double further_off = 0.0, bool once_more = false) const {
+    std::vector<PlannedPress> plan = plan_;
+    if (once_more) {
+      plan.push_back(plan.front());
+      plan.back().spare = true;
+    }
+    PressProcedure procedure(*device_, plan, kTick);
     std::mt19937_64 random(3);
     std::normal_distribution<double> normal;
     std::deque<double> late{0.0, 0.0};
@@ -147,6 +152,40 @@ TEST_F(PressProcedureTest, PressesHalfAsFastStraightOn) {
     EXPECT_NEAR(speed, k == 0 ? 0.5e-3 : 1e-3, 1e-5) << k;
     EXPECT_EQ(pressed.records[k].speed, k == 0 ? 0.5e-3 : 1e-3) << k;
   }
+}
+
+TEST_F(PressProcedureTest, PressesStraightOnOnceMoreWhereThereIsTime) {
+  const auto quick = [](double depth, double time) { return 1.8 * pad(depth, time); };
+  const Pressed again = press(quick, {}, 0.0, true);
+  ASSERT_EQ(again.records.size(), 10U) << again.failure;
+  EXPECT_LE(again.time, 20.0);
+  EXPECT_EQ(again.records.back().speed, 0.5e-3);
+  // Skin that is further off takes the time.
+  const auto slow = [](double depth, double time) { return 0.3 * pad(depth - 1.0 * mm, time); };
+  const Pressed late = press(slow, {}, 0.0, true);
+  EXPECT_EQ(late.records.size(), 9U) << late.failure;
+  EXPECT_GT(late.time, 20.0 - 3.2);
+}
+
+TEST_F(PressProcedureTest, ANoisySensorEndsPressesEarlier) {
+  const auto greatest_with = [&](double noise) {
+    std::mt19937_64 random(11);
+    std::normal_distribution<double> normal;
+    const Pressed pressed =
+        press(pad, [&](PressTick& tick) { tick.force += noise * normal(random); });
+    EXPECT_TRUE(pressed.done) << pressed.failure;
+    double sum = 0.0;
+    for (const PressRecord& record : pressed.records) {
+      const auto& last = record.readings;
+      for (std::size_t i = last.size() - 3; i < last.size(); ++i) sum += last[i].force / 3.0;
+    }
+    return sum / static_cast<double>(pressed.records.size());
+  };
+  const double quiet = greatest_with(0.02);
+  const double noisy = greatest_with(0.1);
+  EXPECT_GT(quiet, 0.6);
+  EXPECT_LT(noisy, quiet - 0.05);
+  EXPECT_GT(noisy, 0.4);
 }
 
 TEST_F(PressProcedureTest, TakesItsZeroFromAllReadingsOffTheSkin) {

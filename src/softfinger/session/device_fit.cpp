@@ -420,12 +420,12 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   } catch (const InputError& error) {
     throw OperationError(fmt::format("{}: {}", options.device.string(), error.what()));
   }
-  // The first once more in the end: a wearer who tells it elsewhere tells nothing.
-  if (options.by_touch) plan.push_back(plan.front());
-  // Straight on once more where there is time; the same once more tells nothing by itself.
-  if (!options.by_touch && !options.again && plan.size() > 1) {
+  // The first, straight on, once more in the end: a wearer who tells it elsewhere tells nothing;
+  // and where there is time for a press its readings count most, but for one that nothing else
+  // tells of.
+  if (options.by_touch || plan.size() > 1) {
     plan.push_back(plan.front());
-    plan.back().spare = true;
+    plan.back().spare = !options.by_touch;
   }
   if (options.again) {
     std::erase_if(plan, [](const PlannedPress& press) { return press.spare; });

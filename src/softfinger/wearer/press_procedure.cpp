@@ -376,7 +376,7 @@ void PressProcedure::press(const PressTick& tick) {
     return;
   }
   if (advance_ >= planned().most || advance_ - stands > kHeldBack) {
-    if (mean >= kLightest * limits_.guard) {
+    if (mean >= kLightest * guard()) {
       end_press();
     } else {
       give_up_press();
@@ -394,7 +394,7 @@ void PressProcedure::end_press() {
   if (record_.readings.size() < kLeastOfPress) {
     if (++tried_ > kTries) {
       fail(fmt::format("the force grows to {:g} N within {} readings: the wearer presses back",
-                       limits_.guard, record_.readings.size()));
+                       guard(), record_.readings.size()));
       return;
     }
     record_.readings.clear();

@@ -19,9 +19,9 @@ inline constexpr double kForceGrowth = 2.1 / mm;
 /// by the relaxation of its file: 1 where it has none.
 [[nodiscard]] double stiffness_in_use(const FingerModel& finger, double speed);
 
-/// Presses, one after the other, as they would be felt of skin that does not
-/// relax, at the same advance: each force with what has been lost of it, of those before and of the
-/// presses before, between which the skin recovers. Readings have their times, in order.
+/// Presses, one after the other, as they would be felt of skin that does not relax, at the same
+/// advance: each force with what has been lost of it, of those before and of the presses before,
+/// between which the skin recovers. Readings have their times, in order.
 [[nodiscard]] std::vector<PressRecord> without_relaxation(std::vector<PressRecord> presses,
                                                           const Relaxation& relaxation);
 
