@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <span>
 #include <utility>
 
 #include "softfinger/base/units.hpp"
@@ -53,7 +51,6 @@ constexpr double kOneStraight = 3.2;      // s, the same of a slower one
 constexpr double kLightest = 0.5;         // of the guard, that each press must have come to
 constexpr double kQuietEnough = 0.05;     // N, of noise, standard deviation
 constexpr double kGuardByNoise = 2.0;    // N a N of noise beyond that, by which presses end earlier
-constexpr double kMostDelay = 4.0;       // ticks
 constexpr std::size_t kLate = 2;         // readings after the device has left the skin
 constexpr double kSurelyOff = 0.4 * mm;  // before a touch is noticed: the skin is not touched yet
 
@@ -192,7 +189,8 @@ void PressProcedure::advance(const PressTick& tick) {
     seen_.push_back({advance_of(tick.stands), tick.force - zero_});
     if (seen_.size() > 64) seen_.pop_front();
   }
-  if (stage_ == Stage::kLeave || stage_ == Stage::kSettle) watch_fall(tick);
+  const bool leaves = stage_ == Stage::kLeave || stage_ == Stage::kSettle;
+  if (leaves && tick.fresh) late_.watch(advance_of(tick.stands), tick.force);
   switch (stage_) {
     case Stage::kZero:
       zero(tick);
@@ -403,62 +401,16 @@ void PressProcedure::end_press() {
     if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
   const Trend last = trend();
-  fall_ = {.force = last.force,
-           .slope = last.slope,
-           .from = seen_.back().advance,
-           .speed = press_speed()};
+  late_.leave(last.force, last.slope, seen_.back().advance, press_speed());
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();
-}
-
-/// It leaves the skin within a tick or two: what is said longer than it is felt comes late.
-void PressProcedure::watch_fall(const PressTick& tick) {
-  if (!tick.fresh || !(fall_.force > 0.0)) return;
-  const double back = fall_.from - advance_of(tick.stands);
-  fall_.beyond += tick.force - std::max(fall_.force - fall_.slope * back, 0.0);
-  fall_.readings += 1.0;
-}
-
-/// Ticks. The last force said was late as well: by then more was felt.
-double PressProcedure::delay_of_fall(std::size_t press) const {
-  const Fall& fall = falls_[press];
-  const double beyond = fall.beyond - fall.readings * zero_;
-  const double a_tick = fall.slope * fall.speed * tick_;  // of growth, N
-  double ticks = 0.0;
-  for (int i = 0; i < 3; ++i) ticks = beyond / (fall.force + a_tick * std::max(ticks, 0.0));
-  return ticks;
 }
 
 void PressProcedure::take_zero_off() {
   renew_zero();
   for (PressRecord& record : records_) {
     for (PressReading& reading : record.readings) reading.force -= zero_;
-  }
-}
-
-/// What was read is what was felt `delay` before. Of presses the mean, but for the two furthest
-/// off: in one the wearer may have moved.
-void PressProcedure::take_delay_off() {
-  if (falls_.empty()) return;
-  std::vector<double> delays;
-  for (std::size_t k = 0; k < falls_.size(); ++k) delays.push_back(delay_of_fall(k));
-  std::ranges::sort(delays);
-  const std::size_t aside = delays.size() > 2 ? 1 : 0;
-  const auto kept = std::span(delays).subspan(aside, delays.size() - 2 * aside);
-  const double mean =
-      std::accumulate(kept.begin(), kept.end(), 0.0) / static_cast<double>(kept.size());
-  delay_ = std::clamp(mean, 0.0, kMostDelay) * tick_;
-  for (PressRecord& record : records_) {
-    std::vector<PressReading>& readings = record.readings;
-    Configuration way = readings[1].q - readings[0].q;  // of the first as of the second
-    Configuration before = readings[0].q;
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-      const std::size_t k = std::max<std::size_t>(i, 1);
-      if (i > 0) way = readings[i].q - before;
-      before = readings[i].q;
-      readings[i].q -= way * (delay_ / (readings[k].time - readings[k - 1].time));
-    }
   }
 }
 
@@ -499,8 +451,7 @@ void PressProcedure::settle(const PressTick& tick) {
     begin_press();
     return;
   }
-  if (fall_.force > 0.0) falls_.push_back(fall_);
-  fall_ = {};
+  late_.keep();
   expected_.learn(planned(), touched_);
   records_.push_back(std::move(record_));
   next_press();
@@ -544,7 +495,8 @@ bool PressProcedure::enough() const {
 
 void PressProcedure::finish() {
   take_zero_off();
-  take_delay_off();
+  delay_ = late_.mean(zero_, tick_);
+  take_delay_off(delay_, records_);
   stage_ = Stage::kDone;
   wanted_ = device_.home();
 }

@@ -10,6 +10,7 @@
 #include "softfinger/wearer/expected_touch.hpp"
 #include "softfinger/wearer/press_plan.hpp"
 #include "softfinger/wearer/press_reading.hpp"
+#include "softfinger/wearer/sensor_delay.hpp"
 
 namespace softfinger {
 
@@ -95,10 +96,7 @@ class PressProcedure {
   void give_up_press();
   void leave();
   void settle(const PressTick& tick);
-  void watch_fall(const PressTick& tick);
-  [[nodiscard]] double delay_of_fall(std::size_t press) const;
   void take_zero_off();
-  void take_delay_off();
   void begin_press();
   void end_press();
   void next_press();
@@ -168,15 +166,8 @@ class PressProcedure {
   double best_ = 0.0;      ///< greatest mean force of it so far, N
   double best_at_ = 0.0;   ///< where that was
   ExpectedTouch expected_;
-  /// As the device leaves: the force there was and how it grows with advance, N and N/m, where, at
-  /// which speed it came there, m/s; and the sum of what was said, N, beyond what was felt, zero
-  /// not taken off, in how many readings.
-  struct Fall {
-    double force = 0.0, slope = 0.0, from = 0.0, speed = 0.0;
-    double beyond = 0.0, readings = 0.0;
-  } fall_;
-  std::vector<Fall> falls_;  ///< by press
-  double delay_ = 0.0;       ///< s
+  SensorDelay late_;
+  double delay_ = 0.0;  ///< s
   int pressing_ticks_ = 0;
   bool given_up_ = false;  ///< the press under way
   double clear_ = 0.0;     ///< how much further off the skin a press begins, m
