@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ constexpr double kDeepestAlone = 1e-5;  ///< at the end, under its own weight
 /// kDeepestAlone: as far as contacts give.
 constexpr double kGain = 1.0;
 constexpr double kUnconverged = 0.01;
+constexpr long kSaidEach =
+    100'000;  ///< steps, of a long run, after which it says how it went so far
 
 struct Roughness {
   long steps = 0, unconverged = 0, not_finite = 0, fallen = 0, rounds = 0, soft = 0;
@@ -199,20 +202,28 @@ void play_round(Draw& draw, Roughness& found) {
   ++found.rounds;
 }
 
+void say(const Roughness& found) {
+  fmt::print(
+      "rough play: {} rounds, {} with something soft, {} steps, {} unconverged, {} not finite, {} "
+      "through the table\n"
+      "  most: {:.1f} N on a finger, {:.1f} m/s, {:.3g} um into the table, {:.3g} um at rest; what "
+      "was left alone gained {:.2g} of what lifts it by 10 um\n",
+      found.rounds, found.soft, found.steps, found.unconverged, found.not_finite, found.fallen,
+      found.force, found.fastest, 1e6 * found.depth, 1e6 * found.depth_alone, found.gain);
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 bool play_roughly(long steps, std::uint64_t seed) {
   Draw draw(seed);
   Roughness found;
-  while (found.steps < steps) play_round(draw, found);
-  fmt::print(
-      "rough play: {} rounds, {} with something soft, {} steps, {} unconverged, {} not finite, {} "
-      "through the table\n"
-      "  most: {:.1f} N on a finger, {:.1f} m/s, {:.3g} um into the table, {:.3g} um at rest; what "
-      "was "
-      "left alone gained {:.2g} of what lifts it by 10 um\n",
-      found.rounds, found.soft, found.steps, found.unconverged, found.not_finite, found.fallen,
-      found.force, found.fastest, 1e6 * found.depth, 1e6 * found.depth_alone, found.gain);
+  for (long next = kSaidEach; found.steps < steps; play_round(draw, found)) {
+    if (found.steps < next) continue;
+    say(found);
+    next += kSaidEach;
+  }
+  say(found);
   return found.is_sound();
 }
 
