@@ -34,6 +34,9 @@ Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Pose& X) {
 /// Of what leans this much the rim's deepest place alone touches, as a sine; what stands on its rim
 /// has none.
 constexpr double kLeaning = 0.2;
+/// Spacings of a rim's points from the deepest place: nearer than that they would bear what is a
+/// micrometre deep.
+constexpr double kStays = 2.0;
 /// What bears less of the stiffness is left out.
 constexpr double kLeastShare = 1e-6;
 
@@ -43,7 +46,8 @@ struct Place {
 };
 
 /// Where a point is looked at while the way out of the other object is `outward`, in the frame of
-/// its own: of a rim the two points next to the deepest place go there and share what it bears.
+/// its own: of a rim the two points next to the deepest place go there and share what it bears, and
+/// those further from it stay, to touch where the object turns far within the step.
 Place place_of(const SurfacePoint& point, const Vector3& outward) {
   const double lean = outward.head<2>().norm();
   if (!(point.spacing > 0.0) || !(lean > 0.0)) return {point.centre_O};
@@ -51,6 +55,7 @@ Place place_of(const SurfacePoint& point, const Vector3& outward) {
   const double way = std::remainder(deepest - std::atan2(point.centre_O.y(), point.centre_O.x()),
                                     2.0 * std::numbers::pi);
   const double leaning = std::min(1.0, lean * lean / (kLeaning * kLeaning));
+  if (leaning == 1.0 && std::abs(way) > kStays * point.spacing) return {point.centre_O};
   const double near = std::max(0.0, 1.0 - std::abs(way) / point.spacing);
   const double turn = leaning * std::clamp(way, -point.spacing, point.spacing);
   return {Eigen::AngleAxisd(turn, Vector3::UnitZ()) * point.centre_O, 1.0 - leaning * (1.0 - near)};
