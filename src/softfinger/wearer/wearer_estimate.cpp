@@ -29,7 +29,7 @@ constexpr double kPressErrorByTilt = 0.25;
 /// So many times as little as all that makes of them do forces tell of traits: presses next to each
 /// other are unlike the model in the same way. So many that of the traits of drawn wearers nine in
 /// ten are within their intervals (tools/validate --wearers).
-constexpr double kToldLess = 7.0;
+constexpr double kToldLess = 9.0;
 constexpr int kTouchSteps = 7;
 constexpr int kForceSteps = 8;  // of a pass
 constexpr int kFrictionPasses = 2;
