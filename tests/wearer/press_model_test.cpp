@@ -60,7 +60,7 @@ TEST_F(PressModelTest, DerivativesAreThoseOfForces) {
       for (std::size_t n = 0; n < path.size(); ++n) {
         const double expected = (more[n].force - less[n].force) / (2.0 * kStep);
         const double largest = here[n].by_trait.cwiseAbs().maxCoeff();
-        EXPECT_NEAR(here[n].by_trait[i], expected, 3e-4 * largest)
+        EXPECT_NEAR(here[n].by_trait[i], expected, 1e-4 * largest)
             << kWearerTraitRows[static_cast<std::size_t>(i)].name << " of press " << k
             << ", reading " << n << ", largest " << largest << ", force " << here[n].force;
       }

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array kTissueTraits{WearerTrait::kLength, WearerTrait::kBreadth, WearerTrait::kDepth,
                                    WearerTrait::kModulus};
 /// Of a standard deviation, by which tissue is different for a derivative.
-constexpr double kDifference = 1e-5;
+constexpr double kDifference = 1e-6;
 /// Edges are met as planes, where they were seen: it looks again until that changes nothing.
 constexpr int kLooks = 6;
 constexpr double kLookTolerance = 5e-4;         // of the force
