@@ -3,26 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <deque>
 #include <memory>
 #include <optional>
-#include <random>
-#include <thread>
 #include <utility>
 
-#include "softfinger/actuation/actuator.hpp"
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
 #include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/finger/finger_size.hpp"
-#include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/person/person_registration.hpp"
 #include "softfinger/scene/scene.hpp"
 #include "softfinger/session/kept_ceiling.hpp"
+#include "softfinger/session/pressing_device.hpp"
 #include "softfinger/session/worn_device.hpp"
 #include "softfinger/wearer/advance.hpp"
 #include "softfinger/wearer/press_relaxation.hpp"
@@ -35,193 +30,7 @@ namespace fs = std::filesystem;
 
 constexpr double kDepth = 1.5 * mm;       // beyond the resting skin, that every press must reach
 constexpr double kTouchDepth = 0.5 * mm;  // the same of a touch
-constexpr double kAgain = 1.0;            // s, after which an emulated wearer repeats its word
 constexpr double kCi95 = 1.959963985;     // standard deviations
-constexpr double kPressing = 0.05;        // N, that is called touching
-
-bool has_motors(const Device& device) {
-  const auto& transport = device.settings().transport;
-  return transport && transport->port != "emulator";
-}
-
-/// The device on the wearer, its sensor, and the presses.
-class Fitting {
- public:
-  Fitting(const DeviceFitOptions& options, const WornDevice& worn,
-          std::shared_ptr<const FingerModel> wearer,
-          const std::optional<ForceSensorSettings>& sensor, std::uint32_t stops_seen)
-      : options_(options),
-        worn_(worn),
-        stops_seen_(stops_seen),
-        friction_(options.wear.friction_coefficient.value_or(wearer->friction_coefficient)),
-        rate_(device_rate(*worn.device)),
-        live_(is_live(sensor)),
-        actuator_(worn.device, actuator_options()),
-        stands_(worn.device->home()),
-        really_(stands_),
-        late_(static_cast<std::size_t>(options.wear.late), 0.0),
-        random_(options.seed) {
-    if (!sensor) return;
-    sensor_.emplace(
-        std::move(wearer), remounted(options.device, *worn.device, options.wear.mount),
-        MeasuredForce::Options{.seed = options.seed, .live = live_, .settings = *sensor});
-  }
-
-  /// Presses, or touches, until that is done or fails; the device is retracted then.
-  template <typename Procedure>
-  void run(Procedure& procedure, int presses, const std::atomic<bool>& stop,
-           const RunObserver& observer) {
-    const auto began = std::chrono::steady_clock::now();
-    const double period = 1.0 / rate_;
-    for (std::int64_t tick = 0; !procedure.done() && procedure.failure().empty(); ++tick) {
-      const double time = static_cast<double>(tick) * period;
-      if (interrupted(stop, observer)) break;
-      if (options_.fault != ForceSensorFault::kNone && time >= options_.fault_at) {
-        sensor_->fail(options_.fault);
-      }
-      const FormedCommand& command =
-          actuator_.command({.configuration = procedure.wanted(), .touching = touching_}, time);
-      if (live_) {
-        std::this_thread::sleep_until(began + std::chrono::duration<double>(time + period));
-      }
-      look(command);
-      feel(procedure, time + period);
-      if (observer.progress) observer.progress(procedure.progress(), 1.0);
-      tell(procedure, presses);
-    }
-    actuator_.finish();
-  }
-
-  [[nodiscard]] double rate() const { return rate_; }
-  [[nodiscard]] double greatest_true_force() const { return greatest_true_; }
-  [[nodiscard]] const std::string& interruption() const { return interruption_; }
-
- private:
-  void feel(PressProcedure& procedure, double time) {
-    const bool fresh = measure();
-    late_.push_back(options_.wear.gain * measured_);
-    said_ = late_.front();
-    late_.pop_front();
-    touching_ = fresh && said_ > kPressing;
-    procedure.advance({.time = time,
-                       .stands = stands_,
-                       .fresh = fresh,
-                       .force = said_,
-                       .readings = sensor_->new_readings()});
-  }
-
-  void feel(TouchProcedure& procedure, double time) {
-    const bool told = sensor_ ? emulated_wearer_tells(time) : options_.told();
-    procedure.advance({.time = time, .stands = stands_, .told = told});
-  }
-
-  /// False where the sensor has nothing new.
-  bool measure() {
-    const ForceReading& reading = sensor_->measure(really_, friction_, 1.0 / rate_);
-    measured_ = reading.normal_force;
-    if (!std::isnan(sensor_->true_force())) {
-      greatest_true_ = std::max(greatest_true_, sensor_->true_force());
-    }
-    return reading.configuration.size() > 0;
-  }
-
-  /// Some time after a touch, and again while it lasts.
-  bool emulated_wearer_tells(double time) {
-    static_cast<void>(measure());
-    touching_ = sensor_->true_force() > kFeltForce;
-    if (!touching_) {
-      tells_at_.reset();
-      return false;
-    }
-    if (!tells_at_) {
-      std::normal_distribution<double> takes(options_.wear.reaction, options_.wear.reaction_spread);
-      tells_at_ = time + std::max(takes(random_), 0.0);
-    }
-    if (time < *tells_at_) return false;
-    *tells_at_ += kAgain;
-    return true;
-  }
-
-  template <typename Procedure>
-  void tell(const Procedure& procedure, int presses) const {
-    if (!options_.watch) return;
-    DeviceFitMoment now{.presses = presses, .force = said_, .progress = procedure.progress()};
-    if (const PlannedPress* const press = procedure.under_way()) {
-      now.press = static_cast<int>(procedure.number()) + 1;
-      now.pitch = press->pitch;
-      now.roll = press->roll;
-    }
-    options_.watch(now);
-  }
-
-  [[nodiscard]] bool is_live(const std::optional<ForceSensorSettings>& sensor) const {
-    return options_.real_time || has_motors(*worn_.device) || (sensor && !sensor->is_emulated());
-  }
-
-  [[nodiscard]] ActuatorOptions actuator_options() const {
-    ActuatorOptions actuator;
-    actuator.device_file = options_.device;
-    actuator.simulated_time = !live_;
-    actuator.ceiling = worn_.ceiling;
-    if (live_) actuator.guard_program = options_.guard_program;
-    return actuator;
-  }
-
-  /// True: it has to end.
-  bool interrupted(const std::atomic<bool>& stop, const RunObserver& observer) {
-    if (options_.stop_signals != nullptr && options_.stop_signals->stops.load() != stops_seen_) {
-      actuator_.stop(StopCause::kSignal);
-    }
-    while (const auto event = actuator_.take_event()) {
-      if (*event == ActuatorEvent::kUnwatched || *event == ActuatorEvent::kPortConnected) {
-        if (observer.message) observer.message(actuator_.message(*event));
-        continue;
-      }
-      if (interruption_.empty()) interruption_ = actuator_.message(*event);
-    }
-    if (stop.load() && interruption_.empty()) interruption_ = "ended before it was done";
-    if (actuator_.stop_latch().is_stopped() && interruption_.empty()) {
-      interruption_ = "the device is stopped";
-    }
-    return !interruption_.empty();
-  }
-
-  /// Where the device is: as its servos say, else where it was sent.
-  void look(const FormedCommand& command) {
-    JointAngles joints;
-    if (!actuator_.read_servo_joints(joints)) {
-      stands_ = command.configuration;
-    } else if (Configuration q; worn_.device->forward_kinematics(joints, q)) {
-      stands_ = q;
-    }
-    really_ = stands_;
-    // Play is taken up by whoever is behind.
-    const double advance =
-        advance_between(*worn_.device, Configuration::Zero(stands_.size()), stands_);
-    const double half = 0.5 * options_.wear.backlash;
-    followed_ = std::clamp(followed_, advance - half, advance + half);
-    worn_.device->advance(followed_ - advance, really_);
-  }
-
-  const DeviceFitOptions& options_;
-  const WornDevice& worn_;
-  std::uint32_t stops_seen_;
-  double friction_;
-  double rate_;
-  bool live_;
-  std::optional<MeasuredForce> sensor_;
-  Actuator actuator_;
-  Configuration stands_;
-  Configuration really_;                ///< an emulated one, with its play
-  double followed_ = 0.0;               ///< advance of that, m
-  std::deque<double> late_;             ///< forces on their way, N
-  double measured_ = 0.0, said_ = 0.0;  ///< N
-  bool touching_ = false;
-  std::mt19937_64 random_;
-  std::optional<double> tells_at_;  ///< s, of an emulated wearer who feels the device
-  double greatest_true_ = 0.0;
-  std::string interruption_;
-};
 
 /// None where a wearer tells touches.
 std::optional<ForceSensorSettings> sensor_of(const DeviceFitOptions& options,
@@ -434,12 +243,12 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
   DeviceFit fit;
   const TraitVector known = known_traits(before, *finger, options.again);
   fit.by_touch = options.by_touch;
-  Fitting fitting(options, worn, wearer, sensor, stops);
-  const double tick = 1.0 / fitting.rate();
+  PressingDevice pressing(options, worn, wearer, sensor, stops);
+  const double tick = 1.0 / pressing.rate();
   const auto take = [&](auto& procedure) {
-    fitting.run(procedure, static_cast<int>(plan.size()), stop, observer);
-    fit.failure = fitting.interruption().empty() ? procedure.failure() : fitting.interruption();
-    fit.greatest_force = fitting.greatest_true_force();
+    pressing.run(procedure, static_cast<int>(plan.size()), stop, observer);
+    fit.failure = pressing.interruption().empty() ? procedure.failure() : pressing.interruption();
+    fit.greatest_force = pressing.greatest_true_force();
     fit.duration = procedure.duration();
   };
   std::vector<PressRecord> presses;
