@@ -238,7 +238,7 @@ void IslandProblem::bend_to_soft_contact(bool refined) {
   const auto freedoms = static_cast<Eigen::Index>(direction_.size());
   const bool touches = std::ranges::any_of(
       partners_, [](const Partner* partner) { return !partner->bodies.empty(); });
-  auto pulled = pulled_.topLeftCorner(rows, freedoms);
+  auto pulled = pulled_.topLeftCorner(freedoms, rows);
   auto yielding = yielding_.topLeftCorner(freedoms, rows);
   if (touches) {
     pulled.setZero();
@@ -251,17 +251,18 @@ void IslandProblem::bend_to_soft_contact(bool refined) {
                 soft.way(p, partner->number, partner->couplings[k].responses[c]);
           }
           for (const BodyTree::Column& column : columns_[partner->bodies[k]].all()) {
-            pulled.block<3, 1>(static_cast<Eigen::Index>(3 * p), column.coordinate) +=
-                by_pose * column.twist;
+            pulled.block<1, 3>(column.coordinate, static_cast<Eigen::Index>(3 * p)) +=
+                (by_pose * column.twist).transpose();
           }
         }
       }
     }
-    yielding = pulled.transpose();
+    yielding = pulled;
     for (Eigen::Index c = 0; c < rows; ++c) {
       solve_system({yielding_.col(c).data(), direction_.size()});
     }
-    soft.compliance() += pulled.lazyProduct(yielding);
+    // Of columns that lie together, without the memory that a blocked product takes.
+    soft.compliance() += pulled.transpose().lazyProduct(yielding);
   }
   const std::span<const double> forces = soft.balance(refined);
   for_each_partner([&](Partner& partner) { soft.apply(partner.number); });

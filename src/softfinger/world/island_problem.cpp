@@ -41,7 +41,7 @@ void IslandProblem::reserve(bool soft) {
   taking_part_.assign(parts_.partners.size(), 0);
   if (!soft || pulled_.size() > 0) return;
   const auto freedoms = static_cast<Eigen::Index>(direction_.size());
-  pulled_.setZero(static_cast<Eigen::Index>(3 * SoftContact::kMostPairs), freedoms);
+  pulled_.setZero(freedoms, static_cast<Eigen::Index>(3 * SoftContact::kMostPairs));
   yielding_.setZero(freedoms, static_cast<Eigen::Index>(3 * SoftContact::kMostPairs));
 }
 

@@ -132,7 +132,7 @@ class IslandProblem {
   std::vector<int> first_of_coordinate_;  ///< the first coordinate of its block
   std::vector<int> freedoms_;             ///< by block
   std::vector<double> side_;              ///< six a block
-  Eigen::MatrixXd pulled_, yielding_;  ///< pairs of soft contact by coordinates, and their motion
+  Eigen::MatrixXd pulled_, yielding_;  ///< coordinates by pairs of soft contact, and their motion
 };
 
 template <typename Work>
