@@ -3,10 +3,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <mutex>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "../world/play.hpp"
@@ -25,9 +29,11 @@ constexpr double kDeepestAlone = 1e-5;  ///< at the end, under its own weight
 /// kDeepestAlone: as far as contacts give.
 constexpr double kGain = 1.0;
 constexpr double kUnconverged = 0.01;
-constexpr long kSaidEach =
-    100'000;  ///< steps, of a long run, after which it says how it went so far
+const long kStepsOfRound = std::lround((kHands + kAlone) / kStep);
+constexpr long kSaidEach = 20;  ///< rounds, after which it says how it went so far
+constexpr double kSlow = 10.0;  ///< ms a step, that is said of a round
 
+/// What was found in some rounds.
 struct Roughness {
   long steps = 0, unconverged = 0, not_finite = 0, fallen = 0, rounds = 0, soft = 0;
   double depth = 0.0;        ///< m, the most while fingers play
@@ -40,6 +46,20 @@ struct Roughness {
     return not_finite == 0 && fallen == 0 && depth <= kDeepest && depth_alone <= kDeepestAlone &&
            gain <= kGain &&
            static_cast<double>(unconverged) <= kUnconverged * static_cast<double>(steps);
+  }
+
+  void add(const Roughness& other) {
+    steps += other.steps;
+    unconverged += other.unconverged;
+    not_finite += other.not_finite;
+    fallen += other.fallen;
+    rounds += other.rounds;
+    soft += other.soft;
+    depth = std::max(depth, other.depth);
+    depth_alone = std::max(depth_alone, other.depth_alone);
+    gain = std::max(gain, other.gain);
+    fastest = std::max(fastest, other.fastest);
+    force = std::max(force, other.force);
   }
 };
 
@@ -135,7 +155,9 @@ void look(const Play& play, const std::vector<Thing>& things, Roughness& found) 
   }
 }
 
-void play_round(Draw& draw, Roughness& found) {
+Roughness play_round(std::uint64_t seed) {
+  Draw draw(seed);
+  Roughness found;
   std::vector<VirtualObject> objects{
       still("table", HalfSpace{}, Vector3::Zero(), draw.between(0.1, 1.0))};
   std::vector<Thing> things;
@@ -196,10 +218,11 @@ void play_round(Draw& draw, Roughness& found) {
     found.depth_alone = std::max(found.depth_alone,
                                  things[i].least_height - play.state(i + 1).X_WO.translation.z());
   }
-  found.steps += std::lround(play.time() / kStep);
-  found.unconverged += play.unconverged();
-  found.soft += soft ? 1 : 0;
-  ++found.rounds;
+  found.steps = std::lround(play.time() / kStep);
+  found.unconverged = play.unconverged();
+  found.soft = soft ? 1 : 0;
+  found.rounds = 1;
+  return found;
 }
 
 void say(const Roughness& found) {
@@ -210,21 +233,42 @@ void say(const Roughness& found) {
       "was left alone gained {:.2g} of what lifts it by 10 um\n",
       found.rounds, found.soft, found.steps, found.unconverged, found.not_finite, found.fallen,
       found.force, found.fastest, 1e6 * found.depth, 1e6 * found.depth_alone, found.gain);
-  std::fflush(stdout);
 }
 
 }  // namespace
 
 bool play_roughly(long steps, std::uint64_t seed) {
-  Draw draw(seed);
-  Roughness found;
-  for (long next = kSaidEach; found.steps < steps; play_round(draw, found)) {
-    if (found.steps < next) continue;
-    say(found);
-    next += kSaidEach;
+  const long rounds = std::max(1L, (steps + kStepsOfRound - 1) / kStepsOfRound);
+  Roughness all;
+  bool sound = true;
+  std::mutex shared;
+  std::atomic<long> next = 0;
+  const auto play_on = [&] {
+    for (long round = next++; round < rounds; round = next++) {
+      const std::uint64_t own = seed + static_cast<std::uint64_t>(round);
+      const auto began = std::chrono::steady_clock::now();
+      const Roughness found = play_round(own);
+      const std::chrono::duration<double, std::milli> took =
+          std::chrono::steady_clock::now() - began;
+      const std::scoped_lock lock(shared);
+      all.add(found);
+      const double step = took.count() / static_cast<double>(found.steps);
+      if (!found.is_sound() || step > kSlow) {
+        fmt::print("{}: --seed {} --steps {}, {:.1f} ms a step\n",
+                   found.is_sound() ? "slow" : "NOT SOUND", own, found.steps, step);
+        if (!found.is_sound()) say(found);
+      }
+      sound = sound && found.is_sound();
+      if (all.rounds % kSaidEach == 0 && all.rounds < rounds) say(all);
+      std::fflush(stdout);
+    }
+  };
+  {
+    std::vector<std::jthread> threads(std::max(1U, std::thread::hardware_concurrency()));
+    for (std::jthread& thread : threads) thread = std::jthread(play_on);
   }
-  say(found);
-  return found.is_sound();
+  say(all);
+  return sound;
 }
 
 }  // namespace softfinger
