@@ -130,16 +130,18 @@ void FingerPotential::begin(const Step& step) {
 void FingerPotential::choose_features() {
   if (!model_.feature_contact) return;
   const std::size_t samples = model_.sample_nodes.size();
-  FeaturePoints::Step step;
-  step.old_positions = step_.old_positions;
-  step.positions = step_.seen_positions;
-  if (step.positions.empty()) {
-    step.positions =
-        step_.time_step > 0.0 ? std::span<const Vector3>(predicted_) : step.old_positions;
+  if (!step_.features_given) {
+    FeaturePoints::Step step;
+    step.old_positions = step_.old_positions;
+    step.positions = step_.seen_positions;
+    if (step.positions.empty()) {
+      step.positions =
+          step_.time_step > 0.0 ? std::span<const Vector3>(predicted_) : step.old_positions;
+    }
+    step.obstacles = step_.obstacles;
+    features_.choose(step, contact_, correction_,
+                     step_.anchors.subspan(samples * step_.obstacles.size()));
   }
-  step.obstacles = step_.obstacles;
-  features_.choose(step, contact_, correction_,
-                   step_.anchors.subspan(samples * step_.obstacles.size()));
   for (std::size_t k = 0; k < features_.points().size(); ++k) {
     const FeaturePoints::Point& point = features_.points()[k];
     ContactCorrection::Carrier carrier;

@@ -41,6 +41,7 @@ class FingerPotential {
     std::span<const Vector3> old_positions;  ///< all nodes, W, m
     /// Where features of obstacles are looked for, W, m; empty: where even motion leads.
     std::span<const Vector3> seen_positions;
+    bool features_given = false;  ///< as restored last, with what they met; none are looked for
     std::span<const Vector3> velocities;  ///< all nodes, W, m/s
     BoneState old_bone;
     Pose X_WFt_old;  ///< tracked pose of the step before; unused where prescribed

@@ -122,7 +122,7 @@ struct Twin::Implementation {
   void reset(const Configuration& at, std::span<const Vector3> from);
   void place();
   void keep_poses();
-  void begin(std::span<const Vector3> seen_positions);
+  void begin(std::span<const Vector3> seen_positions, bool features_given = false);
   TwinSummary attempt(const Configuration& at, int most_iterations = Twin::kAsManyAsItTakes);
   void foresee(const Configuration& at);
   void start(bool was_foreseen);
@@ -197,11 +197,12 @@ void Twin::Implementation::keep_poses() {
 }
 
 /// Prepares the potential for an equilibrium; features are those that skin at `seen_positions`
-/// sees, or where the last frame kept left it.
-void Twin::Implementation::begin(std::span<const Vector3> seen_positions) {
+/// sees, or where the last frame kept left it, or given as restored.
+void Twin::Implementation::begin(std::span<const Vector3> seen_positions, bool features_given) {
   FingerPotential::Step step;
   step.old_positions = kept_positions;
   step.seen_positions = seen_positions;
+  step.features_given = features_given;
   step.obstacles = obstacles;
   step.anchors = anchors;
   step.history = &history;
@@ -513,7 +514,8 @@ void Twin::Implementation::take_place_of(const Implementation& at) {
   potential.restore_features(at.kept_features);
   place();
   anchors = at.anchors;
-  begin(positions);
+  // Looked for anew they might be others here than there.
+  begin(positions, true);
   potential.start_from(positions, Pose{});
 }
 
