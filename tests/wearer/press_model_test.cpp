@@ -68,6 +68,36 @@ TEST_F(PressModelTest, DerivativesAreThoseOfForces) {
   }
 }
 
+// Edges that are looked for anew may be others in a skin a nanometre deeper.
+TEST_F(PressModelTest, ADerivativeByDepthDoesNotJumpWithTheEdgesThatAreMet) {
+  PressModel model(finger_, device_, file_, 0.0);
+  TraitVector x;
+  x << -0.075, 0.1, -0.05, -0.125, 0.075, -0.025, -0.15, 0.125, -0.1;
+  constexpr auto kDepthTrait = static_cast<Eigen::Index>(WearerTrait::kDepth);
+  constexpr double kStep = 0.02;
+  int compared = 0;
+  for (const PlannedPress& press : plan_) {
+    const std::vector<Configuration> path = path_of(press);
+    const auto forces_at = [&](double step) {
+      TraitVector other = x;
+      other[kDepthTrait] += step;
+      model.put(other);
+      return model.press(press.tilted, path, step == 0.0);
+    };
+    const auto here = forces_at(0.0);
+    const auto more = forces_at(kStep);
+    const auto less = forces_at(-kStep);
+    for (std::size_t n = 0; n < path.size(); ++n) {
+      if (here[n].force < 0.03) continue;
+      ++compared;
+      const double expected = (more[n].force - less[n].force) / (2.0 * kStep);
+      EXPECT_NEAR(here[n].by_trait[kDepthTrait], expected, here[n].force)
+          << "tilted by " << press.pitch / deg << ", " << press.roll / deg << ", reading " << n;
+    }
+  }
+  EXPECT_GT(compared, 15);
+}
+
 TEST_F(PressModelTest, FindsTheSameForcesFromWhereTheSkinWas) {
   PressModel model(finger_, device_, file_, 0.0);
   const PlannedPress& press = plan_[3];
