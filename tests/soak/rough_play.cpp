@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <future>
 #include <mutex>
 #include <random>
 #include <string>
@@ -263,10 +264,9 @@ bool play_roughly(long steps, std::uint64_t seed) {
       std::fflush(stdout);
     }
   };
-  {
-    std::vector<std::jthread> threads(std::max(1U, std::thread::hardware_concurrency()));
-    for (std::jthread& thread : threads) thread = std::jthread(play_on);
-  }
+  std::vector<std::future<void>> players(std::max(1U, std::thread::hardware_concurrency()));
+  for (std::future<void>& player : players) player = std::async(std::launch::async, play_on);
+  for (std::future<void>& player : players) player.get();
   say(all);
   return sound;
 }
