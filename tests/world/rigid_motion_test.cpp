@@ -117,6 +117,53 @@ TEST(RigidMotion, ACylinderRollsOnWithoutGainOrBumps) {
   }
 }
 
+// Friction that bends its way does no work, to either side.
+TEST(RigidMotion, ARimThatRollsInACircleGainsNothing) {
+  const double radius = 17.0 * mm;
+  const double half_length = 6.0 * mm;
+  const double round = 1.0 * mm;
+  const double mass = 2e-3;
+  const double lean = 58.0 * deg;  // of its axis, from the vertical
+  const Vector3 axis(0.0, std::sin(lean), std::cos(lean));
+  const Vector3 down(0.0, std::cos(lean), -std::sin(lean));  // along its end, to the lowest place
+  const Vector3 contact =
+      (radius - round) * down - (half_length - round) * axis - round * Vector3::UnitZ();
+  for (const double side : {-1.0, 1.0}) {
+    VirtualObject cylinder = loose("cylinder", RoundedCylinder{radius, half_length, round},
+                                   Vector3(0.0, 0.0, -contact.z()), mass, 1.0);
+    cylinder.motion =
+        Trajectory(Pose{exp_rotation(Vector3(-lean, 0.0, 0.0)), Vector3(0.0, 0.0, -contact.z())});
+    const Vector3 spin = side * Vector3(0.0, 70.0, 44.0);
+    cylinder.dynamics->angular_velocity_W = spin;
+    cylinder.dynamics->velocity_W = -spin.cross(contact);
+    Play play({still("ground", HalfSpace{}, Vector3::Zero(), 1.0), cylinder});
+    const MassProperties even = *mass_properties(cylinder.shape);
+    const Matrix3 second = mass / even.volume * even.second_moment_O;
+    const Matrix3 inertia = second.trace() * Matrix3::Identity() - second;
+    const auto energy = [&] {
+      const ObjectState& s = play.state(1);
+      const Vector3 w = s.X_WO.rotation.transpose() * s.angular_velocity;
+      return 0.5 * mass * s.velocity.squaredNorm() + 0.5 * w.dot(inertia * w) +
+             mass * kGravity * s.X_WO.translation.z();
+    };
+    play.run(0.05);
+    const double before = energy();
+    const Vector3 heading = play.state(1).velocity.normalized();
+    double turned = 0.0;
+    double rolled = 0.0;
+    for (int k = 0; k < 500; ++k) {
+      play.step();
+      EXPECT_LT(energy(), (1.0 + 1e-5) * before) << side << " at " << k;
+      turned = std::max(turned, std::acos(play.state(1).velocity.normalized().dot(heading)));
+      rolled += kStep * play.state(1).velocity.norm();
+    }
+    EXPECT_GT(energy(), 0.998 * before) << side;
+    EXPECT_GT(turned, 20.0 * deg) << "it went straight on";
+    EXPECT_GT(rolled, 0.3);
+    EXPECT_EQ(play.unconverged(), 0);
+  }
+}
+
 // Its rims' points may be on either side of a ball, whose own point bears it then.
 TEST(RigidMotion, ACylinderRestsOnBallsHoweverItIsTurned) {
   const double radius = 16.0 * mm;

@@ -135,7 +135,7 @@ Matrix6 BodyMotion::hessian(const Pose& X_WO) const {
   return h;
 }
 
-void BodyMotion::end(const BodyPlace& place) {
+void BodyMotion::end(const BodyPlace& place, const Vector3& half_way) {
   const double h = time_step_;
   const Value last = evaluate(place.X_WO);
   const Vector3 centre = centre_of(place.X_WO);
@@ -148,7 +148,7 @@ void BodyMotion::end(const BodyPlace& place) {
   const double rate =
       second_order_ ? second_order_rate(place.q, now_.q, old_q_, h) : (place.q - now_.q) / h;
   // What turned it is what its inertia held against.
-  momentum_ += h * last.by_turn;
+  momentum_ += h * (last.by_turn + half_way);
   if (turns_on_ball()) momentum_ += h * arm(rotation).cross(last.by_centre);
   old_velocity_ = velocity_;
   velocity_ = velocity;

@@ -359,6 +359,21 @@ void SolidContact::update_limits(std::size_t island, bool only_lower, double ove
   }
 }
 
+void SolidContact::add_turn_half_way(std::span<const Pose> X_WO_start, std::span<const Pose> X_WO,
+                                     std::span<const Vector3> pivots_O,
+                                     std::span<Vector3> moments) const {
+  for (std::size_t k = 0; k < candidate_count_; ++k) {
+    const Candidate& c = candidates_[k];
+    if (!(c.limit > 0.0)) continue;
+    for (const std::size_t o : {c.of, c.on}) {
+      if (moves_[o] == 0) continue;
+      const Vector3 arm_O = X_WO[o].inverse() * c.material_W - pivots_O[o];
+      const Vector3 passed = (X_WO[o].rotation - X_WO_start[o].rotation) * arm_O;
+      moments[o] -= 0.5 * passed.cross(o == c.of ? c.friction_force : -c.friction_force);
+    }
+  }
+}
+
 void SolidContact::end(std::span<const Pose> X_WO) {
   for (std::size_t k = 0; k < candidate_count_; ++k) {
     const Candidate& c = candidates_[k];

@@ -127,6 +127,11 @@ class SolidContact {
   [[nodiscard]] double beyond_cone(std::size_t island) const;
   /// Friction limits from the normal forces last evaluated, `overshoot` as ContactPotential's.
   void update_limits(std::size_t island, bool only_lower, double overshoot);
+  /// Added to `moments` (W, N m, by object): how much less friction turned each object about a
+  /// point of it (`pivots_O`, by object) half way through the step than at its end, as last
+  /// evaluated.
+  void add_turn_half_way(std::span<const Pose> X_WO_start, std::span<const Pose> X_WO,
+                         std::span<const Vector3> pivots_O, std::span<Vector3> moments) const;
   /// The step has ended as last evaluated.
   void end(std::span<const Pose> X_WO);
 

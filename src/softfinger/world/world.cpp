@@ -55,6 +55,8 @@ World::Implementation::Implementation(std::span<const VirtualObject> things, con
       stirs(things.size()),
       island_of_object(things.size()),
       quiet(tree.bodies().size(), 0),
+      pivots_O(things.size(), Vector3::Zero()),
+      half_way(things.size(), Vector3::Zero()),
       appeared(things.size()) {
   for (std::size_t o = 0; o < things.size(); ++o) {
     if (things[o].soft) softs.push_back(std::make_unique<SoftBody>(things, o, g, dt, helpers));
@@ -95,6 +97,9 @@ void World::Implementation::reserve() {
 void World::Implementation::start() {
   places = tree.start();
   motions = motions_at_start(tree, objects, places);
+  for (std::size_t b = 0; b < motions.size(); ++b) {
+    pivots_O[tree.bodies()[b].object] = motions[b].pivot_O();
+  }
   std::ranges::fill(quiet, kSmoothAfter);
   rest.reset();
   contact.reset();
@@ -147,9 +152,11 @@ void World::Implementation::begin_softs(double end) {
 }
 
 void World::Implementation::end() {
+  std::ranges::fill(half_way, Vector3::Zero());
+  contact.add_turn_half_way(poses, expected, pivots_O, half_way);
   for (const Task& task : tasks) {
     for (const std::size_t b : task.island.bodies) {
-      motions[b].end(places[b]);
+      motions[b].end(places[b], half_way[tree.bodies()[b].object]);
       poses[tree.bodies()[b].object] = motions[b].place().X_WO;
     }
   }

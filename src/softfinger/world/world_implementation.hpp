@@ -129,6 +129,9 @@ struct World::Implementation {
   double time = 0.0;
   std::optional<WorldEvents> events;
   std::vector<Overlap> overlaps;
+  /// By object: the point that a body's angular momentum is about, and what friction turned it by,
+  /// see SolidContact::add_turn_half_way().
+  std::vector<Vector3> pivots_O, half_way;
   std::vector<std::uint8_t> appeared;  ///< by object: a bone, since the last step
   StepSummary last;
   StepWork work;
