@@ -91,6 +91,17 @@ TEST_F(SoftObjectFile, IsReadInSiAndHeavyByItsDensity) {
   EXPECT_EQ(object.motion.sample(0.0).translation.z(), 5e-3);
 }
 
+TEST_F(SoftObjectFile, DensifiesUnlessItHasLimitsOfItsOwn) {
+  const std::string keys = kFoam + kMaterial;
+  const StrainLimit foam = load(keys).objects[0].soft->strain_limits;
+  EXPECT_DOUBLE_EQ(foam.min, 0.1);
+  EXPECT_DOUBLE_EQ(foam.stiffness, 20e3);
+  const StrainLimit own =
+      load(keys + "[object.strain_limits]\nmin = 0.5\n").objects[0].soft->strain_limits;
+  EXPECT_DOUBLE_EQ(own.min, 0.5);
+  EXPECT_DOUBLE_EQ(own.max, StrainLimit{}.max);
+}
+
 TEST_F(SoftObjectFile, WhatIsHeldMayFollowWaypoints) {
   const std::string way =
       "[[object.waypoint]]\ntime_s = 0\n[[object.waypoint]]\ntime_s = 1\nposition_mm = [9, 0, 0]\n";

@@ -57,6 +57,7 @@ inline std::shared_ptr<const SoftSolid> soft_box(const Vector3& size,
   material.poissons_ratio = poissons_ratio;
   material.density = density;
   solid->materials = {material};
+  solid->strain_limits = solid->densification();
   std::vector<int> sample_of_node(solid->mesh.nodes.size(), -1);
   const auto faces = faces_of(solid->mesh.tetrahedra);
   for (std::size_t f = 0; f < faces.size(); ++f) {

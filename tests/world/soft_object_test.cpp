@@ -68,6 +68,40 @@ TEST(SoftObject, EverStifferBecomesTheRigidResult) {
   }
 }
 
+// Cubes of 70 times its weight fall flat on it, straight and on an edge.
+TEST(SoftObject, IsCrushedWithoutTurningInsideOut) {
+  const Vector3 size = Vector3(30, 30, 20) * mm;
+  for (const double turned : {0.0, 30.0 * deg}) {
+    VirtualObject weight =
+        loose("weight", RoundedBox{Vector3::Constant(15.0 * mm), 1.0 * mm}, Vector3::Zero(), 0.25);
+    weight.motion = Trajectory(
+        Pose{exp_rotation(Vector3(turned, 0.0, 0.0)), Vector3(4.0 * mm, 2.0 * mm, 45.0 * mm)});
+    weight.dynamics->velocity_W = Vector3(0.0, 0.0, -1.5);
+    Play play(
+        {soft("sponge", soft_box(size, {3, 3, 2}, 10e3, 0.3, 200.0), Vector3(0.0, 0.0, 10.0 * mm)),
+         still("ground", HalfSpace{}), weight});
+    const TetrahedralMesh& mesh = play.objects()[0].soft->mesh;
+    double flattest = 1.0;
+    for (int k = 0; k < 300; ++k) {
+      play.step();
+      const auto nodes = play.world().nodes(0);
+      for (const Tetrahedron& t : mesh.tetrahedra) {
+        const auto volume = [&](const auto& at) {
+          const Vector3 from = at[static_cast<std::size_t>(t[0])];
+          return (at[static_cast<std::size_t>(t[1])] - from)
+              .cross(at[static_cast<std::size_t>(t[2])] - from)
+              .dot(at[static_cast<std::size_t>(t[3])] - from);
+        };
+        const double left = volume(nodes) / volume(mesh.nodes);
+        flattest = std::min(flattest, left);
+        ASSERT_GT(left, 0.0) << turned / deg << " degrees, step " << k;
+      }
+    }
+    EXPECT_LT(flattest, 0.3) << "nothing crushed it";
+    EXPECT_EQ(play.unconverged(), 0);
+  }
+}
+
 TEST(SoftObject, SharesTheWayWithTheFinger) {
   // Both yield: under one force, the ways of finger and object add up.
   const auto pressed = [](double modulus, double depth) {

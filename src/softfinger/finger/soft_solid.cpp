@@ -35,6 +35,11 @@ double SoftSolid::plane_modulus() const {
   return modulus;
 }
 
+StrainLimit SoftSolid::densification() const {
+  const auto softest = std::ranges::min_element(materials, {}, &Material::youngs_modulus);
+  return {.min = 0.1, .max = 10.0, .stiffness = softest->youngs_modulus, .width = 0.2};
+}
+
 bool SoftSolid::is_held() const {
   return std::ranges::find(node_is_rigid, true) != node_is_rigid.end();
 }

@@ -39,6 +39,10 @@ class SoftSolid {
   std::filesystem::path file;       ///< it was read from
   bool feature_contact = true;      ///< between samples too, see FeaturePoints
 
+  /// Limits for what has none of its own: foam crushed to a third grows stiff, as its cells' walls
+  /// meet (Gibson and Ashby, "Cellular Solids", 1997), and does not turn inside out under whatever
+  /// falls on it. As stiff as its softest material; there is no limit to stretching.
+  [[nodiscard]] StrainLimit densification() const;
   /// Whether some of it is held by its frame.
   [[nodiscard]] bool is_held() const;
   [[nodiscard]] double mass() const;  ///< kg
