@@ -146,6 +146,8 @@ class Wearers {
              {"delay_ms", found.delay / ms},
              {"max_force_N", found.greatest_force},
              {"predicted_force_error", found.estimate.predicted_force_error}};
+    row["gain"] = fit.wear.gain;
+    row["friction"] = fit.wear.friction_coefficient.value_or(0.5);
     row["true"] = Json::object();
     for (const WearerTraitRow& trait : kWearerTraitRows) {
       const auto i = static_cast<std::size_t>(trait.value);
@@ -164,7 +166,7 @@ class Wearers {
     if (number < arguments_.others) row["touched"] = learns_by_touch(fit);
     for (const char* scene : {"plane", "sphere"}) {
       if (found.failure.empty())
-        row[scene]["fit"] = force_error(scene, device_, traits, fit.person);
+        row[scene] = {{"fit", force_error(scene, device_, traits, fit.person)}, {"bias", bias_}};
       if (number >= arguments_.others) continue;
       row[scene]["nothing"] = force_error(scene, device_, traits, {});
       row[scene]["travel_offset"] = force_error(scene, sensing_, traits, {});
@@ -283,7 +285,9 @@ class Wearers {
     options.run.duration = kEvaluated;
     options.sides = {.lagged = false, .loaded = false, .depth = SkinComparison::Depth::kContact};
     try {
-      const double error = evaluate(options, stop_).commanded.mean().normal_force_error;
+      const Evaluation judged = evaluate(options, stop_);
+      const double error = judged.commanded.mean().normal_force_error;
+      bias_ = judged.commanded.mean().normal_force_bias;
       return std::isnan(error) ? 1.0 : error;  // never touched
     } catch (const InputError&) {
       return 1.0;  // a run refuses a device that would rest on the skin
@@ -295,6 +299,7 @@ class Wearers {
   std::shared_ptr<const FingerModel> finger_;
   std::mt19937_64 random_;
   std::atomic<bool> stop_{false};
+  double bias_ = 0.0;  ///< of the last force_error(), by its sign
 };
 
 }  // namespace

@@ -40,6 +40,7 @@ constexpr int kSteadyTicks = 3;           // after a change of speed
 constexpr double kMostGrowth = 0.15;      // N, that may come within the delay
 constexpr double kStraightGrowth = 0.08;  // N, the same straight on
 constexpr double kSlowest = 0.4;          // of the speed of a press
+constexpr double kPressTime = 0.85;       // s, that a press at the limits' speed takes at least
 constexpr std::size_t kLeastOfPress = 5;  // readings
 constexpr std::size_t kTries = 2;
 constexpr std::size_t kRecent = 4;   // readings that are averaged
@@ -100,8 +101,12 @@ double PressProcedure::touch_threshold(std::size_t count) const {
   return std::max(limits_.touch, kNoTouchNoise * noise_ / std::sqrt(static_cast<double>(count)));
 }
 
+/// More slowly where skin is stiff, so that as much is read of it.
 double PressProcedure::press_speed() const {
-  return is_straight(planned()) ? limits_.straight_press : limits_.press;
+  const double most = is_straight(planned()) ? limits_.straight_press : limits_.press;
+  if (records_.empty()) return most;
+  const double way = ways_ / static_cast<double>(records_.size());
+  return most * std::clamp(way / (limits_.press * kPressTime), kSlowest, 1.0);
 }
 
 /// Nearer to zero for a sensor so noisy that it would say too much by itself.
@@ -397,11 +402,13 @@ void PressProcedure::end_press() {
     }
     record_.readings.clear();
   }
-  for (const Seen& seen : seen_) {
+  for (const SensorDelay::Seen& seen : seen_) {
     if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
-  const Trend last = trend();
-  late_.leave(last.force, last.slope, seen_.back().advance, press_speed());
+  const auto first = std::ranges::find_if(
+      seen_, [&](const SensorDelay::Seen& seen) { return seen.advance >= touched_; });
+  pressed_ = seen_.back().advance - touched_;
+  late_.leave(std::vector(first, seen_.end()), press_speed());
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();
@@ -453,6 +460,7 @@ void PressProcedure::settle(const PressTick& tick) {
   }
   late_.keep();
   expected_.learn(planned(), touched_);
+  ways_ += pressed_;
   records_.push_back(std::move(record_));
   next_press();
 }
