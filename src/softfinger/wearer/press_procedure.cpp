@@ -405,10 +405,12 @@ void PressProcedure::end_press() {
   for (const SensorDelay::Seen& seen : seen_) {
     if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
-  const auto first = std::ranges::find_if(
-      seen_, [&](const SensorDelay::Seen& seen) { return seen.advance >= touched_; });
+  std::vector<SensorDelay::Seen> press;
+  for (const PressReading& reading : record_.readings) {
+    press.push_back({advance_of(reading.q), reading.force - zero_});
+  }
   pressed_ = seen_.back().advance - touched_;
-  late_.leave(std::vector(first, seen_.end()), press_speed());
+  late_.leave(press, record_.speed);
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();
