@@ -43,7 +43,7 @@ double SensorDelay::Fall::felt(double advance, double late) const {
 }
 
 void SensorDelay::watch(double advance, double said) {
-  if (fall_.force[0] > kLeastForce) fall_.after.push_back({advance, said});
+  if (fall_.force[0] > kLeastForce && fall_.force[1] > 0.0) fall_.after.push_back({advance, said});
 }
 
 void SensorDelay::keep() {
@@ -58,7 +58,8 @@ double SensorDelay::delay_of(const Fall& fall, double zero, double tick) const {
     for (const Seen& said : fall.after) {
       beyond += said.force - zero - fall.felt(said.advance, delay);
     }
-    delay = std::clamp(beyond / fall.felt(fall.from, delay), 0.0, kMostDelay) * tick;
+    const double from = std::max(fall.felt(fall.from, delay), kLeastForce);
+    delay = std::clamp(beyond / from, 0.0, kMostDelay) * tick;
   }
   return delay;
 }

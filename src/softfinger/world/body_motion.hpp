@@ -46,12 +46,12 @@ class BodyMotion {
   /// Second derivative by translation of O's origin and rotation, W.
   [[nodiscard]] Matrix6 hessian(const Pose& X_WO) const;
 
-  /// The step led there. `half_way`: what forces turned the body by about pivot_O() half way
+  /// The step led there. `half_way`: what forces turned the body by about pivot() half way
   /// through the step, beyond what they do at its end, N m, W.
   void end(const BodyPlace& place, const Vector3& half_way = Vector3::Zero());
 
-  /// The point about which its angular momentum is, in its own frame.
-  [[nodiscard]] Vector3 pivot_O() const {
+  /// The point about which its angular momentum is, O.
+  [[nodiscard]] Vector3 pivot() const {
     return turns_on_ball() ? body_.joint->point_O : body_.inertia.centre_O;
   }
   /// Of the inertia per mass, 1/s^2.

@@ -98,7 +98,7 @@ void World::Implementation::start() {
   places = tree.start();
   motions = motions_at_start(tree, objects, places);
   for (std::size_t b = 0; b < motions.size(); ++b) {
-    pivots_O[tree.bodies()[b].object] = motions[b].pivot_O();
+    pivots_O[tree.bodies()[b].object] = motions[b].pivot();
   }
   std::ranges::fill(quiet, kSmoothAfter);
   rest.reset();
