@@ -305,6 +305,7 @@ void PressProcedure::approach(const PressTick& tick) {
     touched_ = best_at_ = stands;
     best_ = force;
     pressing_ticks_ = 0;
+    since_touch_.clear();
     stage_ = Stage::kPress;
     press(tick);
     return;
@@ -343,6 +344,7 @@ void PressProcedure::press(const PressTick& tick) {
   const double stands = advance_of(tick.stands);
   const double force = tick.force - zero_;
   ++pressing_ticks_;
+  if (tick.fresh) since_touch_.push_back({stands, force});
   if (tick.fresh && pressing_ticks_ > kSteadyTicks) {
     record_.readings.push_back({tick.stands, tick.force, 1.0, tick.time});
   }
@@ -405,12 +407,8 @@ void PressProcedure::end_press() {
   for (const SensorDelay::Seen& seen : seen_) {
     if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
-  std::vector<SensorDelay::Seen> press;
-  for (const PressReading& reading : record_.readings) {
-    press.push_back({advance_of(reading.q), reading.force - zero_});
-  }
   pressed_ = seen_.back().advance - touched_;
-  late_.leave(press, record_.speed);
+  late_.leave(since_touch_, record_.speed);
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();

@@ -167,9 +167,10 @@ class PressProcedure {
   SensorDelay late_;
   double delay_ = 0.0;  ///< s
   int pressing_ticks_ = 0;
-  bool given_up_ = false;               ///< the press under way
-  double clear_ = 0.0;                  ///< how much further off the skin a press begins, m
-  std::deque<SensorDelay::Seen> seen_;  ///< of the press under way, newest last
+  bool given_up_ = false;                       ///< the press under way
+  double clear_ = 0.0;                          ///< how much further off the skin a press begins, m
+  std::deque<SensorDelay::Seen> seen_;          ///< of the press under way, newest last
+  std::vector<SensorDelay::Seen> since_touch_;  ///< the same of what is pressed alone
   PressRecord record_;
   std::vector<PressRecord> records_;
 };

@@ -19,8 +19,9 @@ void SensorDelay::leave(std::span<const Seen> press, double speed) {
   fall_ = {};
   if (press.size() < kLeastOfParabola) return;
   fall_.from = press.back().advance;
+  fall_.touch = press.front().advance;
   fall_.speed = speed;
-  const double unit = std::max(fall_.from - press.front().advance, 1e-6);
+  const double unit = std::max(fall_.from - fall_.touch, 1e-6);
   const auto rows = static_cast<Eigen::Index>(press.size());
   Eigen::MatrixX3d powers(rows, 3);
   Eigen::VectorXd forces(rows);
@@ -34,11 +35,11 @@ void SensorDelay::leave(std::span<const Seen> press, double speed) {
   fall_.force = {found[0], found[1] / unit, found[2] / (unit * unit)};
 }
 
-/// Before the parabola's vertex, and where it has passed zero, nothing.
+/// Before the touch was noticed, and where the parabola has passed zero, nothing.
 double SensorDelay::Fall::felt(double advance, double late) const {
   const double way = advance + speed * late - from;
   const double slope = force[1] + 2.0 * force[2] * way;
-  if (!(slope > 0.0)) return 0.0;
+  if (advance < touch || !(slope > 0.0)) return 0.0;
   return std::max(force[0] + way * (force[1] + way * force[2]), 0.0);
 }
 

@@ -35,7 +35,7 @@ class SensorDelay {
   /// A press: force by advance, as a parabola about its end, and what was said after.
   struct Fall {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, N/m, N/m^2
-    double from = 0.0, speed = 0.0;
+    double touch = 0.0, from = 0.0, speed = 0.0;      ///< m, m, m/s
     std::vector<Seen> after;
 
     /// N, where the sensor was `late` (s).
