@@ -365,12 +365,12 @@ void SolidContact::add_turn_half_way(std::span<const Pose> X_WO_start, std::span
   for (std::size_t k = 0; k < candidate_count_; ++k) {
     const Candidate& c = candidates_[k];
     if (!(c.limit > 0.0)) continue;
-    for (const std::size_t o : {c.of, c.on}) {
-      if (moves_[o] == 0) continue;
-      const Vector3 arm_O = X_WO[o].inverse() * c.material_W - pivots_O[o];
-      const Vector3 passed = (X_WO[o].rotation - X_WO_start[o].rotation) * arm_O;
-      moments[o] -= 0.5 * passed.cross(o == c.of ? c.friction_force : -c.friction_force);
-    }
+    const auto add = [&](std::size_t o, const Vector3& point_O, const Vector3& force) {
+      const Vector3 passed = (X_WO[o].rotation - X_WO_start[o].rotation) * (point_O - pivots_O[o]);
+      moments[o] -= 0.5 * passed.cross(force);
+    };
+    if (moves_[c.of] != 0) add(c.of, c.material_of, c.friction_force);
+    if (moves_[c.on] != 0) add(c.on, X_WO[c.on].inverse() * c.material_W, -c.friction_force);
   }
 }
 
