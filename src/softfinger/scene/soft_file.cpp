@@ -93,10 +93,10 @@ std::shared_ptr<const SoftSolid> read_soft(const ConfigTable& table, bool with_f
   }
   read_materials(material, *solid);
   check_ranges(material, *solid);
-  solid->strain_limits = solid->densification();
   if (const auto limits = table.optional_table("strain_limits")) {
-    solid->strain_limits = {};
     read_strain_limits(*limits, solid->strain_limits);
+  } else {
+    solid->strain_limits = solid->densification();
   }
   if (with_file) {
     if (std::ranges::find(solid->tetrahedron_material, -1) != solid->tetrahedron_material.end()) {
