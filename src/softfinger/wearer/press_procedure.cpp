@@ -407,7 +407,6 @@ void PressProcedure::end_press() {
   for (const SensorDelay::Seen& seen : seen_) {
     if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
-  pressed_ = seen_.back().advance - touched_;
   late_.leave(since_touch_, record_.speed);
   stage_ = Stage::kLeave;
   stage_began_ = now_;
@@ -460,7 +459,7 @@ void PressProcedure::settle(const PressTick& tick) {
   }
   late_.keep();
   expected_.learn(planned(), touched_);
-  ways_ += pressed_;
+  ways_ += since_touch_.back().advance - since_touch_.front().advance;
   records_.push_back(std::move(record_));
   next_press();
 }

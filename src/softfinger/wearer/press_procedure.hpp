@@ -159,8 +159,7 @@ class PressProcedure {
   double advance_ = 0.0;   ///< wanted, of the press under way, m
   double start_ = 0.0;     ///< of it, off the skin
   double touched_ = 0.0;   ///< where its skin was touched
-  double pressed_ = 0.0;   ///< how far past that
-  double ways_ = 0.0;      ///< sum of these of all presses, m
+  double ways_ = 0.0;      ///< from touch to end, sum of all presses, m
   double best_ = 0.0;      ///< greatest mean force of it so far, N
   double best_at_ = 0.0;   ///< where that was
   ExpectedTouch expected_;
