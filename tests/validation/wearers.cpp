@@ -6,9 +6,9 @@
 //                        [--others N] [--unlike LIST] [--hysteresis PART]
 //
 // Prints one JSON object a wearer and line: error of the normal force on a plane and a sphere
-// with the fit, what the fit says of itself, and its cost. --others: of the first N also with
-// nothing known, with sizes alone, with the travel offset of a run, by touches that they tell, and
-// with all traits known as they are. --unlike: of
+// with the fit, by its sign too, what the fit says of itself, and its cost. --others: of the first
+// N also with nothing known, with sizes alone, with the travel offset of a run, by touches that
+// they tell, and with all traits known as they are. --unlike: of
 // mesh,relaxation,friction,noise,gain,play,late these alone; none. --hysteresis: of the sensor.
 
 #include <fmt/format.h>
@@ -165,8 +165,10 @@ class Wearers {
     }
     if (number < arguments_.others) row["touched"] = learns_by_touch(fit);
     for (const char* scene : {"plane", "sphere"}) {
-      if (found.failure.empty())
-        row[scene] = {{"fit", force_error(scene, device_, traits, fit.person)}, {"bias", bias_}};
+      if (found.failure.empty()) {
+        const Judged fitted = judge(scene, device_, traits, fit.person);
+        row[scene] = {{"fit", fitted.error}, {"bias", fitted.bias}};
+      }
       if (number >= arguments_.others) continue;
       row[scene]["nothing"] = force_error(scene, device_, traits, {});
       row[scene]["travel_offset"] = force_error(scene, sensing_, traits, {});
@@ -271,8 +273,16 @@ class Wearers {
     save_person(person);
   }
 
+  /// Means of the normal force's error, of its magnitude and by its sign.
+  struct Judged {
+    double error = 1.0, bias = 0.0;
+  };
   double force_error(const char* scene, const fs::path& device, const WearerTraits& traits,
                      const std::optional<fs::path>& person) {
+    return judge(scene, device, traits, person).error;
+  }
+  Judged judge(const char* scene, const fs::path& device, const WearerTraits& traits,
+               const std::optional<fs::path>& person) {
     EvaluationOptions options;
     options.run.scene = folder_ / (std::string(scene) + ".toml");
     options.run.devices = {device.string()};
@@ -285,12 +295,11 @@ class Wearers {
     options.run.duration = kEvaluated;
     options.sides = {.lagged = false, .loaded = false, .depth = SkinComparison::Depth::kContact};
     try {
-      const Evaluation judged = evaluate(options, stop_);
-      const double error = judged.commanded.mean().normal_force_error;
-      bias_ = judged.commanded.mean().normal_force_bias;
-      return std::isnan(error) ? 1.0 : error;  // never touched
+      const RenderingMeasures mean = evaluate(options, stop_).commanded.mean();
+      if (std::isnan(mean.normal_force_error)) return {};  // never touched
+      return {mean.normal_force_error, mean.normal_force_bias};
     } catch (const InputError&) {
-      return 1.0;  // a run refuses a device that would rest on the skin
+      return {};  // a run refuses a device that would rest on the skin
     }
   }
 
@@ -299,7 +308,6 @@ class Wearers {
   std::shared_ptr<const FingerModel> finger_;
   std::mt19937_64 random_;
   std::atomic<bool> stop_{false};
-  double bias_ = 0.0;  ///< of the last force_error(), by its sign
 };
 
 }  // namespace
