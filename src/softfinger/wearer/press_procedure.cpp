@@ -40,7 +40,6 @@ constexpr int kSteadyTicks = 3;           // after a change of speed
 constexpr double kMostGrowth = 0.15;      // N, that may come within the delay
 constexpr double kStraightGrowth = 0.08;  // N, the same straight on
 constexpr double kSlowest = 0.4;          // of the speed of a press
-constexpr double kPressTime = 0.85;       // s, that a press at the limits' speed takes at least
 constexpr std::size_t kLeastOfPress = 5;  // readings
 constexpr std::size_t kTries = 2;
 constexpr std::size_t kRecent = 4;   // readings that are averaged
@@ -101,12 +100,8 @@ double PressProcedure::touch_threshold(std::size_t count) const {
   return std::max(limits_.touch, kNoTouchNoise * noise_ / std::sqrt(static_cast<double>(count)));
 }
 
-/// More slowly where skin is stiff, so that as much is read of it.
 double PressProcedure::press_speed() const {
-  const double most = is_straight(planned()) ? limits_.straight_press : limits_.press;
-  if (records_.empty()) return most;
-  const double way = ways_ / static_cast<double>(records_.size());
-  return most * std::clamp(way / (limits_.press * kPressTime), kSlowest, 1.0);
+  return is_straight(planned()) ? limits_.straight_press : limits_.press;
 }
 
 /// Nearer to zero for a sensor so noisy that it would say too much by itself.
@@ -305,7 +300,6 @@ void PressProcedure::approach(const PressTick& tick) {
     touched_ = best_at_ = stands;
     best_ = force;
     pressing_ticks_ = 0;
-    since_touch_.clear();
     stage_ = Stage::kPress;
     press(tick);
     return;
@@ -344,7 +338,6 @@ void PressProcedure::press(const PressTick& tick) {
   const double stands = advance_of(tick.stands);
   const double force = tick.force - zero_;
   ++pressing_ticks_;
-  if (tick.fresh) since_touch_.push_back({stands, force});
   if (tick.fresh && pressing_ticks_ > kSteadyTicks) {
     record_.readings.push_back({tick.stands, tick.force, 1.0, tick.time});
   }
@@ -404,10 +397,11 @@ void PressProcedure::end_press() {
     }
     record_.readings.clear();
   }
-  for (const SensorDelay::Seen& seen : seen_) {
+  for (const Seen& seen : seen_) {
     if (seen.advance < touched_ - kSurelyOff) off_skin_.add(seen.force + zero_);
   }
-  late_.leave(since_touch_, record_.speed);
+  const Trend last = trend();
+  late_.leave(last.force, last.slope, seen_.back().advance, press_speed());
   stage_ = Stage::kLeave;
   stage_began_ = now_;
   leave();
@@ -459,7 +453,6 @@ void PressProcedure::settle(const PressTick& tick) {
   }
   late_.keep();
   expected_.learn(planned(), touched_);
-  ways_ += since_touch_.back().advance - since_touch_.front().advance;
   records_.push_back(std::move(record_));
   next_press();
 }

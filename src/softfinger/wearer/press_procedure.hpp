@@ -81,6 +81,10 @@ class PressProcedure {
 
  private:
   enum class Stage : std::uint8_t { kZero, kMove, kApproach, kPress, kLeave, kSettle, kDone };
+  /// A reading and how far the device was advanced.
+  struct Seen {
+    double advance, force;
+  };
 
   void fail(std::string why);
   [[nodiscard]] bool watch(const PressTick& tick);
@@ -159,17 +163,15 @@ class PressProcedure {
   double advance_ = 0.0;   ///< wanted, of the press under way, m
   double start_ = 0.0;     ///< of it, off the skin
   double touched_ = 0.0;   ///< where its skin was touched
-  double ways_ = 0.0;      ///< from touch to end, sum of all presses, m
   double best_ = 0.0;      ///< greatest mean force of it so far, N
   double best_at_ = 0.0;   ///< where that was
   ExpectedTouch expected_;
   SensorDelay late_;
   double delay_ = 0.0;  ///< s
   int pressing_ticks_ = 0;
-  bool given_up_ = false;                       ///< the press under way
-  double clear_ = 0.0;                          ///< how much further off the skin a press begins, m
-  std::deque<SensorDelay::Seen> seen_;          ///< of the press under way, newest last
-  std::vector<SensorDelay::Seen> since_touch_;  ///< the same of what is pressed alone
+  bool given_up_ = false;  ///< the press under way
+  double clear_ = 0.0;     ///< how much further off the skin a press begins, m
+  std::deque<Seen> seen_;  ///< of the press under way, newest last
   PressRecord record_;
   std::vector<PressRecord> records_;
 };

@@ -31,9 +31,8 @@ constexpr double kPressErrorByTilt = 0.25;
 /// ten are within their intervals (tools/validate --wearers).
 constexpr double kToldLess = 9.0;
 constexpr int kTouchSteps = 7;
+constexpr int kForceSteps = 8;  // of a pass
 constexpr int kFrictionPasses = 2;
-constexpr int kForceSteps = 8;       // of the first of these
-constexpr int kForceStepsAgain = 2;  // of one after: friction has changed by little
 /// Of a step, standard deviations of any trait: after a longer one derivatives are computed, after
 /// a shorter one corrected by what it taught.
 constexpr double kFar = 0.25;
@@ -153,8 +152,7 @@ class Estimation {
     x = minimise(x, kTouchSteps, [this](bool) { return touch_residuals(); });
     for (int pass = 0; pass < kFrictionPasses; ++pass) {
       look_at_friction(x);
-      x = minimise(x, pass == 0 ? kForceSteps : kForceStepsAgain,
-                   [this](bool derived) { return force_residuals(derived); });
+      x = minimise(x, kForceSteps, [this](bool derived) { return force_residuals(derived); });
     }
     WearerEstimate found = judge(x);
     found.known_force_error = known_error;
@@ -276,8 +274,7 @@ class Estimation {
   Residuals look(const Evaluate& evaluate, bool derived) {
     ++evaluations_;
     const double fraction =
-        evaluations_ /
-        static_cast<double>(kTouchSteps + kForceSteps + (kFrictionPasses - 1) * kForceStepsAgain);
+        evaluations_ / static_cast<double>(kTouchSteps + kFrictionPasses * kForceSteps);
     if (options_.progress && !options_.progress(std::min(fraction, 1.0))) {
       throw OperationError("ended before the wearer was estimated");
     }
