@@ -141,6 +141,24 @@ TEST_F(PressProcedureTest, PressesNineTimesWithinTwentySecondsAndNeverHard) {
   }
 }
 
+TEST_F(PressProcedureTest, KeepsWhatWasFeltOnTheWayToTheFirstReading) {
+  const Pressed pressed = press([](double depth, double time) { return pad(depth, time); });
+  ASSERT_EQ(pressed.records.size(), 9U) << pressed.failure;
+  for (const PressRecord& record : pressed.records) {
+    ASSERT_GE(record.approach.size(), 5U);
+    ASSERT_GE(record.readings.size(), 5U);
+    EXPECT_NEAR(record.approach.front().force, 0.0, 0.08) << "off the skin";
+    EXPECT_GT(record.approach.back().force, 0.02);
+    double time = record.approach.front().time - kTick;
+    for (const std::vector<PressReading>* readings : {&record.approach, &record.readings}) {
+      for (const PressReading& reading : *readings) {
+        EXPECT_NEAR(reading.time - time, kTick, 1e-9) << "none is missing";
+        time = reading.time;
+      }
+    }
+  }
+}
+
 TEST_F(PressProcedureTest, PressesHalfAsFastStraightOn) {
   const Pressed pressed = press([](double depth, double time) { return 0.6 * pad(depth, time); });
   ASSERT_EQ(pressed.records.size(), 9U) << pressed.failure;

@@ -32,14 +32,16 @@ TEST(StiffnessInUse, OfGrowingForceIsTheLaplaceTransformOfRelaxation) {
   EXPECT_EQ(stress_of_growing_force({}, kRate), 1.0);
 }
 
-/// One finger pressed at 1 mm/s as it relaxes, and as if it did not.
+/// One finger neared at 3 mm/s and pressed at 1 mm/s as it relaxes, and as if it did not.
 struct RelaxingPress {
   std::shared_ptr<const FingerModel> finger =
       FingerModel::load(kUseProject / "fingers" / "index-viscoelastic.toml");
   std::shared_ptr<const Device> device = load_device(kUseProject / "devices" / "thimble-3rrs.toml");
+  static constexpr double kApproach = 3e-3;       // m/s, until it touches
   static constexpr double kSpeed = 1e-3;          // m/s
+  static constexpr int kSteady = 3;               // ticks after that
   static constexpr double kElapsed = 1.0 / 30.0;  // s
-  std::vector<PressRecord> felt, lasting;         ///< twice, half a second apart
+  std::vector<PressRecord> felt, lasting;         ///< twice, the second turned, half a second apart
 
   RelaxingPress() {
     auto without = std::make_shared<FingerModel>(*finger);
@@ -50,19 +52,23 @@ struct RelaxingPress {
     for (int press = 0; press < 2; ++press) {
       felt.emplace_back();
       lasting.emplace_back();
-      Configuration q = device->home();
+      // Turned as the presses of a fit are.
+      Configuration q = device->facing(
+          exp_rotation({press * 15.0 * deg, 0.0, 0.0}) * Vector3::UnitZ(), device->home());
       for (int tick = 0; tick < 15; ++tick, time += kElapsed) {
         relaxing_twin.press(q, 0.0, kElapsed);
         lasting_twin.press(q, 0.0, kElapsed);
       }
       device->advance(2.0 * mm, q);
-      for (int tick = 0; tick < 58; ++tick, time += kElapsed) {
-        device->advance(kSpeed * kElapsed, q);
+      for (int tick = 0, touching = 0; touching < 30; ++tick, time += kElapsed) {
+        device->advance((touching > 0 ? kSpeed : kApproach) * kElapsed, q);
         relaxing_twin.press(q, 0.0, kElapsed);
         lasting_twin.press(q, 0.0, kElapsed);
         const double force = relaxing_twin.contact().normal_force;
-        if (!(force > 0.05)) continue;
-        felt.back().readings.push_back({q, force, 1.0, time});
+        if (touching > 0 || force > 0.05) ++touching;
+        PressRecord& record = felt.back();
+        (touching > kSteady ? record.readings : record.approach).push_back({q, force, 1.0, time});
+        if (touching <= kSteady) continue;
         lasting.back().readings.push_back({q, lasting_twin.contact().normal_force, 1.0, time});
       }
     }
@@ -87,16 +93,19 @@ TEST(WithoutRelaxation, PressesAreThoseOfSkinThatLasts) {
   const RelaxingPress& press = relaxing_press();
   const std::vector<PressRecord> found = without_relaxation(press.felt, press.finger->relaxation);
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_LT(press.felt[1].readings[4].force, 0.97 * press.felt[0].readings[4].force)
-      << "the skin has not recovered";
   for (std::size_t k = 0; k < found.size(); ++k) {
     ASSERT_GT(found[k].readings.size(), 12U);
+    // How much of the first press is under the second is a guess.
+    const double tolerance = k == 0 ? 0.01 : 0.04;
     for (std::size_t i = 0; i < found[k].readings.size(); ++i) {
       EXPECT_EQ(found[k].readings[i].q, press.felt[k].readings[i].q);
       const double wanted = press.lasting[k].readings[i].force;
-      EXPECT_NEAR(found[k].readings[i].force, wanted, 0.04 * wanted) << k << " " << i;
+      EXPECT_NEAR(found[k].readings[i].force, wanted, tolerance * wanted) << k << " " << i;
     }
   }
+  const PressRecord alone = without_relaxation({press.felt[1]}, press.finger->relaxation).front();
+  EXPECT_LT(alone.readings[4].force, 0.95 * press.lasting[1].readings[4].force)
+      << "the skin has recovered in between";
 }
 
 TEST(WithoutRelaxation, ForceThatIsHeldGrowsByWhatWasLost) {

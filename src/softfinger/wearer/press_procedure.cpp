@@ -262,7 +262,7 @@ void PressProcedure::begin_press() {
   advance_ = start_;
   touched_ = std::numeric_limits<double>::infinity();
   seen_.clear();
-  record_ = {.start = at(start_), .readings = {}, .speed = press_speed()};
+  record_ = {.start = at(start_), .readings = {}, .speed = press_speed(), .approach = {}};
   stage_ = Stage::kMove;
   stage_began_ = now_;
 }
@@ -304,6 +304,7 @@ void PressProcedure::approach(const PressTick& tick) {
     press(tick);
     return;
   }
+  if (tick.fresh) record_.approach.push_back({tick.stands, tick.force, 1.0, tick.time});
   if (seen_.size() >= kRecent && force < -std::max(kReversed, kReversedNoise * noise_)) {
     fail(
         fmt::format("the force sensor is reversed: it says {:.2f} N where the skin is pressed; "
@@ -338,8 +339,10 @@ void PressProcedure::press(const PressTick& tick) {
   const double stands = advance_of(tick.stands);
   const double force = tick.force - zero_;
   ++pressing_ticks_;
-  if (tick.fresh && pressing_ticks_ > kSteadyTicks) {
-    record_.readings.push_back({tick.stands, tick.force, 1.0, tick.time});
+  if (tick.fresh) {
+    const bool steady = pressing_ticks_ > kSteadyTicks;
+    (steady ? record_.readings : record_.approach)
+        .push_back({tick.stands, tick.force, 1.0, tick.time});
   }
   const Trend now = trend();
   const double mean = recent(kRecent);
@@ -355,6 +358,8 @@ void PressProcedure::press(const PressTick& tick) {
   if (best_ < kSurely * touch_threshold(kRecent) && stands - touched_ > kNoTouch &&
       mean < kSurely * touch_threshold(kRecent)) {
     // It was noise.
+    record_.approach.insert(record_.approach.end(), record_.readings.begin(),
+                            record_.readings.end());
     record_.readings.clear();
     stage_ = Stage::kApproach;
     return;
@@ -410,6 +415,7 @@ void PressProcedure::end_press() {
 void PressProcedure::take_zero_off() {
   renew_zero();
   for (PressRecord& record : records_) {
+    for (PressReading& reading : record.approach) reading.force -= zero_;
     for (PressReading& reading : record.readings) reading.force -= zero_;
   }
 }

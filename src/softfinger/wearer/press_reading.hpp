@@ -19,6 +19,8 @@ struct PressRecord {
   Configuration start;  ///< off the skin
   std::vector<PressReading> readings;
   double speed = 1e-3;  ///< m/s
+  /// Those before, from off the skin on, at whichever speed: what relaxes remembers them.
+  std::vector<PressReading> approach;
 };
 
 /// Force of a flat surface at which a wearer feels it, N; a guess. What it, and the time until it

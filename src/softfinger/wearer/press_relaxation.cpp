@@ -8,8 +8,6 @@
 namespace softfinger {
 namespace {
 
-/// The same of a light press, half a millimetre deep, whose force grows as the square of depth.
-constexpr double kLightGrowth = 4.0 / mm;
 constexpr double kLeastTime = 1e-4;  // s, between readings
 /// Of the skin under one press of a fit, what is about under the next, which is turned.
 constexpr double kShared = 0.6;
@@ -21,25 +19,16 @@ class Skin {
   explicit Skin(const Relaxation& relaxation)
       : terms_(relaxation.terms), follows_(relaxation.terms.size(), 0.0) {}
 
-  /// The force without relaxation where `felt` is after a time off the skin, and has grown as
-  /// exp(rate t).
-  double touched(double time, double felt, double rate) {
-    double of_force = 1.0;
+  /// It is touched again after a time on its own.
+  void recover(double time) {
     for (std::size_t k = 0; k < terms_.size(); ++k) {
-      const auto& [fraction, tau] = terms_[k];
-      follows_[k] *= kShared * std::exp(-std::max(time - time_, 0.0) / tau);
-      felt += fraction * follows_[k];
-      of_force -= fraction / (1.0 + rate * tau);
+      follows_[k] *= kShared * std::exp(-std::max(time - time_, 0.0) / terms_[k].time);
     }
-    force_ = felt / of_force;
-    for (std::size_t k = 0; k < terms_.size(); ++k) {
-      follows_[k] += force_ / (1.0 + rate * terms_[k].time);
-    }
+    force_ = 0.0;
     time_ = time;
-    return force_;
   }
 
-  /// The same where it has grown evenly since the last.
+  /// The force without relaxation where `felt` is, which has grown evenly since the last.
   double pressed(double time, double felt) {
     const double elapsed = std::max(time - time_, kLeastTime);
     double of_force = 1.0;
@@ -85,10 +74,14 @@ std::vector<PressRecord> without_relaxation(std::vector<PressRecord> presses,
                                             const Relaxation& relaxation) {
   Skin skin(relaxation);
   for (PressRecord& press : presses) {
-    for (std::size_t i = 0; i < press.readings.size(); ++i) {
-      PressReading& reading = press.readings[i];
-      reading.force = i == 0 ? skin.touched(reading.time, reading.force, kLightGrowth * press.speed)
-                             : skin.pressed(reading.time, reading.force);
+    const auto& first = press.approach.empty() ? press.readings : press.approach;
+    if (first.empty()) continue;
+    skin.recover(first.front().time);
+    for (const PressReading& reading : press.approach) {
+      skin.pressed(reading.time, reading.force);
+    }
+    for (PressReading& reading : press.readings) {
+      reading.force = skin.pressed(reading.time, reading.force);
     }
   }
   return presses;
