@@ -22,11 +22,11 @@ constexpr int kMostParts = 4;             // into which readings of a press are 
 /// What no traits explain, of a force and N, reading by reading;
 constexpr double kModelError = 0.02;
 constexpr double kForceFloor = 0.01;
-/// and of all forces of a press alike: straight on, and by the square of how far it is tilted
-/// (1/rad^2) towards skin whose shape is less well known. With all traits as they are, the coarse
-/// mesh is a tenth off the medium one at 15 degrees, a quarter at 28.
+/// and of all forces of a press alike: straight on, and by how far it is tilted (1/rad) towards
+/// skin whose shape is less well known. The coarse mesh is twice as far off the medium one; trusted
+/// no more than that, tilts tell too little.
 constexpr double kPressError = 0.02;
-constexpr double kPressErrorByTilt = 1.1;
+constexpr double kPressErrorByTilt = 0.25;
 /// So many times as little as all that makes of them do forces tell of traits: presses next to each
 /// other are unlike the model in the same way. So many that of the traits of drawn wearers nine in
 /// ten are within their intervals (tools/validate --wearers).
@@ -127,8 +127,8 @@ class Estimation {
     for (const PressRecord& press : presses) presses_.push_back(in_parts(model.device(), press));
     for (const PressRecord& press : presses_) touches_.push_back(touch_of(model.device(), press));
     for (const PressRecord& press : presses_) {
-      const double tilt = tilt_of(model.device(), press);
-      press_errors_.push_back(std::hypot(kPressError, kPressErrorByTilt * tilt * tilt));
+      press_errors_.push_back(
+          std::hypot(kPressError, kPressErrorByTilt * tilt_of(model.device(), press)));
     }
     skins_.resize(presses_.size());
     if (std::ranges::none_of(touches_, [](const auto& touch) { return touch.has_value(); })) {
