@@ -41,7 +41,7 @@ struct RelaxingPress {
   static constexpr double kSpeed = 1e-3;          // m/s
   static constexpr int kSteady = 3;               // ticks after that
   static constexpr double kElapsed = 1.0 / 30.0;  // s
-  std::vector<PressRecord> felt, lasting;         ///< twice, the second turned, half a second apart
+  std::vector<PressRecord> felt, lasting;         ///< two, the second turned, half a second apart
 
   RelaxingPress() {
     auto without = std::make_shared<FingerModel>(*finger);

@@ -262,7 +262,7 @@ void PressProcedure::begin_press() {
   advance_ = start_;
   touched_ = std::numeric_limits<double>::infinity();
   seen_.clear();
-  record_ = {.start = at(start_), .readings = {}, .speed = press_speed(), .approach = {}};
+  record_ = {.start = at(start_), .approach = {}, .readings = {}};
   stage_ = Stage::kMove;
   stage_began_ = now_;
 }

@@ -17,10 +17,9 @@ struct PressReading {
 /// The readings of one press as the device advances: from one tilt, along one line of q.
 struct PressRecord {
   Configuration start;  ///< off the skin
-  std::vector<PressReading> readings;
-  double speed = 1e-3;  ///< m/s
-  /// Those before, from off the skin on, at whichever speed: what relaxes remembers them.
+  /// From there to the first that counts, faster: skin that relaxes remembers them.
   std::vector<PressReading> approach;
+  std::vector<PressReading> readings;
 };
 
 /// Force of a flat surface at which a wearer feels it, N; a guess. What it, and the time until it
