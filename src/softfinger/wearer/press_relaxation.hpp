@@ -21,7 +21,7 @@ inline constexpr double kForceGrowth = 2.1 / mm;
 
 /// Presses, one after the other, as they would be felt of skin that does not relax, at the same
 /// advance: each force with what has been lost of it, of those before and of the presses before,
-/// between which the skin recovers. Readings have their times, in order.
+/// between which the skin recovers. Readings have their times, in order, and begin off the skin.
 [[nodiscard]] std::vector<PressRecord> without_relaxation(std::vector<PressRecord> presses,
                                                           const Relaxation& relaxation);
 

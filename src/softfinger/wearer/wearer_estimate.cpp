@@ -23,8 +23,7 @@ constexpr int kMostParts = 4;             // into which readings of a press are 
 constexpr double kModelError = 0.02;
 constexpr double kForceFloor = 0.01;
 /// and of all forces of a press alike: straight on, and by how far it is tilted (1/rad) towards
-/// skin whose shape is less well known. The coarse mesh is twice as far off the medium one; trusted
-/// no more than that, tilts tell too little.
+/// skin whose shape is less well known. Trusted less, tilts tell too little of all else.
 constexpr double kPressError = 0.02;
 constexpr double kPressErrorByTilt = 0.25;
 /// So many times as little as all that makes of them do forces tell of traits: presses next to each
