@@ -140,6 +140,49 @@ TEST_P(EveryDevice, DistancesHaveTheirDerivatives) {
   EXPECT_LT(worst_signed, 1e-5);
 }
 
+// A finger that is moved along with it feels the same; but for rounding.
+TEST_P(EveryDevice, IsTheSameMountedElsewhere) {
+  const auto shifted = load_device(GetParam(), 0.7 * mm);
+  const Pose fit{exp_rotation({3.0 * deg, -5.0 * deg, 0.0}), {1.0 * mm, -0.5 * mm, 0.3 * mm}};
+  // A fit does not add to one before.
+  const auto moved = shifted->mounted({Matrix3::Identity(), {0.0, 0.0, 2.0 * mm}})->mounted(fit);
+  const Pose& X_FB = shifted->settings().X_FB;
+  const Pose& X_FB_moved = moved->settings().X_FB;
+  EXPECT_LT((X_FB_moved.translation - X_FB.translation - fit.translation).norm(), 1e-12);
+  EXPECT_LT((X_FB_moved.rotation - fit.rotation * X_FB.rotation).norm(), 1e-12);
+  const Pose move = X_FB_moved * X_FB.inverse();
+  std::vector<SolidPiece> before(static_cast<std::size_t>(moved->solid_piece_count()));
+  std::vector<SolidPiece> after = before;
+  std::vector<Vector3> legs(static_cast<std::size_t>(3 * moved->leg_count()));
+  std::vector<Vector3> legs_moved = legs;
+  for (int i = 0; i < 40; ++i) {
+    const Configuration q = random_reachable(*shifted, random_);
+    const Vector3 p_F = random_pad_point(random_);
+    EXPECT_NEAR(moved->signed_distance(q, move * p_F).distance,
+                shifted->signed_distance(q, p_F).distance, 1e-12);
+    const Pose surface = move * shifted->surface_pose(q);
+    EXPECT_LT((moved->surface_pose(q).translation - surface.translation).norm(), 1e-12);
+    EXPECT_LT((moved->surface_pose(q).rotation - surface.rotation).norm(), 1e-12);
+    shifted->solid_pieces(q, before);
+    moved->solid_pieces(q, after);
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      const Pose piece = move * before[k].X_FS;
+      EXPECT_LT((after[k].X_FS.translation - piece.translation).norm(), 1e-12);
+      EXPECT_LT((after[k].X_FS.rotation - piece.rotation).norm(), 1e-12);
+    }
+    shifted->linkage(q, legs);
+    moved->linkage(q, legs_moved);
+    for (std::size_t k = 0; k < legs.size(); ++k) {
+      EXPECT_LT((legs_moved[k] - move * legs[k]).norm(), 1e-12);
+    }
+    JointAngles joints, joints_moved;
+    ASSERT_TRUE(shifted->inverse_kinematics(q, joints));
+    ASSERT_TRUE(moved->inverse_kinematics(q, joints_moved));
+    EXPECT_EQ(joints, joints_moved);
+    EXPECT_TRUE(moved->reachable(q));
+  }
+}
+
 TEST_P(EveryDevice, SumsOverSamplesAgreeWithSingleQueries) {
   constexpr int kCount = 60;
   std::vector<double> x(kCount), y(kCount), z(kCount), w(kCount, 1.3), margin(kCount, 0.2 * mm);

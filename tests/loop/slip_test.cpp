@@ -35,7 +35,7 @@ class SlipTest : public testing::Test {
     TravelOffset& offset = errors.offset;
     Twin model(finger_, device_);
     EmulatedForceSensor sits(finger_, device_);
-    EmulatedForceSensor slipped(finger_, remounted(file_, *device_, {Matrix3::Identity(), slip}));
+    EmulatedForceSensor slipped(finger_, device_->mounted({Matrix3::Identity(), slip}));
     FaultyForce says(0.02, 1);
     double sums[3] = {};
     int counts[3] = {};
@@ -61,11 +61,10 @@ class SlipTest : public testing::Test {
     return errors;
   }
 
-  std::filesystem::path file_ =
-      std::filesystem::path(source_folder()) / "devices" / "thimble-3rrs.toml";
   std::shared_ptr<const FingerModel> finger_ =
       FingerModel::load(std::filesystem::path(source_folder()) / "fingers" / "index.toml");
-  std::shared_ptr<const Device> device_ = load_device(file_);
+  std::shared_ptr<const Device> device_ =
+      load_device(std::filesystem::path(source_folder()) / "devices" / "thimble-3rrs.toml");
 
  private:
   [[nodiscard]] static Configuration wanted(int tick) {

@@ -134,7 +134,7 @@ TEST_F(NetworkTracker, UdpDrivesALiveRun) {
 #endif
     EXPECT_GT(finger.stages.all()[i].count(), 0U) << kLatencyStageNames[i].name;
   }
-  EXPECT_GT(finger.stages[LatencyStage::kExposure].max(), 50 * ms);
+  EXPECT_GT(finger.stages[LatencyStage::kExposure].max(), 50 * ms) << "150, less the run's lag";
   double to_command = 0.0;
   for (const LatencyStage stage :
        {LatencyStage::kArrival, LatencyStage::kStep, LatencyStage::kMatch}) {

@@ -78,6 +78,10 @@ class LeverPlatform : public Kinematics {
   RigidMotion motion(const Configuration&) const override { return {}; }
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<LeverPlatform>(*this);
+  }
+
   bool wedge_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "../support/folders.hpp"
@@ -20,8 +21,8 @@ class PressModelTest : public testing::Test {
  protected:
   std::shared_ptr<const FingerModel> finger_ =
       FingerModel::load(kWearerProject / "fingers" / "index.toml");
-  std::filesystem::path file_ = kWearerProject / "devices" / "thimble-3rrs.toml";
-  std::shared_ptr<const Device> device_ = load_device(file_);
+  std::shared_ptr<const Device> device_ =
+      load_device(kWearerProject / "devices" / "thimble-3rrs.toml");
   std::vector<PlannedPress> plan_ = plan_presses(*device_, *finger_, 1.5 * mm);
 
   /// 0.2 to 0.8 mm into the skin.
@@ -39,7 +40,7 @@ class PressModelTest : public testing::Test {
 TEST_F(PressModelTest, DerivativesAreThoseOfForces) {
   auto smooth = std::make_shared<FingerModel>(*finger_);
   smooth->feature_contact = false;  // planes that are chosen anew have no derivative
-  PressModel model(smooth, device_, file_, 0.0, TwinPrecision::kJudging);
+  PressModel model(smooth, device_, 0.0, TwinPrecision::kJudging);
   TraitVector x;
   x << 0.3, -0.4, 0.2, 0.5, -0.3, 0.1, 0.6, -0.5, 0.4;
   for (const std::size_t k : {std::size_t{0}, std::size_t{2}, std::size_t{5}}) {
@@ -70,7 +71,7 @@ TEST_F(PressModelTest, DerivativesAreThoseOfForces) {
 
 // Edges that are looked for anew may be others in a skin a nanometre deeper.
 TEST_F(PressModelTest, ADerivativeByDepthDoesNotJumpWithTheEdgesThatAreMet) {
-  PressModel model(finger_, device_, file_, 0.0);
+  PressModel model(finger_, device_, 0.0);
   TraitVector x;
   x << -0.075, 0.1, -0.05, -0.125, 0.075, -0.025, -0.15, 0.125, -0.1;
   constexpr auto kDepthTrait = static_cast<Eigen::Index>(WearerTrait::kDepth);
@@ -99,7 +100,7 @@ TEST_F(PressModelTest, ADerivativeByDepthDoesNotJumpWithTheEdgesThatAreMet) {
 }
 
 TEST_F(PressModelTest, FindsTheSameForcesFromWhereTheSkinWas) {
-  PressModel model(finger_, device_, file_, 0.0);
+  PressModel model(finger_, device_, 0.0);
   const PlannedPress& press = plan_[3];
   const std::vector<Configuration> path = path_of(press);
   PressedSkin skin;
@@ -116,22 +117,56 @@ TEST_F(PressModelTest, FindsTheSameForcesFromWhereTheSkinWas) {
 }
 
 TEST_F(PressModelTest, FindsTheAdvanceForAForceFromWithinTheSkin) {
-  PressModel model(finger_, device_, file_, 0.0);
+  PressModel model(finger_, device_, 0.0);
   for (const PlannedPress& press : plan_) {
-    double from_off = 0.0;
-    double from_within = 0.0;
-    PredictedForce there;
-    ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, from_off, there));
+    ReachedForce from_off, from_within;
+    ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, from_off));
     Configuration within = press.tilted;
-    device_->advance(from_off + 1.0 * mm, within);
-    ASSERT_TRUE(model.advance_for(within, 0.1, 10.0 * mm, from_within, there));
-    EXPECT_NEAR(there.force, 0.1, 1e-3);
-    EXPECT_NEAR(from_within, -1.0 * mm, 2e-3 * mm);
+    device_->advance(from_off.advance + 1.0 * mm, within);
+    ASSERT_TRUE(model.advance_for(within, 0.1, 10.0 * mm, from_within));
+    EXPECT_NEAR(from_within.there.force, 0.1, 1e-3);
+    EXPECT_NEAR(from_within.advance, -1.0 * mm, 2e-3 * mm);
   }
 }
 
+TEST_F(PressModelTest, FindsTheSameAdvanceFromWhereItWas) {
+  PressModel model(finger_, device_, 0.0);
+  TraitVector x;
+  x << 0.2, -0.1, 0.2, 0.1, -0.2, -0.2, 0.3, -0.1, 0.4;
+  for (const double part : {1.0, 3.0}) {  // hardly different, and not
+    double moved = 0.0;
+    for (const PlannedPress& press : plan_) {
+      model.put(TraitVector::Zero());
+      ReachedForce reached, fresh;
+      ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, reached));
+      const double before = reached.advance;
+      model.put(part * x);
+      ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, fresh));
+      ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, reached));
+      // Where the skin meets the disk's rim the way there counts a little.
+      EXPECT_NEAR(reached.advance, fresh.advance, 0.02 * mm);
+      moved = std::max(moved, std::abs(fresh.advance - before));
+    }
+    EXPECT_GT(moved, part * 0.1 * mm) << "these traits matter";
+  }
+}
+
+TEST_F(PressModelTest, FindsNoAdvanceBeyondTheMostAndOneLater) {
+  PressModel model(finger_, device_, 0.0);
+  const PlannedPress& press = plan_.front();
+  ReachedForce reached;
+  EXPECT_FALSE(model.advance_for(press.tilted, 0.1, 0.5 * press.touch, reached));
+  EXPECT_FALSE(model.advance_for(press.tilted, 0.1, press.touch, reached)) << "just touched";
+  ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, reached));
+  EXPECT_GT(reached.advance, press.touch);
+  const double found = reached.advance;
+  EXPECT_FALSE(model.advance_for(press.tilted, 0.1, press.touch, reached));
+  ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, reached));
+  EXPECT_NEAR(reached.advance, found, 2e-3 * mm);
+}
+
 TEST_F(PressModelTest, SaysWhatNobodyBearsWithoutLookingFurther) {
-  PressModel model(finger_, device_, file_, 0.0);
+  PressModel model(finger_, device_, 0.0);
   const PlannedPress& press = plan_.front();
   std::vector<Configuration> path;
   for (const double depth : {0.5, 6.0, 7.0}) {
@@ -150,18 +185,17 @@ TEST_F(PressModelTest, SaysWhatNobodyBearsWithoutLookingFurther) {
 }
 
 TEST_F(PressModelTest, FindsTheAdvanceForAForce) {
-  PressModel model(finger_, device_, file_, 0.0);
+  PressModel model(finger_, device_, 0.0);
   for (const PlannedPress& press : plan_) {
-    double advance = 0.0;
-    PredictedForce there;
-    ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, advance, there));
-    EXPECT_NEAR(there.force, 0.1, 1e-3);
-    EXPECT_GT(advance, press.touch);
+    ReachedForce reached;
+    ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, reached));
+    EXPECT_NEAR(reached.there.force, 0.1, 1e-3);
+    EXPECT_GT(reached.advance, press.touch);
     Configuration q = press.tilted;
-    device_->advance(advance, q);
+    device_->advance(reached.advance, q);
     // Where the skin meets the disk's rim the way there counts a little.
     EXPECT_NEAR(model.press(press.tilted, {{q}}, false).front().force, 0.1, 1e-2);
-    EXPECT_GT(there.by_advance, 0.0);
+    EXPECT_GT(reached.there.by_advance, 0.0);
   }
 }
 

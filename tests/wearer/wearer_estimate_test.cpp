@@ -28,12 +28,11 @@ class WearerEstimateTest : public testing::Test {
     std::vector<PressRecord> presses;
     for (const PlannedPress& plan : plan_presses(*device_, *finger_, 1.5 * mm)) {
       PressRecord press{.start = plan.tilted, .readings = {}};
-      double touch = 0.0;
-      PredictedForce there;
-      EXPECT_TRUE(model_.advance_for(plan.tilted, 0.05, 12.0 * mm, touch, there));
+      ReachedForce touch;
+      EXPECT_TRUE(model_.advance_for(plan.tilted, 0.05, 12.0 * mm, touch));
       for (int i = 0; i < 20; ++i) {
         Configuration q = plan.tilted;
-        device_->advance(touch + i * 0.05 * mm, q);
+        device_->advance(touch.advance + i * 0.05 * mm, q);
         const double force = model_.press(plan.tilted, {{q}}, false).front().force;
         press.readings.push_back({q, force + noise * normal(random), 1.0});
         if (force > 0.8) break;
@@ -43,11 +42,11 @@ class WearerEstimateTest : public testing::Test {
     return presses;
   }
 
-  std::filesystem::path file_ = kEstimateProject / "devices" / "thimble-3rrs.toml";
   std::shared_ptr<const FingerModel> finger_ =
       FingerModel::load(kEstimateProject / "fingers" / "index.toml");
-  std::shared_ptr<const Device> device_ = load_device(file_);
-  PressModel model_{finger_, device_, file_, 0.0};
+  std::shared_ptr<const Device> device_ =
+      load_device(kEstimateProject / "devices" / "thimble-3rrs.toml");
+  PressModel model_{finger_, device_, 0.0};
 };
 
 TEST_F(WearerEstimateTest, ForcesComeOutRight) {

@@ -21,6 +21,10 @@ class LeadScrew final : public Kinematics {
   [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<LeadScrew>(*this);
+  }
+
   double travel_per_rad_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <span>
 
 #include "softfinger/device/kinematics.hpp"
@@ -33,9 +34,9 @@ struct SolidPiece {
 class PinField;
 
 /// What touches the wearer's finger, wherever a kinematics `by` takes it. It asks the kinematics
-/// once for each call. Immutable and shared by threads; nothing but the constructors allocates or
-/// throws.
-class ContactingSurface {
+/// once for each call. Immutable and shared by threads; nothing but the constructors and mounted()
+/// allocates or throws.
+class ContactingSurface : public std::enable_shared_from_this<ContactingSurface> {
  public:
   virtual ~ContactingSurface() = default;
   ContactingSurface(const ContactingSurface&) = delete;
@@ -63,6 +64,11 @@ class ContactingSurface {
   [[nodiscard]] virtual double least_distance(const Kinematics& by, const Configuration& q,
                                               const SurfaceSamples& samples) const = 0;
 
+  /// The same in a device that is mounted elsewhere: itself, of all but surfaces that know where.
+  [[nodiscard]] virtual std::shared_ptr<const ContactingSurface> mounted(
+      const Pose& /*X_FB*/) const {
+    return shared_from_this();
+  }
   /// Pose of the surface's frame in F; z towards the finger. That of what carries it, where not
   /// said otherwise.
   [[nodiscard]] virtual Pose pose(const Kinematics& by, const Configuration& q) const {

@@ -15,15 +15,17 @@ namespace softfinger {
 
 /// A device that touches the wearer's finger, as matching, actuation and the twin know it: a
 /// contacting surface, and the kinematics that moves it. What each function gives is said there.
-/// Immutable and shared by threads. Nothing but the constructor allocates or throws.
+/// Immutable and shared by threads. Nothing but the constructor and mounted() allocates or throws.
 class Device {
  public:
   /// The kinematics is made of the same settings.
   Device(DeviceSettings settings, std::unique_ptr<const Kinematics> kinematics,
-         std::unique_ptr<const ContactingSurface> surface)
+         std::shared_ptr<const ContactingSurface> surface)
       : settings_(std::move(settings)),
         kinematics_(std::move(kinematics)),
         surface_(std::move(surface)) {}
+  /// The same device, its mount as DeviceSettings::mount_fit says.
+  [[nodiscard]] std::shared_ptr<const Device> mounted(const Pose& mount_fit) const;
 
   [[nodiscard]] const DeviceSettings& settings() const { return settings_; }
   [[nodiscard]] const std::string& kind() const { return settings_.kind; }
@@ -121,7 +123,7 @@ class Device {
  private:
   DeviceSettings settings_;
   std::unique_ptr<const Kinematics> kinematics_;
-  std::unique_ptr<const ContactingSurface> surface_;
+  std::shared_ptr<const ContactingSurface> surface_;
 };
 
 }  // namespace softfinger

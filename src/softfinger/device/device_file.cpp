@@ -7,17 +7,6 @@
 #include "softfinger/files/text_file.hpp"
 
 namespace softfinger {
-namespace {
-
-std::shared_ptr<const Device> read_device(const std::filesystem::path& path,
-                                          DeviceSettings settings) {
-  const ConfigFile file(path, settings.text);
-  settings.kind = file.root().choice("kind", device_kind_names());
-  const DeviceKind& kind = device_kind(settings.kind);
-  return kind.read(file, std::move(settings));
-}
-
-}  // namespace
 
 std::shared_ptr<const Device> load_device(const std::filesystem::path& path, double mount_shift) {
   return load_device(path, read_text_file(path, ConfigFile::kMaxSize), mount_shift);
@@ -28,16 +17,10 @@ std::shared_ptr<const Device> load_device(const std::filesystem::path& path,
   DeviceSettings settings;
   settings.text = text;
   settings.mount_shift = mount_shift;
-  return read_device(path, std::move(settings));
-}
-
-std::shared_ptr<const Device> remounted(const std::filesystem::path& path, const Device& device,
-                                        const Pose& mount_fit) {
-  DeviceSettings settings;
-  settings.text = device.settings().text;
-  settings.mount_shift = device.settings().mount_shift;
-  settings.mount_fit = mount_fit;
-  return read_device(path, std::move(settings));
+  const ConfigFile file(path, text);
+  settings.kind = file.root().choice("kind", device_kind_names());
+  const DeviceKind& kind = device_kind(settings.kind);
+  return kind.read(file, std::move(settings));
 }
 
 }  // namespace softfinger

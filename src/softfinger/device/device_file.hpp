@@ -18,9 +18,6 @@ namespace softfinger {
 [[nodiscard]] std::shared_ptr<const Device> load_device(const std::filesystem::path& file,
                                                         const std::string& text,
                                                         double mount_shift);
-/// The same device, its mount as DeviceSettings::mount_fit says.
-[[nodiscard]] std::shared_ptr<const Device> remounted(const std::filesystem::path& file,
-                                                      const Device& device, const Pose& mount_fit);
 
 /// A JSON Schema of the device files of one kind, by what their reader asks for. Throws InputError
 /// for an unknown kind.

@@ -85,6 +85,13 @@ struct DeviceSettings {
   std::optional<ForceSensorSettings> force_sensor;
   std::string as_read;  ///< the device file as JSON, defaults filled in
   std::string text;     ///< the device file
+
+  /// From now on with this mount_fit, X_FB as it says.
+  void fit_mount(const Pose& fit) {
+    X_FB.rotation = fit.rotation * mount_fit.rotation.transpose() * X_FB.rotation;
+    X_FB.translation += fit.translation - mount_fit.translation;
+    mount_fit = fit;
+  }
 };
 
 }  // namespace softfinger

@@ -141,8 +141,6 @@ void read_shared_tables(const ConfigFile& file, DeviceSettings& settings) {
   const ConfigTable mount = root.table_or_empty("mount");
   settings.X_FB = read_mount(mount);
   settings.X_FB.translation -= settings.mount_shift * settings.X_FB.rotation.col(2);
-  settings.X_FB.translation += settings.mount_fit.translation;
-  settings.X_FB.rotation = settings.mount_fit.rotation * settings.X_FB.rotation;
   settings.clearance = mount.optional_number("clearance_mm", Range::at_least(0.0));
   settings.home = read_configuration(root.table_or_empty("home"), settings);
   settings.retracted = read_configuration(root.table_or_empty("retract"), settings);

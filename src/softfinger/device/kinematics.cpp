@@ -15,6 +15,12 @@ bool Kinematics::within_axes(const Configuration& q) const {
   return true;
 }
 
+std::unique_ptr<const Kinematics> Kinematics::mounted(const Pose& X_FB) const {
+  std::unique_ptr<Kinematics> other = copy();
+  other->X_FB_ = X_FB;
+  return other;
+}
+
 void Kinematics::clamped_joints(const Configuration& q, JointAngles& joints) const {
   static_cast<void>(inverse_kinematics(q, joints));
   joints = joints.cwiseMax(joint_limits_.min).cwiseMin(joint_limits_.max);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,12 +15,13 @@ namespace softfinger {
 
 /// What moves a contacting surface: configuration q to joints and back, the workspace, and where
 /// the bodies are that carry the surface. Immutable and shared by threads. Nothing but the
-/// constructors and what is for people allocates or throws.
+/// constructors, mounted() and what is for people allocates or throws.
 class Kinematics {
  public:
   virtual ~Kinematics() = default;
-  Kinematics(const Kinematics&) = delete;
   Kinematics& operator=(const Kinematics&) = delete;
+  /// The same, mounted elsewhere: nothing in B' is computed anew.
+  [[nodiscard]] std::unique_ptr<const Kinematics> mounted(const Pose& X_FB) const;
 
   [[nodiscard]] std::span<const ConfigurationAxis> axes() const { return axes_; }
   [[nodiscard]] int degrees_of_freedom() const { return static_cast<int>(axes_.size()); }
@@ -99,6 +101,9 @@ class Kinematics {
         X_FB_(settings.X_FB),
         home_(settings.home),
         joint_limits_(settings.joint_limits) {}
+  Kinematics(const Kinematics&) = default;
+  /// For mounted(): of the class itself.
+  [[nodiscard]] virtual std::unique_ptr<Kinematics> copy() const = 0;
 
   /// Whether q is finite and within the limits of its axes (limits count as inside, to 1e-9).
   [[nodiscard]] bool within_axes(const Configuration& q) const;

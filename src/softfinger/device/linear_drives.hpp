@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ class LinearDrives : public Kinematics {
   [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<LinearDrives>(*this);
+  }
   std::vector<Vector3> directions_;
   int approach_axis_;
   std::vector<std::string> names_;

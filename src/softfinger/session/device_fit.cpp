@@ -10,7 +10,6 @@
 
 #include "softfinger/base/error.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/finger/finger_size.hpp"
@@ -61,13 +60,12 @@ std::optional<ForceSensorSettings> sensor_of(const DeviceFitOptions& options,
 /// the model's skin would keep the device off a finger that is smaller; what is measured is the
 /// limit.
 std::shared_ptr<const TravelCeiling> further_ceiling(const FingerModel& finger,
-                                                     const fs::path& file, const Device& device,
-                                                     double further) {
+                                                     const Device& device, double further) {
   const double max_force = device.settings().max_force;
   if (!(max_force > 0.0)) return nullptr;
   const Vector3 away = -further * device.settings().X_FB.rotation.col(2);
   return std::make_shared<TravelCeiling>(
-      kept_force_ceiling(finger, remounted(file, device, {Matrix3::Identity(), away}), max_force));
+      kept_force_ceiling(finger, device.mounted({Matrix3::Identity(), away}), max_force));
 }
 
 /// What is known before: of a device that is put on again what was found; else sizes that were
@@ -219,9 +217,8 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
                                  options.person.string(), options.name));
   }
   WornDevice worn = worn_on(*finger, options.device);
-  worn.ceiling =
-      further_ceiling(*finger, options.device, *worn.device,
-                      options.by_touch ? TouchLimits{}.past : PressProcedure::kFurthestPast);
+  worn.ceiling = further_ceiling(
+      *finger, *worn.device, options.by_touch ? TouchLimits{}.past : PressProcedure::kFurthestPast);
   const std::optional<ForceSensorSettings> sensor = sensor_of(options, *worn.device);
   std::vector<PlannedPress> plan;
   try {
@@ -283,7 +280,7 @@ DeviceFit fit_device(const DeviceFitOptions& options, const std::atomic<bool>& s
     in_use[modulus] = std::log(stiffness_in_use(*finger, PressLimits{}.press)) /
                       kWearerTraitRows[static_cast<std::size_t>(modulus)].deviation;
   }
-  PressModel model(finger, worn.device, options.device, finger->friction_coefficient);
+  PressModel model(finger, worn.device, finger->friction_coefficient);
   const WearerEstimateOptions how{.noise = fit.noise,
                                   .mount_only = options.again,
                                   .known = known - in_use,

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "softfinger/base/units.hpp"
-#include "softfinger/device/device_file.hpp"
 #include "softfinger/loop/finger_chain.hpp"
 #include "softfinger/wearer/advance.hpp"
 
@@ -40,7 +39,7 @@ PressingDevice::PressingDevice(const DeviceFitOptions& options, const WornDevice
       late_(static_cast<std::size_t>(options.wear.late), 0.0),
       random_(options.seed) {
   if (!sensor) return;
-  sensor_.emplace(std::move(wearer), remounted(options.device, *worn.device, options.wear.mount),
+  sensor_.emplace(std::move(wearer), worn.device->mounted(options.wear.mount),
                   MeasuredForce::Options{.seed = options.seed, .live = live_, .settings = *sensor});
 }
 

@@ -10,7 +10,6 @@
 #include "softfinger/base/instruction_set.hpp"
 #include "softfinger/base/stop_check.hpp"
 #include "softfinger/base/units.hpp"
-#include "softfinger/device/device_file.hpp"
 #include "softfinger/files/config_file.hpp"
 #include "softfinger/files/shipped_file.hpp"
 #include "softfinger/geometry/signed_distance_grid.hpp"
@@ -131,7 +130,7 @@ std::shared_ptr<const FingerModel> model_of(const fs::path& file, const PersonFi
 /// The device as it really sits: as its file says it does on a finger of the finger file's size.
 std::shared_ptr<const Device> on_wearer(const SetupOptions& options, const SceneFinger& finger) {
   const auto device = mounted_on(*FingerModel::load(finger.model), *finger.device);
-  return options.wearer_mount ? remounted(*finger.device, *device, *options.wearer_mount) : device;
+  return options.wearer_mount ? device->mounted(*options.wearer_mount) : device;
 }
 
 fs::path absolute_path(const fs::path& file) { return fs::absolute(file).lexically_normal(); }

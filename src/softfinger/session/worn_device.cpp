@@ -246,7 +246,7 @@ WornDevice worn_on(const FingerModel& finger, const fs::path& file, const std::s
 
 WornDevice fitted_without_ceiling(const FingerModel& finger, const FingerModel& nominal,
                                   const fs::path& file, const Pose& mount_fit) {
-  return checked_on(finger, file, remounted(file, *mounted_on(nominal, file), mount_fit));
+  return checked_on(finger, file, mounted_on(nominal, file)->mounted(mount_fit));
 }
 
 WornDevice fitted_on(const FingerModel& finger, const FingerModel& nominal, const fs::path& file,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <vector>
@@ -26,6 +25,13 @@ struct PressedSkin {
   std::vector<std::vector<Vector3>> positions;  ///< of its nodes by configuration; empty: unpressed
 };
 
+/// Where a device that advances is felt with a given force.
+struct ReachedForce {
+  double advance = 0.0;  ///< m; below 0: taken back
+  PredictedForce there;  ///< with derivatives
+  PressedSkin skin;
+};
+
 /// What presses are felt as by a finger with given traits: a twin in the device as the traits have
 /// it. Forces at an equilibrium come with their derivatives: those by the mount are the derivatives
 /// of a rigid motion of the device, those by sizes and modulus take one more solve each with the
@@ -34,10 +40,9 @@ struct PressedSkin {
 class PressModel {
  public:
   /// `finger` and `device` as their files have them, `device` as it sits on that finger;
-  /// `device_file` for messages. `friction_coefficient` of device on skin.
+  /// `friction_coefficient` of device on skin.
   PressModel(const std::shared_ptr<const FingerModel>& finger, std::shared_ptr<const Device> device,
-             std::filesystem::path device_file, double friction_coefficient,
-             TwinPrecision precision = TwinPrecision::kSearching);
+             double friction_coefficient, TwinPrecision precision = TwinPrecision::kSearching);
 
   /// From now on with these traits.
   void put(const TraitVector& x);
@@ -55,11 +60,11 @@ class PressModel {
   /// The forces with friction, as the device goes along this way.
   [[nodiscard]] std::vector<double> press_with_friction(const Configuration& start,
                                                         std::span<const Configuration> path);
-  /// How far `from` has to be advanced (m; below 0: taken back) for this force, and what that is
-  /// with the derivatives of the force there. False where it is not reached within `most` (m)
-  /// either way.
+  /// How far `from` has to be advanced for this force. False where it is not reached within `most`
+  /// (m) either way. `reached`: the same with other traits, from where it is found soon, and now
+  /// with these.
   [[nodiscard]] bool advance_for(const Configuration& from, double force, double most,
-                                 double& advance, PredictedForce& there);
+                                 ReachedForce& reached);
 
   [[nodiscard]] const FingerModel& finger() const { return *finger_; }
   [[nodiscard]] const Device& device() const { return *device_; }
@@ -68,22 +73,37 @@ class PressModel {
   [[nodiscard]] const std::shared_ptr<const Device>& worn_device() const { return mounted_; }
 
  private:
+  /// For advance_for(): an advance s (m) at which the twin has settled with this force. `below`:
+  /// where the force is less; the search begins at s.
+  [[nodiscard]] bool search(const Configuration& from, double force, double below, double most,
+                            double& s);
+  /// From what was reached with traits hardly different; false where that is none the better.
+  [[nodiscard]] bool search_from(const ReachedForce& reached, const Configuration& from,
+                                 double force, double most, double& s);
+  [[nodiscard]] bool search_from_off_the_skin(const Configuration& from, double force, double most,
+                                              double& s);
+  [[nodiscard]] bool is_near(const PressedSkin& skin) const;
+  /// Skin is where it was at configuration i, stretched as the finger is.
+  void begin_from(const PressedSkin& skin, std::size_t i, const Configuration& q);
+  void remember(PressedSkin& skin, std::size_t i) const;
   /// False where it takes too long.
   bool settle_at(const Configuration& q);
   [[nodiscard]] PredictedForce felt(bool with_derivatives);
+  void make_others();
 
   std::shared_ptr<const FingerModel> finger_, worn_;
   std::shared_ptr<const Device> device_, mounted_;
-  std::filesystem::path device_file_;
   double friction_coefficient_;
   TwinPrecision precision_;
   TraitVector x_;
   Eigen::Matrix<double, 6, kWearerTraits> mount_motion_;
-  std::unique_ptr<Twin> twin_, same_;
+  std::unique_ptr<Twin> twin_;
   struct Other {
     WearerTrait trait;
     std::unique_ptr<Twin> twin;
   };
+  // Where derivatives were asked for:
+  std::unique_ptr<Twin> same_;
   std::vector<Other> others_;  ///< by each trait of the tissue a little different
 };
 

@@ -18,7 +18,7 @@ constexpr double kTouchNoise = 0.1 * mm;
 constexpr double kToldNoise = 0.15 * mm;  // of a touch that the wearer tells
 constexpr double kLightPress = 0.3;       // N, whose error is foretold where only touches are known
 constexpr double kFurthest = 6.0 * mm;    // from the start of a press, where 0.1 N must be
-constexpr int kMostParts = 4;             // into which readings of a press are put together
+constexpr int kMostParts = 3;             // into which readings of a press are put together
 /// What no traits explain, of a force and N, reading by reading;
 constexpr double kModelError = 0.02;
 constexpr double kForceFloor = 0.01;
@@ -31,16 +31,18 @@ constexpr double kPressErrorByTilt = 0.25;
 /// ten are within their intervals (tools/validate --wearers).
 constexpr double kToldLess = 9.0;
 constexpr int kTouchSteps = 7;
-constexpr int kFrictionPasses = 2;
-constexpr int kForceSteps = 8;       // of the first of these
-constexpr int kForceStepsAgain = 2;  // of one after: friction has changed by little
+constexpr int kStepsBeforeFriction = 4;
+constexpr int kStepsAfterFriction = 6;
+/// Each of these looks once before its first step.
+constexpr int kMostLooks = kTouchSteps + kStepsBeforeFriction + kStepsAfterFriction + 3;
 /// Of a step, standard deviations of any trait: after a longer one derivatives are computed, after
 /// a shorter one corrected by what it taught.
 constexpr double kFar = 0.25;
-constexpr int kIdleSteps = 2;        // that brought next to nothing, in a row
+constexpr int kIdleSteps = 2;        // that brought next to nothing, or short ones in vain
 constexpr double kLeastRatio = 0.8;  // of a force with friction to that without
 constexpr double kMostRatio = 1.4;
-constexpr double kLeastGain = 1e-3;          // of the cost, that a step is worth
+constexpr double kLeastGain = 1e-2;          // of the cost, that a step is worth
+constexpr double kGainBeforeForces = 0.1;    // the same of touches, where forces come after
 constexpr double kLongestStep = 1.5;         // standard deviations, of any trait
 constexpr double kLeastForceOfPress = 1e-3;  // N, all readings of a press together
 
@@ -129,11 +131,10 @@ class Estimation {
       press_errors_.push_back(
           std::hypot(kPressError, kPressErrorByTilt * tilt_of(model.device(), press)));
     }
-    skins_.resize(presses_.size());
     if (std::ranges::none_of(touches_, [](const auto& touch) { return touch.has_value(); })) {
       throw OperationError("no press reached 0.1 N");
     }
-    set_free();
+    set_up();
   }
 
   /// By touches alone.
@@ -144,18 +145,17 @@ class Estimation {
       presses_.push_back({.start = touch.start, .readings = {}});
       touches_.emplace_back(touch.advance);
     }
-    set_free();
+    set_up();
   }
 
   WearerEstimate run() {
     TraitVector x = options_.known;
     const double known_error = force_error(x);
-    x = minimise(x, kTouchSteps, [this](bool) { return touch_residuals(); });
-    for (int pass = 0; pass < kFrictionPasses; ++pass) {
-      look_at_friction(x);
-      x = minimise(x, pass == 0 ? kForceSteps : kForceStepsAgain,
-                   [this](bool derived) { return force_residuals(derived); });
-    }
+    x = minimise(x, kTouchSteps, kGainBeforeForces, [this](bool) { return touch_residuals(); });
+    const auto by_forces = [this](bool derived) { return force_residuals(derived); };
+    x = minimise(x, kStepsBeforeFriction, kLeastGain, by_forces);
+    look_at_friction(x);
+    x = minimise(x, kStepsAfterFriction, kLeastGain, by_forces);
     WearerEstimate found = judge(x);
     found.known_force_error = known_error;
     return found;
@@ -164,8 +164,8 @@ class Estimation {
   WearerEstimate run_by_touches() {
     const double known_error =
         expected_force_error(options_.known, TraitMatrix(free_.asDiagonal()));
-    const TraitVector x =
-        minimise(options_.known, kTouchSteps, [this](bool) { return touch_residuals(); });
+    const TraitVector x = minimise(options_.known, kTouchSteps, kLeastGain,
+                                   [this](bool) { return touch_residuals(); });
     const double rows = static_cast<double>(last_.r.size());
     const double misfit = std::max(1.0, last_.r.squaredNorm() / std::max(rows, 1.0));
     TraitMatrix normal = TraitMatrix::Identity();
@@ -186,7 +186,10 @@ class Estimation {
   }
 
  private:
-  void set_free() {
+  void set_up() {
+    reached_.resize(presses_.size());
+    skins_.resize(presses_.size());
+    frictions_.assign(reading_count(), 1.0);
     free_.setOnes();
     if (!options_.mount_only) return;
     for (const WearerTrait trait : {WearerTrait::kLength, WearerTrait::kBreadth,
@@ -200,10 +203,9 @@ class Estimation {
     model_.put(x);
     std::vector<double> errors;
     for (const PressRecord& press : presses_) {
-      double advance = 0.0;
-      PredictedForce there;
-      if (!model_.advance_for(press.start, kLightPress, kFurthest, advance, there)) continue;
-      const double square = there.by_trait.dot(covariance * there.by_trait);
+      ReachedForce light;
+      if (!model_.advance_for(press.start, kLightPress, kFurthest, light)) continue;
+      const double square = light.there.by_trait.dot(covariance * light.there.by_trait);
       errors.push_back(std::sqrt(std::max(square, 0.0)) / kLightPress);
     }
     return errors.empty() ? 1.0 : median(std::move(errors));
@@ -230,7 +232,7 @@ class Estimation {
   /// brings, be it taken or not, corrects them along it (Broyden 1965), so that a trial in vain is
   /// not repeated.
   template <typename Evaluate>
-  TraitVector minimise(TraitVector x, int steps, const Evaluate& evaluate) {
+  TraitVector minimise(TraitVector x, int steps, double least_gain, const Evaluate& evaluate) {
     model_.put(x);
     Residuals now = look(evaluate, true);
     double cost = now.cost(x - options_.known);
@@ -257,13 +259,14 @@ class Estimation {
       };
       if (trial_cost < cost) {
         if (!far) there.by_trait = now.by_trait + taught();
-        idle = cost - trial_cost < kLeastGain * cost ? idle + 1 : 0;
+        idle = cost - trial_cost < least_gain * cost ? idle + 1 : 0;
         x = trial;
         now = std::move(there);
         cost = trial_cost;
         damping = std::max(0.1 * damping, 1e-6);
       } else {
         now.by_trait += taught();
+        if (!far) ++idle;
         damping *= 4.0;
         if (damping > 1e3) break;
       }
@@ -275,9 +278,7 @@ class Estimation {
   template <typename Evaluate>
   Residuals look(const Evaluate& evaluate, bool derived) {
     ++evaluations_;
-    const double fraction =
-        evaluations_ /
-        static_cast<double>(kTouchSteps + kForceSteps + (kFrictionPasses - 1) * kForceStepsAgain);
+    const double fraction = evaluations_ / static_cast<double>(kMostLooks);
     if (options_.progress && !options_.progress(std::min(fraction, 1.0))) {
       throw OperationError("ended before the wearer was estimated");
     }
@@ -300,20 +301,26 @@ class Estimation {
     Residuals all{Eigen::VectorXd::Zero(count), {}};
     all.by_trait.setZero(count, kWearerTraits);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const auto& touch = touches_[static_cast<std::size_t>(k)];
+      const auto press = static_cast<std::size_t>(k);
+      const auto& touch = touches_[press];
       if (!touch) continue;
-      double advance = 0.0;
-      PredictedForce there;
-      if (!model_.advance_for(presses_[static_cast<std::size_t>(k)].start, touch_force_, kFurthest,
-                              advance, there)) {
+      ReachedForce& reached = reached_[press];
+      if (!model_.advance_for(presses_[press].start, touch_force_, kFurthest, reached)) {
         all.r[k] = (kFurthest - *touch) / touch_noise_;
         continue;
       }
-      all.r[k] = (advance - *touch) / touch_noise_;
+      all.r[k] = (reached.advance - *touch) / touch_noise_;
+      const PredictedForce& there = reached.there;
       all.by_trait.row(k) =
           -there.by_trait.transpose() / (std::max(there.by_advance, 1.0) * touch_noise_);
     }
     return all;
+  }
+
+  [[nodiscard]] std::size_t reading_count() const {
+    std::size_t count = 0;
+    for (const PressRecord& press : presses_) count += press.readings.size();
+    return count;
   }
 
   /// Of a reading by itself, N.
@@ -354,14 +361,15 @@ class Estimation {
   /// without do not, so that a search among them finds its end.
   void look_at_friction(const TraitVector& x) {
     model_.put(x);
-    frictions_.clear();
-    for (const PressRecord& press : presses_) {
+    auto friction = frictions_.begin();
+    for (std::size_t k = 0; k < presses_.size(); ++k) {
+      const PressRecord& press = presses_[k];
       const std::vector<Configuration> path = path_of(press);
-      const std::vector<PredictedForce> smooth = model_.press(press.start, path, false);
+      const std::vector<PredictedForce> smooth = model_.press(press.start, path, false, skins_[k]);
       const std::vector<double> felt = model_.press_with_friction(press.start, path);
       for (std::size_t i = 0; i < path.size(); ++i) {
         const double ratio = smooth[i].force > 0.0 ? felt[i] / smooth[i].force : 1.0;
-        frictions_.push_back(std::clamp(ratio, kLeastRatio, kMostRatio));
+        *friction++ = std::clamp(ratio, kLeastRatio, kMostRatio);
       }
     }
   }
@@ -370,10 +378,7 @@ class Estimation {
 
   /// By how much forces are foretold too great, N: without friction, times what it makes of them.
   Residuals lacks(bool derived) {
-    Eigen::Index count = 0;
-    for (const PressRecord& press : presses_) {
-      count += static_cast<Eigen::Index>(press.readings.size());
-    }
+    const auto count = static_cast<Eigen::Index>(reading_count());
     Residuals all{Eigen::VectorXd::Zero(count), {}};
     all.by_trait.setZero(count, kWearerTraits);
     Eigen::Index row = 0;
@@ -436,9 +441,10 @@ class Estimation {
   double touch_force_ = kTouch;       ///< N
   double touch_noise_ = kTouchNoise;  ///< m
   TraitVector free_;
-  std::vector<double> press_errors_;  ///< by press: part of a force that no traits explain
-  std::vector<PressedSkin> skins_;    ///< by press
-  std::vector<double> frictions_;     ///< by reading: force with friction over that without
+  std::vector<double> press_errors_;   ///< by press: part of a force that no traits explain
+  std::vector<ReachedForce> reached_;  ///< by press: its touch
+  std::vector<PressedSkin> skins_;     ///< by press
+  std::vector<double> frictions_;      ///< by reading: force with friction over that without
   Residuals last_;
   int evaluations_ = 0;
 };

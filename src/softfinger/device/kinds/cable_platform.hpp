@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,9 @@ class CablePlatform final : public Kinematics {
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<CablePlatform>(*this);
+  }
   // Joints above max, joints below min, cables too slack, each for 1 to 3; tilt.
   static constexpr int kConstraints = 10;
 

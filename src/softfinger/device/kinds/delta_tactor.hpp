@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,9 @@ class DeltaTactor final : public Kinematics {
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<DeltaTactor>(*this);
+  }
   // Joints above max, joints below min, legs too long, each for legs 1 to 3.
   static constexpr int kConstraints = 9;
 

@@ -26,6 +26,9 @@ class PinDrives final : public LinearDrives {
   void advance(double distance, Configuration& q) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<PinDrives>(*this);
+  }
   [[nodiscard]] std::vector<AxisReach> reaches() const override;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,9 @@ class Plate2dof final : public Kinematics {
   [[nodiscard]] RigidMotion motion(const Configuration& q) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<Plate2dof>(*this);
+  }
   // Joints 1 and 2 above max, joints 1 and 2 below min, tilt above and below.
   static constexpr int kConstraints = 6;
 

@@ -70,6 +70,9 @@ class Platform3rrs final : public Kinematics {
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<Platform3rrs>(*this);
+  }
   // Constraints: joint_1..3 above max, joint_1..3 below min, tilt, legs too long, legs too short,
   // singularity.
   static constexpr int kConstraints = 14;

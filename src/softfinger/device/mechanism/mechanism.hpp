@@ -86,6 +86,9 @@ class Mechanism final : public Kinematics {
   void linkage(const Configuration& q, std::span<Vector3> points_F) const override;
 
  private:
+  [[nodiscard]] std::unique_ptr<Kinematics> copy() const override {
+    return std::make_unique<Mechanism>(*this);
+  }
   /// A point of a body, for drawings.
   struct BodyPoint {
     int body;
@@ -128,7 +131,7 @@ class Mechanism final : public Kinematics {
   [[nodiscard]] const Solved& solved(const Configuration& q) const;
   [[nodiscard]] bool solve_afresh(const LinkageInputs& wanted, LinkageSolution& solution) const;
 
-  std::uint64_t number_;  ///< no other mechanism has it
+  std::uint64_t number_;  ///< of this and the same mounted elsewhere: what is solved is in B'
   MechanismDescription description_;
   LinkageSolution home_solution_;
   double home_determinant_ = 0.0;  ///< of d(joints)/dq

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "softfinger/device/contacting_surface.hpp"
 #include "softfinger/device/surfaces/pin_field.hpp"
 
@@ -37,6 +39,9 @@ class PinSurface final : public ContactingSurface {
                                Eigen::Ref<Eigen::MatrixXd> hessian) const override;
   [[nodiscard]] double least_distance(const Kinematics& by, const Configuration& q,
                                       const SurfaceSamples& samples) const override;
+  [[nodiscard]] std::shared_ptr<const ContactingSurface> mounted(const Pose& X_FB) const override {
+    return std::make_shared<const PinSurface>(geometry_, X_FB);
+  }
   /// B' in F: the array itself does not move.
   [[nodiscard]] Pose pose(const Kinematics& by, const Configuration& q) const override;
   [[nodiscard]] int solid_piece_count() const override { return field_.count(); }
