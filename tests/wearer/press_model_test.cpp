@@ -156,11 +156,12 @@ TEST_F(PressModelTest, FindsNoAdvanceBeyondTheMostAndOneLater) {
   const PlannedPress& press = plan_.front();
   ReachedForce reached;
   EXPECT_FALSE(model.advance_for(press.tilted, 0.1, 0.5 * press.touch, reached));
-  EXPECT_FALSE(model.advance_for(press.tilted, 0.1, press.touch, reached)) << "just touched";
+  const double touched = press.touch + 0.05 * mm;
+  EXPECT_FALSE(model.advance_for(press.tilted, 0.1, touched, reached));
   ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, reached));
-  EXPECT_GT(reached.advance, press.touch);
+  EXPECT_GT(reached.advance, touched);
   const double found = reached.advance;
-  EXPECT_FALSE(model.advance_for(press.tilted, 0.1, press.touch, reached));
+  EXPECT_FALSE(model.advance_for(press.tilted, 0.1, touched, reached));
   ASSERT_TRUE(model.advance_for(press.tilted, 0.1, 10.0 * mm, reached));
   EXPECT_NEAR(reached.advance, found, 2e-3 * mm);
 }
