@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <thread>
@@ -346,12 +347,18 @@ class FittedInRealTime : public FittedDevice {
  protected:
   DeviceFit fit_until(double seconds, DeviceFitOptions options,
                       const std::function<void()>& interrupt) {
+    std::atomic<bool> began{false};
+    std::atomic<bool> ended{false};
+    options.watch = [&began](const DeviceFitMoment&) { began = true; };
     std::thread later([&] {
+      // A busy machine takes its time to get that far.
+      while (!began && !ended) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
       interrupt();
     });
     options.real_time = true;
     DeviceFit fit = fit_device(options, stop_);
+    ended = true;
     later.join();
     return fit;
   }
