@@ -289,9 +289,11 @@ kind = "grid"
         ours, theirs, middle = self.folder / "ours.toml", self.folder / "theirs.toml", FINGER.parent / "middle.toml"
         found = sf.fit_device(THIMBLE, FINGER, ours, name="middle", wearer=middle, sensor="emulator", sensor_noise_N=0.02)
         self.assertEqual(found["presses"], 9)
-        # A middle finger is felt otherwise than the model was; which of its traits say so is another matter.
         self.assertLess(found["predicted_force_error"], 0.1)
-        self.assertGreater(found["known_force_error"], 0.3)
+        # Of a finger that is larger than the model's, and felt otherwise; which of three sizes is told may vary.
+        self.assertGreater(found["known_force_error"], 5 * found["predicted_force_error"])
+        sizes = [found["parameters"][f"{name}_mm"] for name in ("length", "breadth", "depth")]
+        self.assertGreater(math.prod(size["value"] for size in sizes), math.prod(size["prior"] for size in sizes))
         told = command_line("device", "fit", THIMBLE, "--finger", FINGER, "--person", theirs, "--name", "middle",
                             "--wearer", middle, "--sensor", "emulator", "--sensor-noise-N", "0.02", "--json")
         self.assertEqual({**found, "written": ""}, {**told, "written": ""})
